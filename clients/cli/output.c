@@ -32,6 +32,13 @@ int output_check(const char *path, bool force)
                               "--force replaces it");
 }
 
+bool output_beside(const char *path, const char *ending, char *to, size_t room)
+{
+    const char *dot = strrchr(path, '.');
+    size_t n = dot != NULL && strchr(dot, '/') == NULL ? (size_t)(dot - path) : strlen(path);
+    return (size_t)snprintf(to, room, "%.*s.%s", (int)n, path, ending) < room;
+}
+
 const char *output_form(const char *named, const char *path, const char *standard)
 {
     const char *dot = strrchr(path, '.');

@@ -19,6 +19,9 @@ int output_check(const char *path, bool force);
 /* The format that the user named, or the path's ending, or `standard` if it has none. */
 const char *output_form(const char *named, const char *path, const char *standard);
 
+/* The name of a file beside the one at `path`: PATH with this ending in place of its own. False if there is no room. */
+bool output_beside(const char *path, const char *ending, char *to, size_t room);
+
 /* Writes into `out`; returns the exit status, after a message if it fails. */
 typedef int output_write_fn(void *ctx, FILE *out);
 

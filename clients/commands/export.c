@@ -49,6 +49,12 @@ static int make_png(const char *part, const char *path)
     return status == 0 ? EXIT_DONE : EXIT_REFUSED;
 }
 
+static void report_labels(const struct picture *p)
+{
+    if (p->unlabelled > 0)
+        fprintf(stderr, "delaunay: there is no room for %zu of %zu ids\n", p->unlabelled, p->shown);
+}
+
 static void report(const struct export_work *w)
 {
     const struct export *e = w->e;
@@ -127,6 +133,8 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
         status = command_outcome(c, r);
     else if ((status = choose_heights(&work)) == EXIT_DONE)
         status = output_write(e->path, write_model, &work, e->png ? make_png : NULL);
+    if (status == EXIT_DONE)
+        report_labels(&e->picture);
     if (status == EXIT_DONE && !output_is_standard(e->path))
         report(&work);
     model_free(&m);

@@ -37,9 +37,9 @@ static int write_png(const struct grid *g, enum relief_style style, FILE *out)
         return output_fault("", "out of memory");
     relief_fit(&r, g);
     relief_paint(&r, g, rgba);
-    png_write(out, rgba, g->columns, g->rows);
+    bool written = png_write(out, rgba, g->columns, g->rows);
     free(rgba);
-    return EXIT_DONE;
+    return written ? EXIT_DONE : output_fault("", "out of memory");
 }
 
 static int write_grid(void *ctx, FILE *out)
@@ -68,22 +68,23 @@ static int write_header(void *ctx, FILE *out)
     return EXIT_DONE;
 }
 
-/* PATH.hdr for PATH.bil. False if there is no room. */
-static bool header_path(const char *path, char *to, size_t room)
+static int write_world(void *ctx, FILE *out)
 {
-    const char *dot = strrchr(path, '.');
-    size_t n = dot != NULL && strchr(dot, '/') == NULL ? (size_t)(dot - path) : strlen(path);
-    return (size_t)snprintf(to, room, "%.*s.hdr", (int)n, path) < room;
+    const struct work *w = ctx;
+    const struct grid *g = &w->grid;
+    world_write(out, g->cell, g->cell, g->x0, grid_top(g));
+    return EXIT_DONE;
 }
 
-static int write_bil(struct work *w)
+/* With a file beside it: PATH.hdr, or for a picture PATH.pgw. */
+static int write_two(struct work *w, const char *ending, output_write_fn *write)
 {
-    char header[4096];
-    if (!header_path(w->path, header, sizeof header))
+    char beside[4096];
+    if (!output_beside(w->path, ending, beside, sizeof beside))
         return output_fault(w->path, "the name is too long");
-    int status = output_check(header, w->force);
+    int status = output_check(beside, w->force);
     if (status == EXIT_DONE)
-        status = output_write(header, write_header, w, NULL);
+        status = output_write(beside, write, w, NULL);
     return status == EXIT_DONE ? output_write(w->path, write_grid, w, NULL) : status;
 }
 
@@ -94,7 +95,7 @@ static int write_tiff(struct work *w)
     char gdal[] = "gdal_translate", q[] = "-q", of[] = "-of", type[] = "GTiff";
     char *words[] = {gdal, q, of, type, bil, part, NULL};
     if ((size_t)snprintf(bil, sizeof bil, "%s.part.bil", w->path) >= sizeof bil ||
-        !header_path(bil, header, sizeof header))
+        !output_beside(bil, "hdr", header, sizeof header))
         return output_fault(w->path, "the name is too long");
     snprintf(part, sizeof part, "%.*s.tif", (int)strlen(bil) - 4, bil);
     int status = output_write(header, write_header, w, NULL);
@@ -230,7 +231,9 @@ int command_raster(struct delaunay_client *c, int argc, char **argv)
         status =
             output_fault(w.path, "there are values beyond those of 32-bit floats; asc has all");
     else if (w.form == RASTER_BIL)
-        status = write_bil(&w);
+        status = write_two(&w, "hdr", write_header);
+    else if (w.form == RASTER_PNG)
+        status = write_two(&w, "pgw", write_world);
     else
         status =
             w.form == RASTER_TIFF ? write_tiff(&w) : output_write(w.path, write_grid, &w, NULL);

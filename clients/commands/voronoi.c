@@ -1,8 +1,11 @@
 /* voronoi.c - `delaunay voronoi SET FILE`: Voronoi cells as GeoJSON, WKT or a picture. */
+#include <math.h>
+
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/commands/shapes_file.h"
 #include "clients/pictures/surface_picture.h"
+#include "clients/surfaces/raster_fetch.h"
 #include "proto/number.h"
 
 struct work {
@@ -10,16 +13,34 @@ struct work {
     struct shapes_file file; /* owns */
 };
 
+/* A picture shows little more than the points: their box, grown by a twentieth of its longer side. */
+static enum delaunay_result choose_box(struct delaunay_client *c, struct shapes_file *f,
+                                       const char *set)
+{
+    double *box = f->box;
+    if (f->has_box || !shapes_file_is_picture(f))
+        return DELAUNAY_OK;
+    enum delaunay_result r = raster_bounds(c, set, box, &f->shapes.fault);
+    double more = fmax(box[2] - box[0], box[3] - box[1]) / 20;
+    for (int i = 0; r == DELAUNAY_OK && i < 4; i++)
+        box[i] += i < 2 ? -more : more;
+    f->has_box = r == DELAUNAY_OK && box[2] > box[0] && box[3] > box[1];
+    return r;
+}
+
 static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
 {
     char line[300];
+    enum delaunay_result r = choose_box(c, &w->file, w->set);
+    if (r != DELAUNAY_OK)
+        return r;
     size_t n = (size_t)snprintf(line, sizeof line, "VORONOI %.100s%s", w->set,
                                 w->file.has_box ? " BOX" : "");
     for (int i = 0; w->file.has_box && i < 4; i++) {
         line[n++] = ' ';
         n += proto_write_double(line + n, w->file.box[i]);
     }
-    enum delaunay_result r = delaunay_send(c, line, n);
+    r = delaunay_send(c, line, n);
     return r == DELAUNAY_OK ? shapes_file_receive(c, &w->file, w->set, MODEL_FIELDS) : r;
 }
 

@@ -11,6 +11,12 @@
 #define MARGIN 40.0
 #define LEGEND 90.0
 
+#define SEARCH                                                                                     \
+    "visibility=\"hidden\" fill=\"#e8871e\" fill-opacity=\".13\" stroke=\"#e8871e\" "              \
+    "stroke-width=\"2\" "                                                                          \
+    "stroke-dasharray=\"6 6\""
+#define LETTERS "font-family=\"sans-serif\" font-size=\"20\" fill=\"#17324f\""
+
 static const char *const value[] = {
     [INK_NONE] = "transparent", [INK_GRID] = "#17324f",   [INK_LEAVES] = "#d1495b",
     [INK_GONE] = "#b5c7d9",     [INK_FRONT] = "#e8871e",  [INK_WAITS] = "#a05cb8",
@@ -126,7 +132,7 @@ static void draw_grids(const struct film *f)
         double wide = side * g->v[0], high = side * g->v[1];
         if (side < 2 || g->v[0] > SIDE || g->v[1] > SIDE)
             continue; /* one could not see it */
-        fputs("<path class=\"g\" d=\"", f->out);
+        fputs("<path class=\"g\" stroke=\"#dde3ea\" stroke-width=\"1.5\" d=\"", f->out);
         for (uint32_t k = 0; k <= g->v[0]; k++)
             fprintf(f->out, "M%.1f %.1fv%.1f", x + k * side, y, -high);
         for (uint32_t k = 0; k <= g->v[1]; k++)
@@ -173,7 +179,7 @@ static void draw_points(const struct film *f, bool numbers)
             fputs("</circle>\n", f->out);
         }
         if (numbers)
-            fprintf(f->out, "<text x=\"%ld\" y=\"%ld\">%u</text>\n", point_x(f, i) + 10,
+            fprintf(f->out, "<text " LETTERS " x=\"%ld\" y=\"%ld\">%u</text>\n", point_x(f, i) + 10,
                     point_y(f, i) - 10, f->m->id[i]);
     }
 }
@@ -193,11 +199,14 @@ static void draw_search(const struct film *f, const struct step *s)
     if (length == 0)
         return;
     if (r < 50 * SIDE) {
-        fprintf(f->out, "<path class=\"s\" d=\"M%.1f %.1fL%.1f %.1fA%.1f %.1f 0 %d 0 %.1f %.1fz\">",
+        fprintf(f->out,
+                "<path class=\"s\" " SEARCH
+                " d=\"M%.1f %.1fL%.1f %.1fA%.1f %.1f 0 %d 0 %.1f %.1fz\">",
                 ax, ay, bx, by, r, r, large, ax, ay);
     } else {
         double far = large ? 3 * SIDE / length : 0;
-        fprintf(f->out, "<path class=\"s\" d=\"M%.0f %.0fL%.0f %.0fl%.0f %.0fL%.0f %.0fz\">",
+        fprintf(f->out,
+                "<path class=\"s\" " SEARCH " d=\"M%.0f %.0fL%.0f %.0fl%.0f %.0fL%.0f %.0fz\">",
                 ax - far * dx, ay - far * dy, bx + far * dx, by + far * dy, far * dy, -far * dx,
                 ax - far * dx + far * dy, ay - far * dy - far * dx);
     }
@@ -236,15 +245,19 @@ static void draw_looks(const struct film *f)
                s->v[0] == f->t->step[i + 1].v[0] && s->v[1] == f->t->step[i + 1].v[1])
             i++;
         const uint32_t *v = s->v, *c = f->t->step[i].v;
-        fprintf(f->out, "<path class=\"e\" d=\"M%ld %ldL%ld %ld\">", point_x(f, v[0]),
-                point_y(f, v[0]), point_x(f, v[1]), point_y(f, v[1]));
+        fprintf(f->out,
+                "<path class=\"e\" visibility=\"hidden\" stroke=\"#17324f\" stroke-width=\"6\" "
+                "marker-end=\"url(#arrow)\" d=\"M%ld %ldL%ld %ld\">",
+                point_x(f, v[0]), point_y(f, v[0]), point_x(f, v[1]), point_y(f, v[1]));
         show(f, f->start[first], f->end[i]);
         fputs("</path>\n", f->out);
         if (f->t->step[i].kind != STEP_CAVE)
             continue;
-        fprintf(f->out, "<path class=\"c\" d=\"M%ld %ldL%ld %ld %ld %ldz\">", point_x(f, c[0]),
-                point_y(f, c[0]), point_x(f, c[1]), point_y(f, c[1]), point_x(f, c[2]),
-                point_y(f, c[2]));
+        fprintf(f->out,
+                "<path class=\"c\" visibility=\"hidden\" stroke=\"#a05cb8\" stroke-dasharray=\"10 "
+                "8\" d=\"M%ld %ldL%ld %ld %ld %ldz\">",
+                point_x(f, c[0]), point_y(f, c[0]), point_x(f, c[1]), point_y(f, c[1]),
+                point_x(f, c[2]), point_y(f, c[2]));
         show(f, f->start[i], f->end[i]);
         fputs("</path>\n", f->out);
     }
@@ -266,7 +279,7 @@ static void draw_legend(const struct film *f)
         film_changes(f, film_legend(f, line[i].kind), &n);
         fprintf(f->out,
                 "<g><rect x=\"%.0f\" y=\"%.0f\" width=\"18\" height=\"18\" fill=\"%s\"/>"
-                "<text x=\"%.0f\" y=\"%.0f\">%s</text>",
+                "<text " LETTERS " x=\"%.0f\" y=\"%.0f\">%s</text>",
                 MARGIN + i * step, f->height + 2 * MARGIN, value[line[i].ink],
                 MARGIN + i * step + 24, f->height + 2 * MARGIN + 16, line[i].text);
         if (n > 0)
@@ -280,33 +293,26 @@ static void draw_legend(const struct film *f)
             MARGIN, f->height + 2 * MARGIN + 40, f->width, f->width, f->seconds);
 }
 
-static const char style[] =
-    "<style>\n"
-    "path { stroke-width: 4; stroke-linecap: round; stroke-linejoin: round }\n"
-    ".g { stroke: #dde3ea; stroke-width: 1.5 }\n"
-    ".s { visibility: hidden; fill: #e8871e; fill-opacity: .13; stroke: #e8871e; stroke-width: 2; "
-    "stroke-dasharray: 6 6 }\n"
-    ".e { visibility: hidden; stroke: #17324f; stroke-width: 6; marker-end: url(#arrow) }\n"
-    ".c { visibility: hidden; stroke: #a05cb8; stroke-dasharray: 10 8 }\n"
-    "text { font: 20px sans-serif; fill: #17324f }\n"
-    "</style>\n"
+static const char arrow[] =
     "<marker id=\"arrow\" viewBox=\"0 0 10 10\" refX=\"9\" refY=\"5\" markerWidth=\"4\" "
-    "markerHeight=\"4\" orient=\"auto\"><path d=\"M0 0L10 5 0 10z\" style=\"fill:#17324f;"
-    "stroke:none\"/></marker>\n";
+    "markerHeight=\"4\" orient=\"auto\"><path d=\"M0 0L10 5 0 10z\" fill=\"#17324f\" "
+    "stroke=\"none\"/></marker>\n";
 
 void film_draw(struct film *f, const char *title, bool numbers)
 {
     fit(f);
     double wide = f->width + 2 * MARGIN, high = f->height + 2 * MARGIN + LEGEND;
-    fprintf(f->out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
-            "height=\"%.0f\">\n<title>%s</title>\n%s"
-            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n"
-            "<clipPath id=\"view\"><rect x=\"%.0f\" y=\"%.0f\" width=\"%.0f\" "
-            "height=\"%.0f\"/></clipPath>\n"
-            "<g fill=\"none\" clip-path=\"url(#view)\" transform=\"translate(%.0f %.0f)\">\n",
-            wide, high, wide * 0.7, high * 0.7, title, style, -MARGIN, -MARGIN, wide,
-            f->height + 2 * MARGIN, MARGIN, MARGIN);
+    fprintf(
+        f->out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
+        "height=\"%.0f\">\n<title>%s</title>\n%s"
+        "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#fff\"/>\n"
+        "<clipPath id=\"view\"><rect x=\"%.0f\" y=\"%.0f\" width=\"%.0f\" "
+        "height=\"%.0f\"/></clipPath>\n"
+        "<g fill=\"none\" stroke-width=\"4\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+        "clip-path=\"url(#view)\" transform=\"translate(%.0f %.0f)\">\n",
+        wide, high, wide * 0.7, high * 0.7, title, arrow, wide, high, -MARGIN, -MARGIN, wide,
+        f->height + 2 * MARGIN, MARGIN, MARGIN);
     draw_triangles(f);
     draw_grids(f);
     draw_searches(f);

@@ -128,6 +128,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     svg_hull_end(&s);
     cut_points(e, m);
     svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);
+    e->unlabelled = s.unlabelled;
     svg_end(&s);
     return true;
 }

@@ -11,8 +11,9 @@ enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE, COLOUR_RELIEF 
 struct picture {
     enum picture_colour colour;
     bool numbers, has_box;
-    double box[4]; /* left, lower, right, upper */
-    size_t shown;  /* picture_write: the points that are in the picture */
+    double box[4];     /* left, lower, right, upper */
+    size_t shown;      /* picture_write: the points that are in the picture */
+    size_t unlabelled; /* of these, those for whose ids there was no room */
 };
 
 /* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. False when out of

@@ -1,19 +1,18 @@
-/* png_file.c - PNG [RFC 2083] around stored blocks [RFC 1951, section 3.2.4]; each block is a chunk. */
+/* png_file.c - PNG [RFC 2083]: each row with the filter that makes the smallest differences, compressed by deflate.c; a piece of its
+ * output is a chunk. */
 #include "clients/pictures/png_file.h"
 
-#include <stdbool.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 65535, HEAD = 4 + 2 + 5 }; /* a chunk's name; zlib's header; a block's */
+#include "clients/pictures/deflate.h"
+
+enum { FILTERS = 5, PIXEL = 4 /* bytes */ };
 
 struct png {
     FILE *out;
     uint32_t crc[256];
-    uint32_t a, b; /* Adler's checksum [RFC 1950] */
-    uint64_t left; /* bytes of all rows that are still to come */
-    unsigned char data[HEAD + BLOCK + 4];
-    size_t start, n; /* data[start .. n) is used */
 };
 
 /* The table of the CRC [RFC 2083, section 15]. */
@@ -32,71 +31,89 @@ static void put_u32(unsigned char *to, uint32_t v)
         to[i] = (unsigned char)(v >> (24 - 8 * i));
 }
 
-/* A chunk, whose name data begins with. */
-static void put_chunk(struct png *p, const unsigned char *data, size_t n)
+static uint32_t add_crc(const struct png *p, uint32_t crc, const void *data, size_t n)
+{
+    const unsigned char *s = data;
+    for (size_t i = 0; i < n; i++)
+        crc = p->crc[(crc ^ s[i]) & 255] ^ (crc >> 8);
+    return crc;
+}
+
+static void put_chunk(struct png *p, const char *name, const unsigned char *data, size_t n)
 {
     unsigned char word[4];
-    uint32_t crc = 0xFFFFFFFFu;
-    for (size_t i = 0; i < n; i++)
-        crc = p->crc[(crc ^ data[i]) & 255] ^ (crc >> 8);
-    put_u32(word, (uint32_t)(n - 4));
+    put_u32(word, (uint32_t)n);
     fwrite(word, 1, 4, p->out);
-    fwrite(data, 1, n, p->out);
-    put_u32(word, ~crc);
+    fwrite(name, 1, 4, p->out);
+    if (n > 0)
+        fwrite(data, 1, n, p->out);
+    put_u32(word, ~add_crc(p, add_crc(p, ~0u, name, 4), data, n));
     fwrite(word, 1, 4, p->out);
 }
 
-/* Begins the next block, of as many bytes as are left and fit. */
-static void begin_block(struct png *p, bool first)
+static void put_data(void *ctx, const unsigned char *bytes, size_t n)
 {
-    size_t len = p->left < BLOCK ? (size_t)p->left : BLOCK;
-    p->n = 0;
-    memcpy(p->data, "IDAT\x78\x01", first ? 6 : 4);
-    p->n = first ? 6 : 4;
-    p->data[p->n++] = len == p->left; /* the last one */
-    p->data[p->n++] = (unsigned char)len;
-    p->data[p->n++] = (unsigned char)(len >> 8);
-    p->data[p->n++] = (unsigned char)~len;
-    p->data[p->n++] = (unsigned char)(~len >> 8);
-    p->start = p->n;
+    put_chunk(ctx, "IDAT", bytes, n);
 }
 
-static void put_bytes(struct png *p, const unsigned char *s, size_t n)
+/* ---- filters [RFC 2083, section 6] ---- */
+
+static int paeth(int left, int up, int corner)
 {
-    while (n > 0) {
-        size_t room = BLOCK - (p->n - p->start), some = n < room ? n : room;
-        memcpy(p->data + p->n, s, some);
-        for (size_t i = 0; i < some; i++) {
-            p->a = (p->a + s[i]) % 65521;
-            p->b = (p->b + p->a) % 65521;
-        }
-        p->n += some;
-        p->left -= some;
-        s += some;
-        n -= some;
-        if (p->left > 0 && some == room) {
-            put_chunk(p, p->data, p->n);
-            begin_block(p, false);
-        }
+    int p = left + up - corner, a = abs(p - left), b = abs(p - up), c = abs(p - corner);
+    return a <= b && a <= c ? left : b <= c ? up : corner;
+}
+
+/* Filters a row into to[1 + n], the filter's number first; returns the sum of the differences. */
+static uint64_t filter_row(unsigned char *to, unsigned char kind, const unsigned char *row,
+                           const unsigned char *above, size_t n)
+{
+    uint64_t sum = 0;
+    to[0] = kind;
+    for (size_t i = 0; i < n; i++) {
+        int left = i >= PIXEL ? row[i - PIXEL] : 0, up = above != NULL ? above[i] : 0,
+            corner = i >= PIXEL && above != NULL ? above[i - PIXEL] : 0;
+        const int expected[FILTERS] = {0, left, up, (left + up) / 2, paeth(left, up, corner)};
+        to[1 + i] = (unsigned char)(row[i] - expected[kind]);
+        sum += to[1 + i] < 128 ? to[1 + i] : 256u - to[1 + i];
     }
+    return sum;
 }
 
-void png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)
+bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)
 {
-    struct png p = {.out = out, .a = 1, .left = (4 * (uint64_t)width + 1) * height};
-    unsigned char head[17] = "IHDR";
+    struct png p = {.out = out};
+    unsigned char head[13];
+    size_t n = PIXEL * (size_t)width;
+    unsigned char *rows = malloc(2 * (n + 1)), *best = rows, *other = rows + n + 1;
+    struct deflate *d = deflate_new(put_data, &p);
+    if (rows == NULL || d == NULL) {
+        free(rows);
+        free(d);
+        return false;
+    }
     make_table(&p);
     fwrite("\x89PNG\r\n\x1a\n", 1, 8, out);
-    put_u32(head + 4, width);
-    put_u32(head + 8, height);
-    memcpy(head + 12, "\x08\x06\0\0", 5); /* 8 bits each of red, green, blue and opacity */
-    put_chunk(&p, head, sizeof head);
-    begin_block(&p, true);
+    put_u32(head, width);
+    put_u32(head + 4, height);
+    memcpy(head + 8, "\x08\x06\0\0", 5); /* 8 bits each of red, green, blue and opacity */
+    put_chunk(&p, "IHDR", head, sizeof head);
     for (uint32_t y = 0; y < height; y++) {
-        put_bytes(&p, (const unsigned char[]){0}, 1); /* no filter */
-        put_bytes(&p, rgba + 4 * (size_t)width * y, 4 * (size_t)width);
+        const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
+        uint64_t least = filter_row(best, 0, row, above, n);
+        for (unsigned char kind = 1; kind < FILTERS; kind++) {
+            uint64_t sum = filter_row(other, kind, row, above, n);
+            if (sum < least) {
+                unsigned char *swap = best;
+                best = other;
+                other = swap;
+                least = sum;
+            }
+        }
+        deflate_put(d, best, n + 1);
     }
-    put_u32(p.data + p.n, p.b << 16 | p.a);
-    put_chunk(&p, p.data, p.n + 4);
-    put_chunk(&p, (const unsigned char *)"IEND", 4);
+    deflate_end(d);
+    put_chunk(&p, "IEND", NULL, 0);
+    free(rows);
+    return true;
 }

@@ -1,12 +1,13 @@
-/* png_file.h - writes a PNG without compression, so that pictures need no library. */
+/* png_file.h - writes a PNG, so that pictures need no library. */
 #ifndef CLIENTS_PNG_FILE_H
 #define CLIENTS_PNG_FILE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
-/* Writes rgba[4 * width * height], rows from the top. width and height are at least 1 and below 2^31. ferror()
- * shows whether writing failed. Size: 4 bytes a pixel and 0.03 %. */
-void png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height);
+/* Writes rgba[4 * width * height], rows from the top. width and height are at least 1 and below 2^31. False when out of memory;
+ * ferror() shows whether writing failed. */
+bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height);
 
 #endif

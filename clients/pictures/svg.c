@@ -3,6 +3,8 @@
  * element for each would make viewers slow, and one path for all of them slower still. */
 #include "clients/pictures/svg.h"
 
+#include "clients/pictures/labels.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -14,20 +16,44 @@
 #define PATH_MAX_ITEMS 500
 #define LABELS_MAX 100
 
-static const char style[] = "<style>\n"
-                            "path { fill: none; stroke-linejoin: round; stroke-linecap: round }\n"
-                            ".t { fill: #e9f1fa; stroke: #6d94bf }\n"
-                            ".h { stroke: #d1495b }\n"
-                            ".p { stroke: #17324f }\n"
-                            ".q0 { fill: #67001f } .q1 { fill: #b2182b } .q2 { fill: #d6604d }\n"
-                            ".q3 { fill: #f4a582 } .q4 { fill: #fddbc7 } .q5 { fill: #e8eef2 }\n"
-                            ".q6 { fill: #d1e5f0 } .q7 { fill: #92c5de } .q8 { fill: #4393c3 }\n"
-                            ".q9 { fill: #2166ac }\n"
-                            ".q0, .q1, .q2, .q3, .q4, .q5, .q6, .q7, .q8, .q9 { stroke: #fff }\n"
-                            ".k { stroke: #5b3a1e } .l { stroke: #3c2410 }\n"
-                            ".f { stroke: #b5c7d9 } .s { stroke: #17324f }\n"
-                            "text { font-family: sans-serif; fill: #17324f }\n"
-                            "</style>\n";
+#define INK "#17324f" /* of texts, points and the scale */
+
+/* What a path looks like, as attributes, which all programs understand; its class is there for style sheets of the reader. */
+static const struct {
+    const char *class, *fill, *stroke;
+} looks[] = {{"t", "#e9f1fa", "#6d94bf"},
+             {"h", NULL, "#d1495b"},
+             {"p", NULL, INK},
+             {"k", NULL, "#5b3a1e"},
+             {"l", NULL, "#3c2410"},
+             {"f", NULL, "#b5c7d9"},
+             {"s", NULL, INK},
+             {"q0", "#67001f", "#fff"},
+             {"q1", "#b2182b", "#fff"},
+             {"q2", "#d6604d", "#fff"},
+             {"q3", "#f4a582", "#fff"},
+             {"q4", "#fddbc7", "#fff"},
+             {"q5", "#e8eef2", "#fff"},
+             {"q6", "#d1e5f0", "#fff"},
+             {"q7", "#92c5de", "#fff"},
+             {"q8", "#4393c3", "#fff"},
+             {"q9", "#2166ac", "#fff"}};
+
+/* Opens a path of that class, or of the colour #rrggbb, with edges in that colour or in white. */
+static void open_path(const struct svg *s, const char *class, bool white_edges, double width)
+{
+    const char *fill = class, *stroke = white_edges ? "#fff" : class;
+    fputs("<path", s->out);
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++)
+        if (strcmp(looks[i].class, class) == 0) {
+            fprintf(s->out, " class=\"%s\"", class);
+            fill = looks[i].fill;
+            stroke = looks[i].stroke;
+        }
+    if (fill != NULL)
+        fprintf(s->out, " fill=\"%s\"", fill);
+    fprintf(s->out, " stroke=\"%s\" stroke-width=\"%.4g\" d=\"", stroke, width);
+}
 
 static double clamp(double v, double lo, double hi)
 {
@@ -58,23 +84,25 @@ static double scale_length(const struct svg *s)
 static void draw_scale(const struct svg *s)
 {
     double length = scale_length(s), y = s->high + 2 * MARGIN + 0.4 * FOOTER;
+    open_path(s, "s", false, 24);
     fprintf(s->out,
-            "<path class=\"s\" stroke-width=\"24\" d=\"M%.0f %.0fv120h%.0fv-120\"/>\n"
-            "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%g</text>\n",
+            "M%.0f %.0fv120h%.0fv-120\"/>\n"
+            "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%g</text>\n",
             MARGIN, y - 120, length * s->scale, TEXT, 1.4 * MARGIN + length * s->scale, y, length);
 }
 
 static void draw_legend(const struct svg *s, const struct svg_legend *legend)
 {
     double y = s->height - 0.5 * FOOTER, x = 1.3 * MARGIN + text_width(strlen(legend->low), TEXT);
-    fprintf(s->out, "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n", TEXT, MARGIN, y,
-            legend->low);
-    for (unsigned i = 0; i < SVG_SHADES; i++)
-        fprintf(s->out,
-                "<path class=\"q%u\" stroke-width=\"12\" d=\"M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", i,
-                x + i * SWATCH, y + 30, SWATCH, SWATCH, SWATCH);
-    fprintf(s->out, "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n", TEXT,
-            x + SVG_SHADES * SWATCH + 0.3 * MARGIN, y, legend->high);
+    fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
+            TEXT, MARGIN, y, legend->low);
+    for (unsigned i = 0; i < SVG_SHADES; i++) {
+        open_path(s, (const char[]){'q', (char)('0' + i), 0}, true, 12);
+        fprintf(s->out, "M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", x + i * SWATCH, y + 30, SWATCH, SWATCH,
+                SWATCH);
+    }
+    fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
+            TEXT, x + SVG_SHADES * SWATCH + 0.3 * MARGIN, y, legend->high);
 }
 
 static double legend_width(const struct svg_legend *legend)
@@ -106,9 +134,10 @@ static void begin_clip(const struct svg *s)
 
 static void end_clip(const struct svg *s)
 {
-    fprintf(s->out,
-            "</g>\n<path class=\"f\" stroke-width=\"16\" d=\"M%.0f %.0fh%.0fv%.0fh-%.0fz\"/>\n",
-            s->left, MARGIN, s->wide, s->high, s->wide);
+    fputs("</g>\n", s->out);
+    open_path(s, "f", false, 16);
+    fprintf(s->out, "M%.0f %.0fh%.0fv%.0fh-%.0fz\"/>\n", s->left, MARGIN, s->wide, s->high,
+            s->wide);
 }
 
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
@@ -124,9 +153,12 @@ void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, s
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
             "height=\"%.0f\">\n"
-            "<title>%s</title>\n%s"
-            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-            s->width, s->height, ceil(s->width / 10), ceil(s->height / 10), title, style);
+            "<title>%s</title>\n"
+            "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#fff\"/>\n"
+            "<g fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\" "
+            "font-family=\"sans-serif\">\n",
+            s->width, s->height, ceil(s->width / 10), ceil(s->height / 10), title, s->width,
+            s->height);
     if (side > 0)
         draw_scale(s);
     if (legend != NULL)
@@ -161,11 +193,7 @@ static void path_item(struct svg *s, const char *class, double width)
     snprintf(s->class, sizeof s->class, "%s", class);
     if (s->in_path++ > 0)
         return;
-    if (class[0] == '#')
-        fprintf(s->out, "<path style=\"fill:%s;stroke:%s\" stroke-width=\"%.4g\" d=\"", class,
-                s->edges ? "#fff" : class, width);
-    else
-        fprintf(s->out, "<path class=\"%s\" stroke-width=\"%.4g\" d=\"", class, width);
+    open_path(s, class, s->edges, width);
 }
 
 /* ---- cutting off: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17(1), 1974 ---- */
@@ -316,9 +344,10 @@ void svg_hull_point(struct svg *s, const double *p)
         memcpy(s->hull_last, p, sizeof s->hull_last);
         return;
     }
-    if (s->hull == 0)
-        fprintf(s->out, "<path class=\"h\" stroke-width=\"%.4g\" d=\"M",
-                clamp(3 * s->line, 14, 60));
+    if (s->hull == 0) {
+        open_path(s, "h", false, clamp(3 * s->line, 14, 60));
+        putc('M', s->out);
+    }
     fprintf(s->out, "%s%ld %ld",
             s->hull == 0        ? ""
             : s->hull % 12 == 0 ? "\n"
@@ -337,24 +366,37 @@ void svg_hull_end(struct svg *s)
     path_end(s);
 }
 
-/* Draws an id on the upper right of its point, or on the left, or below, so that it is within the frame. */
-static void draw_label(const struct svg *s, const double *p, uint32_t id, double size)
+/* Draws an id beside its point, smaller where there is little room; false if there is none. */
+static bool draw_label(struct svg *s, struct labels *l, const double *p, uint32_t id, double size)
 {
     char text[16];
+    size_t n = (size_t)snprintf(text, sizeof text, "%u", id);
     double x = (double)place_x(s, p), y = (double)place_y(s, p), away = 0.7 * s->dot;
-    double width = text_width((size_t)snprintf(text, sizeof text, "%u", id), size);
-    double at = x + away + width <= s->width ? x + away : x - away - width;
-    fprintf(s->out, "<text x=\"%.0f\" y=\"%.0f\">%s</text>\n", fmax(at, 0),
-            y - away - size >= 0 ? y - away : y + away + 0.75 * size, text);
+    for (double smaller = size; smaller > size / 50; smaller *= 0.7) {
+        struct label_box box;
+        double high = 0.8 * smaller;
+        if (!labels_place(l, x, y, away, text_width(n, smaller), high, &box))
+            continue;
+        fprintf(s->out, "<text x=\"%.1f\" y=\"%.1f\"", box.x0, box.y1);
+        if (smaller < size)
+            fprintf(s->out, " font-size=\"%.1f\"", smaller);
+        fprintf(s->out, ">%s</text>\n", text);
+        return true;
+    }
+    return false;
 }
 
-static void labels(struct svg *s, const double *xy, const uint32_t *id, size_t n)
+static void draw_labels(struct svg *s, const double *xy, const uint32_t *id, size_t n)
 {
     double size = clamp(2.2 * s->dot, 150, 400);
-    fprintf(s->out, "<g font-size=\"%.0f\">\n", size);
+    struct labels l;
+    if (!labels_init(&l, s->width, s->height, 3 * size, n))
+        return;
+    fprintf(s->out, "<g fill=\"" INK "\" font-size=\"%.0f\">\n", size);
     for (size_t i = 0; i < n; i++)
-        draw_label(s, xy + 2 * i, id[i], size);
+        s->unlabelled += !draw_label(s, &l, xy + 2 * i, id[i], size);
     fputs("</g>\n", s->out);
+    labels_free(&l);
 }
 
 void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n)
@@ -368,11 +410,11 @@ void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n)
     if (s->clip != NULL)
         end_clip(s);
     if (n <= LABELS_MAX || s->numbers)
-        labels(s, xy, id, n);
+        draw_labels(s, xy, id, n);
 }
 
 void svg_end(struct svg *s)
 {
     path_end(s);
-    fputs("</svg>\n", s->out);
+    fputs("</g>\n</svg>\n", s->out);
 }

@@ -24,8 +24,9 @@ struct svg {
     char class[8]; /* of the path that is open, or its colour #rrggbb */
     uint64_t hull;
     double hull_first[2], hull_last[2];
-    bool edges;   /* the path that is opened has white edges */
-    bool numbers; /* ids are always drawn */
+    bool edges;        /* the path that is opened has white edges */
+    bool numbers;      /* ids are always drawn */
+    size_t unlabelled; /* points for whose ids there was no room */
 };
 
 enum { SVG_SHADES = 10 };
@@ -66,7 +67,7 @@ void svg_hull_point(struct svg *s, const double *p);
 void svg_hull_end(struct svg *s);
 
 /* The points, each a dot, and their ids beside them if there are at most 100 or
- * s->numbers is set. */
+ * s->numbers is set; no id covers another, and s->unlabelled counts those without room. */
 void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
 
 void svg_end(struct svg *s);

@@ -91,3 +91,11 @@ void grid_write_hdr(FILE *out, const struct grid *g)
     put_key(out, "YDIM ", g->cell);
     put_key(out, "NODATA ", no_data(g));
 }
+
+void world_write(FILE *out, double wide, double high, double x, double y)
+{
+    const double line[] = {wide,         0,           0, -high,
+                           x + wide / 2, y - high / 2}; /* of the first pixel's centre */
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
+        put_key(out, "", line[i]);
+}

@@ -26,4 +26,7 @@ void grid_write_asc(FILE *out, const struct grid *g);
 void grid_write_bil(FILE *out, const struct grid *g);
 void grid_write_hdr(FILE *out, const struct grid *g);
 
+/* A world file: where a picture lies whose upper left corner is at x, y and whose pixels are this wide and high. */
+void world_write(FILE *out, double wide, double high, double x, double y);
+
 #endif

@@ -100,31 +100,39 @@ static enum delaunay_result stop(const char **fault, const char *what)
     return DELAUNAY_STOPPED;
 }
 
+enum delaunay_result raster_bounds(struct delaunay_client *c, const char *set, double *box,
+                                   const char **fault)
+{
+    struct bounds b = {.n = 0};
+    char line[120];
+    snprintf(line, sizeof line, "HULL %.100s", set);
+    enum delaunay_result r = delaunay_request(c, line, take_corner, &b);
+    if (r == DELAUNAY_STOPPED)
+        return stop(fault, "a row of HULL is not a point");
+    if (r == DELAUNAY_OK && b.n == 0)
+        return stop(fault, "the set is empty");
+    memcpy(box, b.box, sizeof b.box);
+    return r;
+}
+
 enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, const char *field,
                                   const struct raster_request *request, struct grid *g,
                                   const char **fault)
 {
-    struct bounds b = {.n = 0};
-    char line[120];
+    enum delaunay_result r = DELAUNAY_OK;
+    double box[4];
     void *bytes;
     size_t n;
-    if (request->has_box) {
-        memcpy(b.box, request->box, sizeof b.box);
-    } else {
-        snprintf(line, sizeof line, "HULL %.100s", set);
-        enum delaunay_result r = delaunay_request(c, line, take_corner, &b);
-        if (r == DELAUNAY_STOPPED)
-            return stop(fault, "a row of HULL is not a point");
-        if (r != DELAUNAY_OK)
-            return r;
-        if (b.n == 0)
-            return stop(fault, "the set is empty");
-    }
-    if (!raster_plan(request, b.box, g))
-        return stop(fault, has_extent(request, b.box)
+    memcpy(box, request->box, sizeof box);
+    if (!request->has_box)
+        r = raster_bounds(c, set, box, fault);
+    if (r != DELAUNAY_OK)
+        return r;
+    if (!raster_plan(request, box, g))
+        return stop(fault, has_extent(request, box)
                                ? "there would be too many cells"
                                : "the points have no such extent; --cell sets the side of a cell");
-    enum delaunay_result r = send_request(c, set, field, request, g);
+    r = send_request(c, set, field, request, g);
     if (r == DELAUNAY_OK)
         r = delaunay_receive_bytes(c, &bytes, &n);
     if (r != DELAUNAY_OK)

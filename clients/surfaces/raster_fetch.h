@@ -24,6 +24,10 @@ enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, co
                                   const char **fault);
 void raster_free(struct grid *g);
 
+/* The box around a triangulated set, from HULL. DELAUNAY_STOPPED: *fault says why. */
+enum delaunay_result raster_bounds(struct delaunay_client *c, const char *set, double *box,
+                                   const char **fault);
+
 /* Chooses cells for the box: g without values. False: they would be too many, or the box has no area. */
 bool raster_plan(const struct raster_request *request, const double *box, struct grid *g);
 

@@ -84,6 +84,51 @@ TEST(raster_draws_a_png_with_one_pixel_a_cell)
     cli_finish();
 }
 
+TEST(raster_writes_a_world_file_beside_a_picture)
+{
+    int status;
+    make_plane();
+    raster(&status, "a.png", "--viewport 1,1,5,3 --width 8");
+    CHECK(status == 0);
+    CHECK_STR(peer_shell(&status, "cat %s", cli_path("a.pgw")), "0.5\n0\n0\n-0.5\n1.25\n2.75\n");
+    cli_write("a.pgw", "mine\n");
+    CHECK(strstr(raster(&status, "a.png", "--width 8"), "a.pgw: there is such a file") != NULL);
+    CHECK(status == 1);
+    peer_shell(&status, "command -v gdalinfo");
+    if (status == 0) {
+        raster(&status, "a.png", "--viewport 1,1,5,3 --width 8 --force");
+        const char *got = peer_shell(&status, "gdalinfo %s", cli_path("a.png"));
+        CHECK_MSG(strstr(got, "Upper Left  (   1.0000000,   3.0000000)") != NULL, "%s", got);
+    }
+    cli_finish();
+}
+
+TEST(raster_writes_a_png_that_others_read)
+{
+    int status;
+    make_plane();
+    raster(&status, "a.png", "--width 300");
+    CHECK(status == 0);
+    peer_shell(&status, "command -v python3");
+    if (status != 0) {
+        puts("skipped: python3 reads the PNG");
+    } else {
+        const char *got =
+            peer_shell(&status,
+                       "python3 -c 'import sys, zlib, struct\n"
+                       "b = open(sys.argv[1], \"rb\").read(); p = 8; z = b\"\"\n"
+                       "while p < len(b):\n"
+                       "    n, k = struct.unpack(\">I4s\", b[p:p+8]); d = b[p+8:p+8+n]\n"
+                       "    assert zlib.crc32(k + d) == struct.unpack(\">I\", b[p+8+n:p+12+n])[0]\n"
+                       "    w, h = struct.unpack(\">II\", d[:8]) if k == b\"IHDR\" else (w, h)\n"
+                       "    z += d if k == b\"IDAT\" else b\"\"; p += 12 + n\n"
+                       "print(len(zlib.decompress(z)) == (4 * w + 1) * h, w, len(b) < w * h)' %s",
+                       cli_path("a.png"));
+        CHECK_STR(got, "True 300 True\n");
+    }
+    cli_finish();
+}
+
 TEST(raster_writes_geotiff_with_gdal)
 {
     int status;

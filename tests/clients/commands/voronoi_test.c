@@ -80,3 +80,22 @@ TEST(voronoi_that_is_refused_writes_no_file)
           status == 1);
     cli_finish();
 }
+
+TEST(voronoi_draws_little_more_than_the_box_of_the_points)
+{
+    char command[200];
+    int status, wide, high;
+    make_set(); /* in a box of 4 x 4 */
+    const char *out = cli_run(&status, "voronoi t - --format svg");
+    const char *frame = strstr(out, "viewBox=\"0 0 ");
+    CHECK(frame != NULL && sscanf(frame, "viewBox=\"0 0 %d %d", &wide, &high) == 2);
+    /* 16,000 units for 4.4: the points are 14,545 apart, which the lower left one and its right neighbour show */
+    CHECK_MSG(strstr(out, "M1127 15673h0") != NULL && strstr(out, "M15673 15673h0") != NULL, "%s",
+              out);
+    snprintf(command, sizeof command, "voronoi t - --format svg --viewport=-2,-2,6,6");
+    CHECK(strstr(cli_run(&status, command), "M4400 12400h0") != NULL && status == 0);
+    cli_run_well("add u 3 3");
+    cli_run_well("triangulate u");
+    cli_run_well("voronoi u - --format svg");
+    cli_finish();
+}

@@ -149,7 +149,7 @@ TEST(export_draws_relief_of_a_set_with_heights)
 {
     int status;
     make_set();
-    expect_export("-f svg --colour relief --field t", "<path style=\"fill:#");
+    expect_export("-f svg --colour relief --field t", "<path fill=\"#");
     cli_run_well("fdrop t z");
     CHECK(strstr(cli_run(&status, "export t - -f svg --colour relief"),
                  "z: the set has no such field") &&

@@ -35,32 +35,145 @@ static size_t chunk(const unsigned char **p, const unsigned char *end, const cha
     return n;
 }
 
-/* Unpacks the stored blocks z[n] into raw[room]; returns their bytes. */
-static size_t inflate_stored(const unsigned char *z, size_t n, unsigned char *raw, size_t room)
+/* ---- a reader of compressed data, after RFC 1951, one bit at a time ---- */
+
+struct bits {
+    const unsigned char *p, *end;
+    unsigned at; /* of the byte *p */
+};
+
+static unsigned next_bits(struct bits *b, unsigned n)
 {
-    const unsigned char *p = z + 2, *end = z + n - 4;
-    size_t have = 0;
-    CHECK(n >= 11 && (z[0] & 15) == 8 && (z[0] * 256 + z[1]) % 31 == 0);
-    for (bool last = false; !last;) {
-        CHECK(end - p >= 5 && p[0] <= 1);
-        size_t len = p[1] | (size_t)p[2] << 8;
-        last = p[0] == 1;
-        CHECK((p[1] ^ p[3]) == 255 && (p[2] ^ p[4]) == 255);
-        CHECK(len <= (size_t)(end - p) - 5 && len <= room - have);
-        memcpy(raw + have, p + 5, len);
-        have += len;
-        p += 5 + len;
+    unsigned v = 0;
+    for (unsigned i = 0; i < n; i++) {
+        CHECK(b->p < b->end);
+        v |= (unsigned)(*b->p >> b->at & 1) << i;
+        b->at = (b->at + 1) % 8;
+        b->p += b->at == 0;
     }
-    uint32_t a = 1, b = 0;
-    for (size_t i = 0; i < have; i++) {
-        a = (a + raw[i]) % 65521;
-        b = (b + a) % 65521;
+    return v;
+}
+
+struct code {
+    unsigned char length[320];
+    size_t n;
+};
+
+/* Compares with each code in turn. */
+static unsigned next_symbol(struct bits *b, const struct code *c)
+{
+    unsigned seen = 0, first = 0;
+    for (unsigned length = 1; length <= 15; length++) {
+        seen = seen << 1 | next_bits(b, 1);
+        for (unsigned i = 0; i < c->n; i++)
+            if (c->length[i] == length && first++ == seen)
+                return i;
+        first <<= 1;
     }
-    CHECK(p == end && big(end) == (b << 16 | a));
+    CHECK_MSG(false, "no such code");
+    return 0;
+}
+
+static void read_lengths(struct bits *b, const struct code *lengths, unsigned char *to, size_t n)
+{
+    for (size_t i = 0; i < n;) {
+        unsigned v = next_symbol(b, lengths), repeat = 1, of = v;
+        if (v >= 16) {
+            CHECK(v > 16 || i > 0);
+            of = v == 16 ? to[i - 1] : 0;
+            repeat = v == 16   ? 3 + next_bits(b, 2)
+                     : v == 17 ? 3 + next_bits(b, 3)
+                               : 11 + next_bits(b, 7);
+        }
+        for (; repeat > 0; repeat--, i++) {
+            CHECK(i < n);
+            to[i] = (unsigned char)of;
+        }
+    }
+}
+
+static size_t read_block(struct bits *b, const struct code *literal, const struct code *distance,
+                         unsigned char *raw, size_t have, size_t room)
+{
+    for (unsigned v; (v = next_symbol(b, literal)) != 256;) {
+        if (v < 256) {
+            CHECK(have < room);
+            raw[have++] = (unsigned char)v;
+            continue;
+        }
+        unsigned extra = v < 265 || v == 285 ? 0 : (v - 261) / 4;
+        unsigned length = v == 285  ? 258
+                          : v < 265 ? v - 254
+                                    : ((4 + (v - 261) % 4) << extra) + 3 + next_bits(b, extra);
+        v = next_symbol(b, distance);
+        extra = v < 4 ? 0 : v / 2 - 1;
+        size_t back = v < 4 ? v + 1 : ((2 + v % 2) << extra) + 1 + next_bits(b, extra);
+        CHECK(back <= have && back <= 32768 && length <= room - have);
+        for (; length > 0; length--, have++)
+            raw[have] = raw[have - back];
+    }
     return have;
 }
 
-static void check_picture(uint32_t width, uint32_t height)
+/* Unpacks z[n] into raw[room]; returns the number of bytes. */
+static size_t inflate(const unsigned char *z, size_t n, unsigned char *raw, size_t room)
+{
+    static const unsigned char order[] = {16, 17, 18, 0, 8,  7, 9,  6, 10, 5,
+                                          11, 4,  12, 3, 13, 2, 14, 1, 15};
+    struct bits b = {z + 2, z + n - 4, 0};
+    size_t have = 0;
+    CHECK(n >= 6 && (z[0] & 15) == 8 && (z[0] * 256 + z[1]) % 31 == 0);
+    for (bool last = false; !last;) {
+        last = next_bits(&b, 1);
+        CHECK(next_bits(&b, 2) == 2);
+        struct code lengths = {.n = 19}, literal = {.n = 257 + next_bits(&b, 5)},
+                    distance = {.n = 1 + next_bits(&b, 5)};
+        unsigned some = 4 + next_bits(&b, 4);
+        for (unsigned i = 0; i < some; i++)
+            lengths.length[order[i]] = (unsigned char)next_bits(&b, 3);
+        unsigned char both[320];
+        read_lengths(&b, &lengths, both, literal.n + distance.n);
+        memcpy(literal.length, both, literal.n);
+        memcpy(distance.length, both + literal.n, distance.n);
+        have = read_block(&b, &literal, &distance, raw, have, room);
+    }
+    uint32_t sum_a = 1, sum_b = 0;
+    for (size_t i = 0; i < have; i++) {
+        sum_a = (sum_a + raw[i]) % 65521;
+        sum_b = (sum_b + sum_a) % 65521;
+    }
+    CHECK(b.end - b.p <= 1 && big(b.end) == (sum_b << 16 | sum_a));
+    return have;
+}
+
+/* Takes the filter back [RFC 2083, section 6]. */
+static void unfilter(unsigned char *row, const unsigned char *above, size_t n)
+{
+    for (size_t i = 1; i <= n; i++) {
+        int a = i > 4 ? row[i - 4] : 0, b = above != NULL ? above[i] : 0,
+            c = i > 4 && above != NULL ? above[i - 4] : 0, p = a + b - c;
+        int nearest = abs(p - a) <= abs(p - b) && abs(p - a) <= abs(p - c) ? a
+                      : abs(p - b) <= abs(p - c)                           ? b
+                                                                           : c;
+        const int expected[] = {0, a, b, (a + b) / 2, nearest};
+        CHECK(row[0] < 5);
+        row[i] = (unsigned char)(row[i] + expected[row[0]]);
+    }
+}
+
+enum kind { NOISE, RELIEF, STRIPES };
+
+static unsigned char sample(enum kind kind, size_t x, size_t y, size_t channel)
+{
+    if (kind == NOISE)
+        return (unsigned char)test_below(256);
+    if (kind == STRIPES)
+        return x % 50 < 25 ? 255 : (unsigned char)(60 * channel);
+    return (unsigned char)(channel == 3 ? 255 : (x * x / 300 + y * 3 / 2 + channel * 20) & 255);
+}
+
+/* Returns the bytes of the file. */
+static size_t check_picture(enum kind kind, uint32_t width, uint32_t height)
 {
     size_t bytes = 4 * (size_t)width * height, size, n = 0;
     unsigned char *rgba = malloc(bytes), *raw = malloc(bytes + height), *z;
@@ -68,8 +181,8 @@ static void check_picture(uint32_t width, uint32_t height)
     FILE *out = open_memstream(&file, &size);
     CHECK(out != NULL && rgba != NULL && raw != NULL);
     for (size_t i = 0; i < bytes; i++)
-        rgba[i] = (unsigned char)test_below(256);
-    png_write(out, rgba, width, height);
+        rgba[i] = sample(kind, i / 4 % width, i / 4 / width, i % 4);
+    CHECK(png_write(out, rgba, width, height));
     CHECK(fclose(out) == 0);
     const unsigned char *p = (const unsigned char *)file, *end = p + size, *data;
     CHECK(size > 8 && memcmp(p, "\x89PNG\r\n\x1a\n", 8) == 0);
@@ -84,24 +197,32 @@ static void check_picture(uint32_t width, uint32_t height)
         n += len;
     }
     CHECK(chunk(&p, end, "IEND", &data) == 0 && p == end);
-    CHECK(inflate_stored(z, n, raw, bytes + height) == bytes + height);
+    CHECK(inflate(z, n, raw, bytes + height) == bytes + height);
     for (uint32_t y = 0; y < height; y++) {
-        const unsigned char *row = raw + (4 * (size_t)width + 1) * y;
-        CHECK(row[0] == 0 && memcmp(row + 1, rgba + 4 * (size_t)width * y, 4 * (size_t)width) == 0);
+        unsigned char *row = raw + (4 * (size_t)width + 1) * y;
+        unfilter(row, y > 0 ? row - (4 * (size_t)width + 1) : NULL, 4 * (size_t)width);
+        CHECK(memcmp(row + 1, rgba + 4 * (size_t)width * y, 4 * (size_t)width) == 0);
     }
     free(rgba);
     free(raw);
     free(z);
     free(file);
+    return size;
 }
 
 TEST(png_of_any_size_reads_back)
 {
-    check_picture(1, 1);
-    check_picture(3, 2);
-    check_picture(16383, 1); /* a row of 65533 bytes */
-    check_picture(127, 129); /* 65661: the second block is short */
-    check_picture(5461, 3);  /* 65535: one block exactly */
-    check_picture(10922, 3); /* two blocks less 3 bytes */
-    check_picture(300, 301);
+    static const uint32_t size[][2] = {{1, 1},    {3, 2},     {16383, 1}, {127, 129},
+                                       {5461, 3}, {10922, 3}, {300, 301}};
+    for (size_t i = 0; i < sizeof size / sizeof size[0]; i++)
+        for (enum kind kind = NOISE; kind <= STRIPES; kind++)
+            check_picture(kind, size[i][0], size[i][1]);
+}
+
+TEST(png_of_a_relief_is_a_fraction_of_its_pixels_and_noise_hardly_grows)
+{
+    size_t pixels = 4 * (size_t)400 * 400;
+    CHECK(check_picture(RELIEF, 400, 400) < pixels / 10);
+    CHECK(check_picture(STRIPES, 400, 400) < pixels / 100);
+    CHECK(check_picture(NOISE, 400, 400) < pixels + pixels / 100);
 }
