@@ -1,7 +1,8 @@
-/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids and fields.
+/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids, fields and time of expiry.
  *
- * A load gives out ids without gaps. Where the original has gaps the copy gets fillers, points far
- * from all others, that are deleted at the end; so every point has the same id in the copy. */
+ * A load gives out ids without gaps. Where the original has gaps the copy gets fillers, which are deleted afterwards; so every
+ * point has the same id in the copy. A filler is at the place of the point before the gap, where every coordinate is possible
+ * and the filler becomes an alias. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,15 +17,16 @@
 #include "proto/buf.h"
 #include "proto/number.h"
 
-enum { LINE_ROOM = 60000 };
+enum { LINE_ROOM = 60000, RANGE = 1 << 24 /* ids that are loaded at a time */ };
 
 struct copy {
     struct url url[2];
     struct delaunay_client *c[2]; /* own: from, to */
     const char *from, *to;        /* names */
     struct model m;
-    char tol[40];
+    char tol[40], ttl[40]; /* ttl "": no expiry */
     bool triangulated;
+    size_t at; /* the points before that one have been sent */
 };
 
 static bool read_stat(struct copy *y)
@@ -39,41 +41,44 @@ static bool read_stat(struct copy *y)
     return true;
 }
 
-/* A place that coincides with no point: to the right of all points, farther than any tolerance. */
-static double filler_x(const struct copy *y)
+static void read_ttl(struct copy *y)
 {
-    double x = 0, tol = strtod(y->tol, NULL);
-    for (size_t i = 0; i < y->m.n; i++)
-        x = fmax(x, fabs(y->m.xy[2 * i]));
-    return 2 * x + 4 * tol + 1;
+    const char *value;
+    size_t len;
+    if (delaunay_key(delaunay_status(y->c[0]), "ttl", &value, &len) && len < sizeof y->ttl)
+        snprintf(y->ttl, sizeof y->ttl, "%.*s", (int)len, value);
 }
 
-/* A row for each id below n: its point and values, or a filler at x without values. */
-static void fill_rows(const struct copy *y, size_t n, double x, double *xy, double *value)
+/* A row for each of the ids first..first+n-1: its point and values, or a filler without values. */
+static void fill_rows(const struct copy *y, size_t first, size_t n, double *xy, double *value)
 {
-    size_t k = y->m.fields;
-    for (size_t id = 0, i = 0; id < n; id++) {
-        bool there = y->m.id[i] == id;
-        xy[2 * id] = there ? y->m.xy[2 * i] : x;
-        xy[2 * id + 1] = there ? y->m.xy[2 * i + 1] : 0;
+    size_t k = y->m.fields, i = y->at;
+    for (size_t row = 0; row < n; row++) {
+        bool there = y->m.id[i] == first + row;
+        const double *from = &y->m.xy[2 * (there || i == 0 ? i : i - 1)];
+        memcpy(xy + 2 * row, from, 2 * sizeof *xy);
         for (size_t f = 0; f < k; f++)
-            value[k * id + f] = there ? y->m.value[k * i + f] : (double)NAN;
+            value[k * row + f] = there ? y->m.value[k * i + f] : (double)NAN;
         i += there;
     }
 }
 
-static enum delaunay_result send_all(struct copy *y)
+static void list_fields(const struct copy *y, char names[MODEL_MOST_FIELDS * (MODEL_NAME + 1)])
 {
-    char names[MODEL_MOST_FIELDS * (MODEL_NAME + 1)] = "";
+    names[0] = '\0';
     for (size_t f = 0, at = 0; f < y->m.fields; f++)
-        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", f > 0 ? "," : "",
-                               y->m.field[f]);
-    size_t n = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0;
-    double *xy = malloc((n + 1) * 2 * sizeof *xy), x = filler_x(y);
+        at += (size_t)sprintf(names + at, "%s%s", f > 0 ? "," : "", y->m.field[f]);
+}
+
+static enum delaunay_result send_rows(struct copy *y, size_t first, size_t n)
+{
+    char names[MODEL_MOST_FIELDS * (MODEL_NAME + 1)];
+    double *xy = malloc((n + 1) * 2 * sizeof *xy);
     double *value = malloc((n * y->m.fields + 1) * sizeof *value);
     enum delaunay_result r = DELAUNAY_NOMEM;
+    list_fields(y, names);
     if (xy != NULL && value != NULL) {
-        fill_rows(y, n, x, xy, value);
+        fill_rows(y, first, n, xy, value);
         r = delaunay_send_values(y->c[1], y->to, names, xy, value, n, NULL, NULL);
     }
     free(xy);
@@ -81,34 +86,84 @@ static enum delaunay_result send_all(struct copy *y)
     return r == DELAUNAY_OK ? delaunay_receive(y->c[1], command_show_comment, NULL) : r;
 }
 
-static enum delaunay_result delete_fillers(struct copy *y)
+static enum delaunay_result send_line(struct copy *y, struct buf *line)
+{
+    if (line->failed)
+        return DELAUNAY_NOMEM;
+    enum delaunay_result r = delaunay_send(y->c[1], buf_head(line), buf_len(line));
+    buf_rewind(line, 0);
+    return r == DELAUNAY_OK ? delaunay_receive(y->c[1], NULL, NULL) : r;
+}
+
+static void append_id(struct copy *y, struct buf *line, uint32_t id)
+{
+    char word[16] = " ";
+    if (buf_len(line) == 0) {
+        buf_append_text(line, "DEL ");
+        buf_append_text(line, y->to);
+    }
+    buf_append(line, word, 1 + proto_write_u32(word + 1, id));
+}
+
+/* Deletes the fillers among the ids from..end-1. */
+static enum delaunay_result delete_fillers(struct copy *y, size_t from, size_t end)
 {
     struct buf line = {0};
     enum delaunay_result r = DELAUNAY_OK;
-    uint32_t id = 0;
-    for (size_t i = 0; i < y->m.n && r == DELAUNAY_OK; id = y->m.id[i++] + 1) {
-        for (; id < y->m.id[i] && r == DELAUNAY_OK; id++) {
-            char word[16] = " ";
-            if (buf_len(&line) == 0) {
-                buf_append_text(&line, "DEL ");
-                buf_append_text(&line, y->to);
-            }
-            buf_append(&line, word, 1 + proto_write_u32(word + 1, id));
-            if (buf_len(&line) < LINE_ROOM)
-                continue;
-            r = line.failed ? DELAUNAY_NOMEM
-                            : delaunay_send(y->c[1], buf_head(&line), buf_len(&line));
-            buf_rewind(&line, 0);
-            if (r == DELAUNAY_OK)
-                r = delaunay_receive(y->c[1], NULL, NULL);
-        }
+    for (size_t id = from; id < end && r == DELAUNAY_OK; id++) {
+        if (y->m.id[y->at] == id)
+            y->at++;
+        else
+            append_id(y, &line, (uint32_t)id);
+        if (buf_len(&line) >= LINE_ROOM)
+            r = send_line(y, &line);
     }
-    if (r == DELAUNAY_OK && buf_len(&line) > 0) {
-        r = line.failed ? DELAUNAY_NOMEM : delaunay_send(y->c[1], buf_head(&line), buf_len(&line));
-        if (r == DELAUNAY_OK)
-            r = delaunay_receive(y->c[1], NULL, NULL);
-    }
+    if (r == DELAUNAY_OK && buf_len(&line) > 0)
+        r = send_line(y, &line);
     buf_free(&line);
+    return r;
+}
+
+static enum delaunay_result send_all(struct copy *y)
+{
+    size_t end = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0;
+    enum delaunay_result r = end == 0 ? send_rows(y, 0, 0) : DELAUNAY_OK;
+    for (size_t first = 0; first < end && r == DELAUNAY_OK; first += RANGE) {
+        size_t n = end - first < RANGE ? end - first : RANGE;
+        r = send_rows(y, first, n);
+        if (r == DELAUNAY_OK)
+            r = delete_fillers(y, first, first + n);
+    }
+    return r;
+}
+
+/* ---- what a load may not give ---- */
+
+/* A sum over the rows of a reply. */
+static bool add_row(void *ctx, const struct delaunay_part *part)
+{
+    uint64_t *sum = ctx;
+    for (size_t i = 0; part->kind == DELAUNAY_PART_ROW && i < part->len; i++)
+        *sum = (*sum ^ (unsigned char)part->text[i]) * 0x100000001b3u;
+    return true;
+}
+
+static enum delaunay_result sum_aliases(struct copy *y, int of, uint64_t *sum)
+{
+    char line[100];
+    snprintf(line, sizeof line, "COINCIDENT %s", of == 0 ? y->from : y->to);
+    *sum = 0xcbf29ce484222325u;
+    return delaunay_request(y->c[of], line, add_row, sum);
+}
+
+/* With a tolerance, which points are aliases can depend on points that have been deleted since. */
+static enum delaunay_result compare_aliases(struct copy *y, bool *equal)
+{
+    uint64_t sum[2] = {0, 0};
+    enum delaunay_result r = DELAUNAY_OK;
+    for (int i = 0; i < 2 && r == DELAUNAY_OK && strcmp(y->tol, "0") != 0; i++)
+        r = sum_aliases(y, i, &sum[i]);
+    *equal = sum[0] == sum[1];
     return r;
 }
 
@@ -119,6 +174,11 @@ static int fetch(struct copy *y)
     enum delaunay_result r = delaunay_request(y->c[0], line, NULL, NULL);
     if (r == DELAUNAY_OK && !read_stat(y))
         r = DELAUNAY_BROKEN;
+    snprintf(line, sizeof line, "TTL %s", y->from);
+    if (r == DELAUNAY_OK)
+        r = delaunay_request(y->c[0], line, NULL, NULL);
+    if (r == DELAUNAY_OK)
+        read_ttl(y);
     if (r == DELAUNAY_OK)
         r = model_fetch(y->c[0], y->from, MODEL_FIELDS, &y->m);
     if (r != DELAUNAY_STOPPED)
@@ -141,23 +201,51 @@ static void report(const struct copy *y)
     json_finish();
 }
 
+static enum delaunay_result finish(struct copy *y, bool *equal)
+{
+    char line[200];
+    enum delaunay_result r = DELAUNAY_OK;
+    snprintf(line, sizeof line, "TRIANGULATE %s", y->to);
+    if (y->triangulated)
+        r = delaunay_request(y->c[1], line, command_show_comment, NULL);
+    if (r == DELAUNAY_OK)
+        r = compare_aliases(y, equal);
+    snprintf(line, sizeof line, "EXPIRE %s %s", y->to, y->ttl);
+    if (r == DELAUNAY_OK && *equal && y->ttl[0] != '\0')
+        r = delaunay_request(y->c[1], line, NULL, NULL);
+    return r;
+}
+
+/* There is all of the copy, or none of it. */
+static void abandon(struct copy *y)
+{
+    char line[100];
+    snprintf(line, sizeof line, "DROP %s", y->to);
+    delaunay_request(y->c[1], line, NULL, NULL);
+}
+
 static int store(struct copy *y)
 {
     char line[200];
+    bool equal = true;
     int n = snprintf(line, sizeof line, "CREATE %s", y->to);
     if (strcmp(y->tol, "0") != 0)
         snprintf(line + n, sizeof line - (size_t)n, " TOL %s", y->tol);
     enum delaunay_result r = delaunay_request(y->c[1], line, NULL, NULL);
+    if (r != DELAUNAY_OK)
+        return command_outcome(y->c[1], r);
+    r = send_all(y);
     if (r == DELAUNAY_OK)
-        r = send_all(y);
-    if (r == DELAUNAY_OK)
-        r = delete_fillers(y);
-    snprintf(line, sizeof line, "TRIANGULATE %s", y->to);
-    if (r == DELAUNAY_OK && y->triangulated)
-        r = delaunay_request(y->c[1], line, command_show_comment, NULL);
-    if (r == DELAUNAY_OK)
+        r = finish(y, &equal);
+    if (r == DELAUNAY_OK && equal)
         report(y);
-    return command_outcome(y->c[1], r);
+    else if (r == DELAUNAY_OK)
+        message_print("%s: which points coincide depends on deleted points; nothing was copied",
+                      y->from);
+    int status = equal ? command_outcome(y->c[1], r) : EXIT_REFUSED;
+    if (status != EXIT_DONE)
+        abandon(y);
+    return status;
 }
 
 static int connect_both(struct copy *y)

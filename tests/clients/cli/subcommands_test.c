@@ -188,6 +188,76 @@ TEST(copy_places_filler_points_farther_from_the_points_than_the_tolerance)
     cli_finish();
 }
 
+/* Beyond 2^200 there is no place with twice the coordinate. */
+TEST(copy_keeps_ids_of_points_at_the_limits_of_coordinates)
+{
+    static const char *const sets[] = {
+        "ADD t 1 1  3.2138760885179806e60 0  0 -3.2138760885179806e60  7 7  1.7936620343357659e-43 "
+        "0",
+        "ADD t 3.2138760885179806e60 3.2138760885179806e60  -3.2138760885179806e60 "
+        "3.2138760885179806e60  0 0  5 5  5 5"};
+    cli_begin();
+    for (size_t i = 0; i < sizeof sets / sizeof sets[0]; i++) {
+        cli_run_well(sets[i]);
+        cli_run_well("DEL t 0 3");
+        cli_run_well("triangulate t");
+        copy_to_u();
+        expect_equal_sets("points");
+        expect_equal_sets("coincident");
+        expect_equal_sets("triangles");
+        cli_run_well("drop t");
+        cli_run_well("drop u");
+    }
+    cli_finish();
+}
+
+TEST(copy_keeps_fields_of_a_set_without_points_and_that_it_is_not_triangulated)
+{
+    int status;
+    cli_begin();
+    cli_run_well("ADD t FIELDS a,z  0 0 1.5 nan  4 0 7 7");
+    cli_run_well("DEL t 0 1");
+    copy_to_u();
+    expect_equal_sets("fields");
+    expect_equal_sets("points");
+    CHECK(strstr(cli_run(&status, "stat u"), "triangulated=no") != NULL);
+    cli_finish();
+}
+
+TEST(copy_keeps_when_a_set_expires)
+{
+    int status;
+    cli_begin();
+    cli_run_well("ADD t 0 0  4 0");
+    copy_to_u();
+    cli_expect("ttl u", "OK 0\n");
+    cli_run_well("drop u");
+    cli_run_well("expire t 5000");
+    copy_to_u();
+    const char *got = cli_run(&status, "ttl u");
+    double left = strtod(got + strlen("OK 0 ttl="), NULL);
+    CHECK_MSG(left > 4000 && left <= 5000, "%s", got);
+    cli_finish();
+}
+
+/* Point 1 was an alias of point 0; so points 1 and 2 are both representatives, although they are nearer than the tolerance. */
+TEST(copy_that_would_have_other_aliases_is_refused_and_leaves_nothing)
+{
+    char command[200];
+    int status;
+    cli_begin();
+    cli_run_well("CREATE t TOL 0.5");
+    cli_run_well("ADD t 0 0  0.4 0  0.8 0  9 9");
+    cli_run_well("DEL t 0");
+    snprintf(command, sizeof command,
+             "copy t delaunay://127.0.0.1:%s delaunay://127.0.0.1:%s/u 2>&1", cli_daemon.port_text,
+             cli_daemon.port_text);
+    const char *got = cli_run(&status, command);
+    CHECK_MSG(status != 0 && strstr(got, "depends on deleted points") != NULL, "%s", got);
+    CHECK(strstr(cli_run(&status, "stat u 2>&1"), "NOSET") != NULL);
+    cli_finish();
+}
+
 TEST(copy_deletes_in_requests_that_are_short_enough_for_the_server)
 {
     enum { POINTS = 30000 };
