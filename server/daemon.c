@@ -56,6 +56,7 @@ static struct {
     bool stopping;
     bool failed;    /* the data directory cannot be used */
     bool announced; /* the ready line has been printed */
+    bool notified;  /* systemd knows that all sets can be used */
     int64_t stop_ms;
     unsigned port;
 } d;
@@ -247,7 +248,16 @@ static void announce_if_ready(void)
                                        config->bind_address, v6 ? "]" : "", d.port);
     outlet_put(&ready_line, line, (size_t)n, 1);
     notice(NOTICE_DEBUG, "ready, with %zu sets", d.server.sets.sets);
-    systemd_notify("READY=1");
+}
+
+/* systemd starts what needs this daemon when all sets can be used, however long that takes. */
+static void notify_systemd(void)
+{
+    if (d.notified)
+        return;
+    d.notified = durable_is_complete(&d.server);
+    systemd_notify(d.notified ? "READY=1"
+                              : "EXTEND_TIMEOUT_USEC=30000000\nSTATUS=reading the data directory");
 }
 
 static void on_durable(struct source *source, uint32_t events)
@@ -261,6 +271,8 @@ static void on_durable(struct source *source, uint32_t events)
     if (durable_is_complete(&d.server))
         follower_begin(&d.server);
     announce_if_ready();
+    if (durable_is_complete(&d.server))
+        notify_systemd();
 }
 
 static void on_turn_end(struct loop *loop)
@@ -372,6 +384,7 @@ static void on_tick(struct loop *loop)
     registry_drop_orphans(&d.server.sets);
     expire_tick(&d.server);
     announce_if_ready();
+    notify_systemd();
     refill_reserve();
     if (d.stopping && loop->awake_ms - d.stop_ms > GRACE_MS)
         loop_stop(loop);
@@ -487,6 +500,7 @@ int daemon_run(struct config *config)
         return 1;
     priority_prompt(); /* not before the other threads have started, which would inherit it */
     announce_if_ready();
+    notify_systemd();
     loop_run(&d.loop);
     close_listeners();
     clients_each(&d.clients, close_client);

@@ -1,6 +1,8 @@
 /* activation_test.c - the daemon under a service manager: inherited sockets and notifications of states;
  * its manual page lists its flags. */
+#include "tests/faults/tree.h"
 #include "tests/server/daemon.h"
+#include "tests/server/directory.h"
 #include "tests/test.h"
 
 #include <arpa/inet.h>
@@ -84,6 +86,40 @@ TEST(inherited_socket_is_served_and_states_are_notified)
     expect_end(fd);
     int status;
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+/* Each file takes a while to open, so reading takes longer than the ready line waits. */
+TEST(systemd_hears_that_the_daemon_is_ready_when_all_sets_can_be_used)
+{
+    struct directory dir = directory_quick();
+    struct daemon d = directory_daemon(&dir, NULL);
+    carry_out(&d, "ADD t 0 0 1 0 0 1\nTRIANGULATE t\nSNAPSHOT\n");
+    daemon_stop(&d, SIGKILL);
+    int states = notifications();
+    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
+    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+    setenv("DISK_DIR", dir.path, 1);
+    setenv("DISK_OP", "stall", 1);
+    setenv("DISK_NTH", "1", 1);
+    setenv("DISK_TIMES", "1000", 1);
+    setenv("DISK_ERRNO", "400", 1); /* milliseconds */
+    d = directory_daemon(&dir, NULL);
+    unsetenv("LD_PRELOAD");
+    char state[100] = "";
+    unsigned later = 0; /* at the start, and once a second */
+    while (strcmp(state, "READY=1") != 0) {
+        ssize_t n = recv(states, state, sizeof state - 1, 0);
+        CHECK(n > 0);
+        state[n] = '\0';
+        later += strncmp(state, "EXTEND_TIMEOUT_USEC=30000000\n", 29) == 0;
+    }
+    CHECK_MSG(later >= 2, "%u", later);
+    int fd = daemon_connect(&d);
+    say(fd, "LOCATE t 0.1 0.1\n");
+    CHECK(strncmp(hear_line(fd), "OK", 2) == 0);
+    close(fd);
+    daemon_end(&d);
+    tree_remove(dir.path);
 }
 
 TEST(inherited_socket_that_others_could_reach_is_refused_without_tokens)
