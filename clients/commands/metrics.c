@@ -92,6 +92,7 @@ static const struct description descriptions[] = {
     {"link", TEXT, "Connection to the leader: connecting, receiving, loading or refused."},
     {"link_error", TEXT, "Why there is none."},
     {"uninformed_leader", TEXT, "The former leader, until it is known to refuse changes."},
+    {"daemon", LEFT_OUT, NULL},
     {"settled", GAUGE,
      "1 if it leads, and no promoted follower that can reach it has replaced it."},
     {"generation", GAUGE, "Of the history: grows with each promotion."},

@@ -14,6 +14,8 @@ enum {
     FIRST_PAUSE_MS = 200,
     LAST_PAUSE_MS = 1000, /* much less than a leader takes to be settled (follower_role.c) */
     PATIENCE_MS = 10 * 1000,
+    INQUIRY_MS = 2 * 1000,
+    INQUIRY_ROOM = 1 << 16,          /* for the answer */
     NO_SUCH_LSN = 999999999999999999 /* so that nothing is sent after the answer */
 };
 
@@ -48,6 +50,60 @@ static enum announced inform(struct announcement *a)
     return got;
 }
 
+/* ---- who a daemon is ---- */
+
+/* The value of the line `key:value`. */
+static void read_fact(const char *text, const char *key, char *to, size_t size)
+{
+    size_t n = strlen(key);
+    to[0] = '\0';
+    for (const char *line = text; line != NULL; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        if (strncmp(line, key, n) == 0 && line[n] == ':') {
+            snprintf(to, size, "%.*s", (int)strcspn(line + n + 1, "\r\n"), line + n + 1);
+            return;
+        }
+    }
+}
+
+void announce_read(const char *text, struct inquired *who)
+{
+    read_fact(text, "daemon", who->daemon, sizeof who->daemon);
+    read_fact(text, "role", who->role, sizeof who->role);
+    read_fact(text, "leader", who->leader, sizeof who->leader);
+}
+
+static void inquire(struct announcement *a)
+{
+    char question[DIAL_TOKEN + 40] = "";
+    struct buf in = {0};
+    int fd = dial_connect(&a->dial);
+    if (fd < 0)
+        return;
+    int n = snprintf(question, sizeof question, "%s%s%sINFO replication\nQUIT\n",
+                     a->dial.token[0] != '\0' ? "AUTH " : "", a->dial.token,
+                     a->dial.token[0] != '\0' ? "\n" : "");
+    if (dial_send(&a->dial, fd, question, (size_t)n) &&
+        dial_hear_all(&a->dial, fd, &in, INQUIRY_ROOM)) {
+        buf_append(&in, "", 1);
+        if (!in.failed)
+            announce_read(buf_head(&in), &a->who);
+    }
+    buf_free(&in);
+    close(fd);
+}
+
+/* ---- the threads ---- */
+
+static void *serve_inquiry(void *arg)
+{
+    struct announcement *a = arg;
+    inquire(a);
+    a->state = ANNOUNCE_HEARD;
+    eventfd_write(a->event, 1);
+    return NULL;
+}
+
 static void *serve(void *arg)
 {
     struct announcement *a = arg;
@@ -61,20 +117,19 @@ static void *serve(void *arg)
     return NULL;
 }
 
-struct announcement *announce_start(const char *host, unsigned port, const char *token,
-                                    const struct history *h, int event)
+static struct announcement *start(struct announcement *a, const char *host, unsigned port,
+                                  const char *token, int event)
 {
-    struct announcement *a = calloc(1, sizeof *a);
     if (a == NULL)
         return NULL;
     snprintf(a->host, sizeof a->host, "%s", host);
     snprintf(a->dial.token, sizeof a->dial.token, "%s", token);
     a->dial.host = a->host;
     a->dial.port = port;
-    a->dial.patience_ms = PATIENCE_MS;
-    a->history = *h;
+    a->dial.patience_ms = a->inquires ? INQUIRY_MS : PATIENCE_MS;
     a->event = event;
-    int error = dial_init(&a->dial) ? pthread_create(&a->thread, NULL, serve, a) : errno;
+    void *(*run)(void *) = a->inquires ? serve_inquiry : serve;
+    int error = dial_init(&a->dial) ? pthread_create(&a->thread, NULL, run, a) : errno;
     if (error == 0)
         return a;
     if (a->dial.wake >= 0)
@@ -82,6 +137,23 @@ struct announcement *announce_start(const char *host, unsigned port, const char 
     free(a);
     errno = error;
     return NULL;
+}
+
+struct announcement *announce_start(const char *host, unsigned port, const char *token,
+                                    const struct history *h, int event)
+{
+    struct announcement *a = calloc(1, sizeof *a);
+    if (a != NULL)
+        a->history = *h;
+    return start(a, host, port, token, event);
+}
+
+struct announcement *announce_inquire(const char *host, unsigned port, const char *token, int event)
+{
+    struct announcement *a = calloc(1, sizeof *a);
+    if (a != NULL)
+        a->inquires = true;
+    return start(a, host, port, token, event);
 }
 
 void announce_end(struct announcement *a)

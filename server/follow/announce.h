@@ -1,5 +1,5 @@
-/* announce.h - informs a former leader that there is a newer history, so that it refuses changes: a thread that connects to it
- * until it has answered. */
+/* announce.h - threads that ask another daemon one thing. One informs a former leader that there is a newer history, so that it
+ * refuses changes: it connects until that has answered. The other asks once who a daemon is, before this one follows it. */
 #ifndef SERVER_ANNOUNCE_H
 #define SERVER_ANNOUNCE_H
 
@@ -14,6 +14,13 @@ enum announced {
     ANNOUNCE_NEWER   /* its history is newer than the one here */
 };
 
+/* What a daemon says of itself (INFO replication). */
+struct inquired {
+    char daemon[20]; /* random digits of the process; "": it has not answered */
+    char role[16];
+    char leader[ROLE_TEXT];
+};
+
 struct announcement {
     struct dial dial;
     char host[ROLE_ADDRESS];
@@ -24,14 +31,23 @@ struct announcement {
     _Atomic enum announced state;
     struct history theirs; /* of ANNOUNCE_NEWER */
     char answer[DIAL_LINE];
+    bool inquires; /* it asks who that daemon is: then it is ANNOUNCE_HEARD, and has `who` */
+    struct inquired who;
 };
 
 /* Starts the thread, which informs the daemon at that address about the history. NULL with errno. */
 struct announcement *announce_start(const char *host, unsigned port, const char *token,
                                     const struct history *h, int event);
 
+/* Starts a thread that asks who the daemon at that address is, for some seconds at most. NULL with errno. */
+struct announcement *announce_inquire(const char *host, unsigned port, const char *token,
+                                      int event);
+
 /* Ends the thread. */
 void announce_end(struct announcement *a);
+
+/* Reads what the answer to INFO replication says. */
+void announce_read(const char *text, struct inquired *who);
 
 /* What the answer to SYNC means. */
 enum announced announce_judge(const char *line, const struct history *own, struct history *theirs);

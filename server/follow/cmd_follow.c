@@ -51,6 +51,29 @@ static void answer_why(struct answer *a, const char *why)
         reply_err(a->out, ERR_BUSY, "%s", why);
 }
 
+/* Follows the daemon at that address, when it has said that it is another one, and a leader. */
+static void follow(struct server *s, struct answer *a, const char *host, unsigned port,
+                   bool confirmed)
+{
+    char why[200], address[ROLE_TEXT];
+    struct wait_queue *queue;
+    role_write_address(address, host, port);
+    switch (follower_examine(s, host, port, &queue, why, sizeof why)) {
+    case FOLLOW_ASKED:
+        answer_wait(a, queue, false);
+        break;
+    case FOLLOW_ITSELF:
+        reply_err(a->out, ERR_RANGE, "%s is this daemon itself", address);
+        break;
+    case FOLLOW_IMPOSSIBLE:
+        reply_err(a->out, ERR_RANGE, "%s cannot be followed: %s", address, why);
+        break;
+    case FOLLOW_POSSIBLE:
+        answer_why(a, follower_follow(s, host, port, confirmed));
+        break;
+    }
+}
+
 void cmd_follow(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     char host[ROLE_ADDRESS];
@@ -70,7 +93,7 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
     else if (!proto_read_u32(q->word[2].text, q->word[2].len, &port) || port == 0 || port > 65535)
         reply_err(a->out, ERR_NUMBER, "%.*s is not a port", QUOTED(&q->word[2]));
     else
-        answer_why(a, follower_follow(s, host, port, confirmed));
+        follow(s, a, host, port, confirmed);
 }
 
 /* ---- SYNC ---- */
@@ -214,6 +237,8 @@ void info_replication(const struct server *s, struct facts *f)
     facts_add_text(f, "link_error", own.why);
     facts_add(f, "link_lag_records", own.leader_lsn > l.last ? own.leader_lsn - l.last : 0);
     facts_add_text(f, "uninformed_leader", own.former);
+    snprintf(digest, sizeof digest, "%016" PRIx64, own.identity);
+    facts_add_text(f, "daemon", digest);
     facts_add(f, "settled", own.settled);
     facts_add(f, "generation", dir == NULL ? 0 : dir->lineage.history.generation);
     leader_each(s, count_follower, &followers);

@@ -68,7 +68,7 @@ bool dial_wait(struct dial *d, int fd, short events, int ms)
 static bool await_connection(struct dial *d, int fd)
 {
     struct pollfd p = {.fd = fd, .events = POLLOUT};
-    int64_t until = clock_ms() + CONNECT_MS, now;
+    int64_t until = clock_ms() + (d->patience_ms < CONNECT_MS ? d->patience_ms : CONNECT_MS), now;
     while (poll(&p, 1, 0) != 1)
         if ((now = clock_ms()) >= until || !dial_wait(d, fd, POLLOUT, (int)(until - now)))
             return false;
@@ -137,6 +137,22 @@ static bool hear_line(struct dial *d, int fd, struct buf *in, char *line)
             buf_commit(in, (size_t)n);
         else if (n == 0 || (errno != EAGAIN && errno != EINTR) || clock_ms() > until ||
                  !dial_wait(d, fd, POLLIN, 1000))
+            return false;
+    }
+}
+
+bool dial_hear_all(struct dial *d, int fd, struct buf *in, size_t most)
+{
+    int64_t until = clock_ms() + d->patience_ms, now;
+    for (;;) {
+        char *to = buf_len(in) < most ? buf_reserve(in, DIAL_LINE) : NULL;
+        ssize_t n = to == NULL ? -1 : recv(fd, to, DIAL_LINE, MSG_DONTWAIT);
+        if (n == 0)
+            return true;
+        if (n > 0)
+            buf_commit(in, (size_t)n);
+        else if (to == NULL || (errno != EAGAIN && errno != EINTR) || (now = clock_ms()) >= until ||
+                 !dial_wait(d, fd, POLLIN, (int)(until - now)))
             return false;
     }
 }

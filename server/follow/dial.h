@@ -16,7 +16,7 @@ struct dial {
     const char *host; /* borrows: a numeric address */
     unsigned port;
     char token[DIAL_TOKEN]; /* empty: none */
-    int patience_ms;        /* how long it waits for an answer */
+    int patience_ms;        /* how long it waits for an answer, and at most 5 s for a connection */
     int wake;               /* owns; an eventfd, written by the I/O thread */
     atomic_bool stop;       /* the thread is to end, */
     atomic_bool again;      /* or to connect again */
@@ -44,6 +44,9 @@ int dial_connect(struct dial *d);
 
 /* Sends all bytes. False: the connection has ended. */
 bool dial_send(struct dial *d, int fd, const char *bytes, size_t n);
+
+/* Receives all bytes until the other end closes. False: it takes too long, or is more than `most` bytes. */
+bool dial_hear_all(struct dial *d, int fd, struct buf *in, size_t most);
 
 /* Sends the token and SYNC with that position, and receives the answer into line[DIAL_LINE]; further bytes stay in `in`.
  * False: there is no answer, or the token is refused: then the line has the refusal, otherwise it is empty. */

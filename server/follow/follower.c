@@ -28,6 +28,7 @@ static void on_event(struct source *source, uint32_t events)
     eventfd_t count;
     (void)events;
     eventfd_read(source->fd, &count);
+    follower_hear(f);
     follower_take_answer(f);
     run(f);
 }
@@ -264,8 +265,9 @@ static void install(struct follower *f, struct link_arrival *a)
     aside_close(&a->dir);
     free(a);
     follower_agrees(f);
-    notice(NOTICE_INFO, "everything is that of %s:%u now, up to change %" PRIu64, f->role.host,
-           f->role.port, f->lsn);
+    char leader[ROLE_TEXT];
+    role_write_address(leader, f->role.host, f->role.port);
+    notice(NOTICE_INFO, "everything is that of %s now, up to change %" PRIu64, leader, f->lsn);
     link_installed(f->link, f->lsn);
 }
 

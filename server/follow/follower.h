@@ -24,6 +24,13 @@ void follower_tick(struct server *s);
 /* A job of the link's records has ended. */
 void follower_job_done(struct server *s, struct job *j);
 
+/* Whether that daemon can be followed; it is asked who it is. FOLLOW_ASKED: there is no answer yet; the request is to be
+ * carried out again when the queue calls it. FOLLOW_IMPOSSIBLE: why[size] has the reason. A daemon that does not answer
+ * within some seconds can be followed: it may do so later. */
+enum follow_target { FOLLOW_POSSIBLE, FOLLOW_ASKED, FOLLOW_IMPOSSIBLE, FOLLOW_ITSELF };
+enum follow_target follower_examine(struct server *s, const char *host, unsigned port,
+                                    struct wait_queue **queue, char *why, size_t size);
+
 /* Follows that daemon from now on; `confirmed`: even if it has to give up its own history. NULL, or why not. */
 const char *follower_follow(struct server *s, const char *host, unsigned port, bool confirmed);
 
@@ -38,9 +45,10 @@ struct follower_facts {
     bool settled;     /* a leader, and no follower has been promoted instead that can reach it */
     const char *state;
     char why[LINK_WHY];
-    char leader[ROLE_ADDRESS + 12];
+    char leader[ROLE_TEXT];
     uint64_t leader_lsn;
-    char former[ROLE_ADDRESS + 12]; /* the former leader that is still to be informed */
+    uint64_t identity;      /* of this process */
+    char former[ROLE_TEXT]; /* the former leader that is still to be informed */
 };
 void follower_facts(const struct server *s, struct follower_facts *f);
 

@@ -17,6 +17,9 @@ struct follower {
     struct loop *loop;
     struct link *link;             /* owns; NULL: there is none */
     struct announcement *announce; /* owns; NULL: the former leader has been informed */
+    struct announcement *question; /* owns; who the daemon is that is to be followed; NULL: none */
+    struct wait_queue asking;      /* of the FOLLOW that waits for the answer */
+    uint64_t identity;             /* random: of this process */
     struct apply apply;
     struct remembered_role role;
     int64_t
@@ -59,6 +62,9 @@ void follower_forget(struct follower *f);
 /* The leader's records and those here are the same up to here, or everything here is the leader's: so there are no
  * changes of its own. */
 void follower_agrees(struct follower *f);
+
+/* The question has been answered: the FOLLOW that waits is carried out. */
+void follower_hear(struct follower *f);
 
 /* Takes the answer of the former leader, if there is one. */
 void follower_take_answer(struct follower *f);

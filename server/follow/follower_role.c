@@ -22,15 +22,16 @@ enum { SETTLE_MS = 4000 };
 static void refuse_changes(struct follower *f)
 {
     struct server *s = f->server;
-    char history[HISTORY_TEXT];
+    char history[HISTORY_TEXT], leader[ROLE_TEXT];
     history_write(history, &f->role.newer);
+    role_write_address(leader, f->role.host, f->role.port);
     if (f->role.kind == ROLE_FENCED)
         snprintf(
             f->why, sizeof f->why,
             "there is a newer history %s: FOLLOW its leader, or FOLLOW NONE to go on without it",
             history);
     else
-        snprintf(f->why, sizeof f->why, "leader=%s:%u", f->role.host, f->role.port);
+        snprintf(f->why, sizeof f->why, "leader=%s", leader);
     s->read_only.code = ERR_READONLY;
     s->read_only.why = f->why;
     s->follows = f->role.kind == ROLE_FOLLOWS;
@@ -74,6 +75,7 @@ bool follower_prepare(struct server *s, struct loop *loop)
     s->follower = f;
     f->server = s;
     f->loop = loop;
+    f->identity = random_bits();
     f->source.fd = -1;
     if (!decide(f))
         return false;
@@ -162,16 +164,17 @@ void follower_agrees(struct follower *f)
 static void inform(struct follower *f)
 {
     const struct server *s = f->server;
-    char token[DIAL_TOKEN];
+    char token[DIAL_TOKEN], former[ROLE_TEXT];
     if (f->role.kind != ROLE_LEADS || f->role.port == 0)
         return;
     errno = 0;
     if (dial_read_token(s->config->follow_token_file, token))
         f->announce = announce_start(f->role.host, f->role.port, token,
                                      &durable_dir(s)->lineage.history, f->source.fd);
+    role_write_address(former, f->role.host, f->role.port);
     if (f->announce == NULL)
-        notice(NOTICE_WARNING, "the former leader %s:%u is not informed: %s", f->role.host,
-               f->role.port, errno != 0 ? strerror(errno) : "no token");
+        notice(NOTICE_WARNING, "the former leader %s is not informed: %s", former,
+               errno != 0 ? strerror(errno) : "no token");
 }
 
 void follower_take_answer(struct follower *f)
@@ -179,10 +182,12 @@ void follower_take_answer(struct follower *f)
     struct announcement *a = f->announce;
     if (a == NULL || a->state == ANNOUNCE_TRYING)
         return;
+    char former[ROLE_TEXT];
     struct history newer = a->theirs;
+    role_write_address(former, f->role.host, f->role.port);
     bool fenced = a->state == ANNOUNCE_NEWER;
-    notice(NOTICE_INFO, "the former leader %s:%u has been informed, and answers %s", f->role.host,
-           f->role.port, a->answer);
+    notice(NOTICE_INFO, "the former leader %s has been informed, and answers %s", former,
+           a->answer);
     announce_end(a);
     f->announce = NULL;
     f->role.port = 0;
@@ -226,7 +231,7 @@ void follower_begin(struct server *s)
         return;
     const char *why = begin(f);
     if (why != NULL)
-        notice(NOTICE_ERROR, "cannot follow %s:%u: %s", f->role.host, f->role.port, why);
+        notice(NOTICE_ERROR, "cannot follow %s: %s", f->why, why);
 }
 
 void follower_stop(struct server *s)
@@ -235,6 +240,7 @@ void follower_stop(struct server *s)
     if (f == NULL)
         return;
     end_threads(f);
+    announce_end(f->question);
     if (f->source.fd >= 0) {
         apply_clear(&f->apply);
         close(f->source.fd);
@@ -244,6 +250,56 @@ void follower_stop(struct server *s)
 }
 
 /* ---- FOLLOW ---- */
+
+void follower_hear(struct follower *f)
+{
+    if (f->question != NULL && f->question->state != ANNOUNCE_TRYING && f->asking.first != NULL)
+        wait_wake_all(&f->asking);
+}
+
+static bool is_asked(const struct announcement *q, const char *host, unsigned port)
+{
+    return q != NULL && q->dial.port == port && strcmp(q->host, host) == 0;
+}
+
+/* What the answer means: a daemon that follows, or is fenced, has no followers. */
+static enum follow_target judge(const struct follower *f, const struct inquired *who, char *why,
+                                size_t size)
+{
+    char own[20];
+    snprintf(own, sizeof own, "%016" PRIx64, f->identity);
+    if (strcmp(who->daemon, own) == 0)
+        return FOLLOW_ITSELF;
+    if (strcmp(who->role, "follower") == 0)
+        snprintf(why, size, "it is a follower itself: FOLLOW its leader %s", who->leader);
+    else if (strcmp(who->role, "fenced") == 0)
+        snprintf(why, size, "it has met a newer history, and is no leader");
+    else
+        return FOLLOW_POSSIBLE;
+    return FOLLOW_IMPOSSIBLE;
+}
+
+enum follow_target follower_examine(struct server *s, const char *host, unsigned port,
+                                    struct wait_queue **queue, char *why, size_t size)
+{
+    struct follower *f = s->follower;
+    char token[DIAL_TOKEN];
+    bool answered = f->question != NULL && f->question->state != ANNOUNCE_TRYING;
+    *queue = &f->asking;
+    if (f->question != NULL && !answered)
+        return FOLLOW_ASKED;
+    if (is_asked(f->question, host, port)) {
+        struct inquired who = f->question->who;
+        announce_end(f->question);
+        f->question = NULL;
+        return judge(f, &who, why, size);
+    }
+    announce_end(f->question); /* whoever has asked is gone */
+    f->question = NULL;
+    if (dial_read_token(s->config->follow_token_file, token))
+        f->question = announce_inquire(host, port, token, f->source.fd);
+    return f->question != NULL ? FOLLOW_ASKED : FOLLOW_POSSIBLE;
+}
 
 /* The role that a command has decided, with the flag of the last start. */
 static struct remembered_role decided(const struct follower *f, enum role_kind kind)
@@ -337,17 +393,18 @@ void follower_facts(const struct server *s, struct follower_facts *facts)
     *facts = (struct follower_facts){.role = "leader", .state = "", .settled = s->durable == NULL};
     if (f == NULL)
         return;
+    facts->identity = f->identity;
     if (f->source.fd >= 0 && s->read_only.why == NULL)
         facts->settled = f->loop->now_ms >= f->settled_ms;
     if (f->role.kind == ROLE_FENCED)
         facts->role = "fenced";
     if (f->role.kind == ROLE_LEADS && f->role.port != 0)
-        snprintf(facts->former, sizeof facts->former, "%s:%u", f->role.host, f->role.port);
+        role_write_address(facts->former, f->role.host, f->role.port);
     if (!s->follows)
         return;
     facts->role = "follower";
     facts->state = "connecting";
-    snprintf(facts->leader, sizeof facts->leader, "%s:%u", f->role.host, f->role.port);
+    role_write_address(facts->leader, f->role.host, f->role.port);
     if (f->link == NULL)
         return;
     pthread_mutex_lock(&f->link->mutex);

@@ -43,6 +43,8 @@ static void notify(const struct link *l)
 
 static void set_state(struct link *l, enum link_state state, const char *why)
 {
+    char leader[ROLE_TEXT];
+    role_write_address(leader, l->host, l->dial.port);
     pthread_mutex_lock(&l->mutex);
     bool news = why[0] != '\0' && strcmp(l->noted, why) != 0;
     l->state = state;
@@ -51,8 +53,8 @@ static void set_state(struct link *l, enum link_state state, const char *why)
         snprintf(l->noted, sizeof l->noted, "%s", why);
     pthread_mutex_unlock(&l->mutex);
     if (news)
-        notice(state == LINK_REFUSED ? NOTICE_ERROR : NOTICE_WARNING, "following %s:%u: %s",
-               l->host, l->dial.port, why);
+        notice(state == LINK_REFUSED ? NOTICE_ERROR : NOTICE_WARNING, "following %s: %s", leader,
+               why);
     notify(l);
 }
 

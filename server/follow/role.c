@@ -138,3 +138,9 @@ bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port
     *port = (unsigned)v;
     return true;
 }
+
+void role_write_address(char text[ROLE_TEXT], const char *host, unsigned port)
+{
+    bool v6 = strchr(host, ':') != NULL;
+    snprintf(text, ROLE_TEXT, "%s%.79s%s:%u", v6 ? "[" : "", host, v6 ? "]" : "", port);
+}

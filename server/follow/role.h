@@ -35,6 +35,10 @@ bool role_write(const struct datadir *dir, const struct remembered_role *r);
  * `flag`: NULL without --follow. False: it is no address. */
 bool role_decide(struct remembered_role *r, const char *flag);
 
+/* Writes ADDR:PORT, with brackets around an IPv6 address. */
+enum { ROLE_TEXT = ROLE_ADDRESS + 14 };
+void role_write_address(char text[ROLE_TEXT], const char *host, unsigned port);
+
 /* Reads ADDR:PORT, or [ADDR]:PORT. */
 bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port);
 
