@@ -66,8 +66,18 @@ static void read_fact(const char *text, const char *key, char *to, size_t size)
     }
 }
 
+static void read_refusal(const char *text, char *to, size_t size)
+{
+    const char *line = strncmp(text, "ERR ", 4) == 0 ? text : strstr(text, "\nERR ");
+    if (line != NULL && *line == '\n')
+        line++;
+    snprintf(to, size, "%.*s", line == NULL ? 0 : (int)strcspn(line, "\r\n"),
+             line == NULL ? "" : line);
+}
+
 void announce_read(const char *text, struct inquired *who)
 {
+    read_refusal(text, who->refusal, sizeof who->refusal);
     read_fact(text, "daemon", who->daemon, sizeof who->daemon);
     read_fact(text, "role", who->role, sizeof who->role);
     read_fact(text, "leader", who->leader, sizeof who->leader);

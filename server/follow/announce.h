@@ -19,6 +19,7 @@ struct inquired {
     char daemon[20]; /* random digits of the process; "": it has not answered */
     char role[16];
     char leader[ROLE_TEXT];
+    char refusal[120]; /* its first error; "": none */
 };
 
 struct announcement {

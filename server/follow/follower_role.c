@@ -274,6 +274,8 @@ static enum follow_target judge(const struct follower *f, const struct inquired 
         snprintf(why, size, "it is a follower itself: FOLLOW its leader %s", who->leader);
     else if (strcmp(who->role, "fenced") == 0)
         snprintf(why, size, "it has met a newer history, and is no leader");
+    else if (who->refusal[0] != '\0')
+        snprintf(why, size, "it answers %s", who->refusal);
     else
         return FOLLOW_POSSIBLE;
     return FOLLOW_IMPOSSIBLE;

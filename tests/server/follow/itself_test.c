@@ -1,4 +1,6 @@
 /* itself_test.c - FOLLOW of a daemon that is no other leader: of itself, by any address, and of its own follower. */
+#include "server/follow/announce.h"
+#include "tests/faults/tree.h"
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 
@@ -32,6 +34,46 @@ TEST_TIMEOUT(daemon_does_not_follow_itself_by_any_of_its_addresses, 60)
         expect_leader(&n);
     }
     node_end(&n);
+}
+
+/* It does not answer itself without a token. */
+TEST_TIMEOUT(daemon_with_tokens_does_not_follow_itself, 60)
+{
+    static const char tokens[] = "rw secret\n";
+    struct directory files = directory_quick();
+    char auth_file[100], line[80];
+    snprintf(auth_file, sizeof auth_file, "%s/tokens", files.path);
+    file_write(auth_file, tokens, strlen(tokens));
+    struct node n = {.dir = directory_quick()};
+    n.d = daemon_start((const char *const[]){"--data", n.dir.path, "--auth-file", auth_file, NULL});
+    int fd = daemon_connect(&n.d);
+    CHECK_STR(node_ask_on(fd, "AUTH secret"), "OK 0 role=rw");
+    snprintf(line, sizeof line, "FOLLOW 127.0.0.1 %u", n.d.port);
+    const char *got = node_ask_on(fd, line);
+    CHECK_MSG(strncmp(got, "ERR RANGE", 9) == 0 && strstr(got, "it answers ERR ") != NULL, "%s",
+              got);
+    CHECK(strncmp(node_ask_on(fd, "ADD a 1 1"), "OK 0 first=0", 12) == 0);
+    close(fd);
+    node_end(&n);
+    tree_remove(files.path);
+}
+
+TEST(answer_that_says_who_a_daemon_is_is_read)
+{
+    struct inquired who;
+    announce_read(
+        "OK 0 role=rw\nOK 5\nrole:follower\nleader:[::1]:7\nlink:receiving\ndaemon:00ff\n", &who);
+    CHECK_STR(who.daemon, "00ff");
+    CHECK_STR(who.role, "follower");
+    CHECK_STR(who.leader, "[::1]:7");
+    CHECK_STR(who.refusal, "");
+    announce_read("ERR DENIED wrong token\nERR DENIED AUTH first\n", &who);
+    CHECK_STR(who.refusal, "ERR DENIED wrong token");
+    CHECK_STR(who.role, "");
+    announce_read("OK 0\nERR x", &who);
+    CHECK_STR(who.refusal, "ERR x");
+    announce_read("", &who);
+    CHECK_STR(who.refusal, "");
 }
 
 /* ---- through a relay ---- */
