@@ -37,6 +37,13 @@ static void refuse_changes(struct follower *f)
     s->follows = f->role.kind == ROLE_FOLLOWS;
 }
 
+/* Whether --follow names this daemon: the address that it listens on, or one that stands for it. */
+static bool is_itself(const struct config *c, const char *host, unsigned port)
+{
+    bool any = strcmp(host, "0.0.0.0") == 0 || strcmp(host, "::") == 0;
+    return port == c->port && (any || strcmp(host, c->bind_address) == 0);
+}
+
 /* An operator who changes --follow means it; one who has used FOLLOW since does not mean the flag any more. */
 static bool decide(struct follower *f)
 {
@@ -57,6 +64,10 @@ static bool decide(struct follower *f)
     unsigned port;
     if (flag == NULL || !role_read_address(flag, host, &port))
         return true;
+    if (is_itself(f->server->config, host, port)) {
+        notice(NOTICE_ERROR, "--follow %s: that is this daemon itself", flag);
+        return false;
+    }
     bool followed = known.kind == ROLE_FOLLOWS && known.port == port && !strcmp(known.host, host);
     if (strcmp(known.flag, flag) == 0 && !followed)
         notice(NOTICE_WARNING,

@@ -36,6 +36,23 @@ TEST_TIMEOUT(daemon_does_not_follow_itself_by_any_of_its_addresses, 60)
     node_end(&n);
 }
 
+TEST_TIMEOUT(daemon_that_is_started_to_follow_itself_does_not_start, 60)
+{
+    static const char *const hosts[] = {"127.0.0.1", "0.0.0.0"};
+    struct node n = node_new(NULL);
+    char flag[40];
+    daemon_end(&n.d);
+    for (size_t i = 0; i < sizeof hosts / sizeof hosts[0]; i++) {
+        struct daemon d;
+        snprintf(flag, sizeof flag, "%s:%u", hosts[i], n.d.port);
+        CHECK(!directory_try(
+            &n.dir, (const char *const[]){"--port", n.d.port_text, "--follow", flag, NULL}, &d));
+    }
+    node_start(&n, NULL);
+    expect_leader(&n);
+    node_end(&n);
+}
+
 /* It does not answer itself without a token. */
 TEST_TIMEOUT(daemon_with_tokens_does_not_follow_itself, 60)
 {
