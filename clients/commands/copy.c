@@ -1,8 +1,8 @@
 /* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids, fields and time of expiry.
  *
- * A load gives out ids without gaps. Where the original has gaps the copy gets fillers, which are deleted afterwards; so every
- * point has the same id in the copy. A filler is at the place of the point before the gap, where every coordinate is possible
- * and the filler becomes an alias. */
+ * A load gives out ids without gaps. The copy gets a filler for each id that the original does not have, and deletes it
+ * afterwards; so every point has the same id in the copy. A filler is at the place of the point before the gap: every coordinate
+ * is possible there, and the filler becomes an alias. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -216,7 +216,7 @@ static enum delaunay_result finish(struct copy *y, bool *equal)
     return r;
 }
 
-/* There is all of the copy, or none of it. */
+/* Removes an incomplete copy. */
 static void abandon(struct copy *y)
 {
     char line[100];

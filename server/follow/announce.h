@@ -14,7 +14,7 @@ enum announced {
     ANNOUNCE_NEWER   /* its history is newer than the one here */
 };
 
-/* What a daemon says of itself (INFO replication). */
+/* The answer of a daemon to INFO replication, which describes it. */
 struct inquired {
     char daemon[20]; /* random digits of the process; "": it has not answered */
     char role[16];

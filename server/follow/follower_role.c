@@ -273,7 +273,7 @@ static bool is_asked(const struct announcement *q, const char *host, unsigned po
     return q != NULL && q->dial.port == port && strcmp(q->host, host) == 0;
 }
 
-/* What the answer means: a daemon that follows, or is fenced, has no followers. */
+/* Decides by the answer. A daemon that follows, or is fenced, has no followers. */
 static enum follow_target judge(const struct follower *f, const struct inquired *who, char *why,
                                 size_t size)
 {

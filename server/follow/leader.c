@@ -37,7 +37,8 @@ unsigned leader_count(const struct server *s, uint64_t lsn)
     return n;
 }
 
-/* How many followers receive the log, and of these how many have acknowledged something within --follower-timeout. */
+/* Counts the followers that receive the log; *answer gets the number of those that have acknowledged something within
+ * --follower-timeout. */
 static unsigned count_connected(const struct leader *l, unsigned *answer)
 {
     int64_t most = (int64_t)l->server->config->follower_timeout_s * 1000, now = clock_ms();

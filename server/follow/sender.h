@@ -8,7 +8,7 @@
  * a snapshot, whole, comes first. differs: the log has other changes up to that lsn, or ends before it; nothing follows.
  * A header comes again before the first record of each segment, and every second while there are none: its lsn is that
  * of the next record, its digest that of all before it. The follower sends lines `ACK lsn bytes`: what it has on its disk,
- * and the bytes of the stream up to there; the same line again while it works on a change for longer than a second.
+ * and the bytes of the stream up to there. It repeats the line once a second while it works on a change.
  *
  * Since it reads files, a slow follower needs no memory of the leader. Only changes that are durable here are sent, so that a
  * follower never has changes that its leader has lost in a crash. */
