@@ -37,7 +37,7 @@ static const char *state_of(const struct session *s)
 }
 
 /* Without printf, because there may be ten thousand rows, made on the I/O thread. */
-static void append_client(struct buf *out, const struct session *s)
+void client_row(struct buf *out, const struct session *s)
 {
     static const char *const role[] = {
         [ROLE_NONE] = "none", [ROLE_READ] = "ro", [ROLE_WRITE] = "rw"};
@@ -87,7 +87,7 @@ static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct li
         fetch_session(c, (uint32_t)*at + AHEAD);
         if (one == NULL || one->conn.closed)
             continue;
-        append_client(&rows->text, one);
+        client_row(&rows->text, one);
         rows->n++;
     }
     return *at < end;

@@ -345,8 +345,7 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
 
 /* ---- running ---- */
 
-/* As command_find, but tries the last command first: pipelines often repeat a command. */
-static const struct command *find_again(struct server *s, const struct word *name)
+const struct command *command_find_again(struct server *s, const struct word *name)
 {
     if (s->command == NULL || !word_is(name, s->command->name))
         s->command = command_find(name);
@@ -355,13 +354,13 @@ static const struct command *find_again(struct server *s, const struct word *nam
 
 bool command_is_quick(struct server *s, const struct request *q)
 {
-    const struct command *c = find_again(s, &q->word[0]);
+    const struct command *c = command_find_again(s, &q->word[0]);
     return c == NULL || (c->flags & CMD_QUICK) != 0;
 }
 
 static void dispatch(struct server *s, const struct request *q, struct answer *a)
 {
-    const struct command *c = find_again(s, &q->word[0]);
+    const struct command *c = command_find_again(s, &q->word[0]);
     struct dataset *set;
     a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
     stats_begin(&s->stats, a->command);

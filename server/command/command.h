@@ -44,6 +44,9 @@ const struct command *command_find(const struct word *name);
 /* Whether the request is one that even a turn of the loop that is already long can carry out: PING and the like. */
 bool command_is_quick(struct server *s, const struct request *q);
 
+/* The same, but tries the last command first: pipelines often repeat a command. */
+const struct command *command_find_again(struct server *s, const struct word *name);
+
 /* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
  * more than 0; without one 0, and the request is as it was. */
 void command_take_timeout(struct request *q, int64_t *ms);
@@ -125,6 +128,10 @@ void info_replication(const struct server *s, struct facts *f); /* server/follow
 
 /* CLIENT LIST, in lines or, for RESP, as one bulk string. */
 void client_list(struct server *s, struct answer *a, enum listing_frame frame);
+
+/* Appends the row of a client in that list. */
+struct session;
+void client_row(struct buf *out, const struct session *s);
 
 /* A piece of a listing of slow requests, from id *at - 1 down to `end` or to the oldest one that still exists, each
  * written by `append`. */

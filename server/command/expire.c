@@ -6,8 +6,7 @@
 
 #include <time.h>
 
-/* Milliseconds since 1970. */
-static int64_t wall_ms(void)
+int64_t expire_now_ms(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_REALTIME, &t);
@@ -16,7 +15,7 @@ static int64_t wall_ms(void)
 
 bool expire_is_due(const struct dataset *set)
 {
-    return set->expires_ms != 0 && wall_ms() >= set->expires_ms;
+    return set->expires_ms != 0 && expire_now_ms() >= set->expires_ms;
 }
 
 static bool can_be_dropped(const struct server *s, const struct dataset *set)
@@ -35,7 +34,7 @@ bool expire_drop_if_due(struct server *s, struct dataset *set)
 
 void expire_after(struct server *s, struct dataset *set, double seconds)
 {
-    registry_expire(&s->sets, set, wall_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
+    registry_expire(&s->sets, set, expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
     journal_expire(s, set);
 }
 
@@ -47,7 +46,7 @@ void expire_never(struct server *s, struct dataset *set)
 
 double expire_seconds_left(const struct dataset *set)
 {
-    int64_t left = set->expires_ms - wall_ms();
+    int64_t left = set->expires_ms - expire_now_ms();
     return left > 0 ? (double)left / 1000 : 0;
 }
 

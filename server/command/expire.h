@@ -15,6 +15,9 @@ enum { EXPIRE_MOST_S = 1000000000 }; /* from now: 31 years */
 void expire_after(struct server *s, struct dataset *set, double seconds);
 void expire_never(struct server *s, struct dataset *set);
 
+/* The wall clock in milliseconds since 1970, as in a set's expires_ms. */
+int64_t expire_now_ms(void);
+
 /* Whether its time has come. */
 bool expire_is_due(const struct dataset *set);
 

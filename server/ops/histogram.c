@@ -43,3 +43,11 @@ uint64_t histogram_quantile(const struct histogram *h, double q)
     }
     return h->max;
 }
+
+uint64_t histogram_sum(const struct histogram *h)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < HISTOGRAM_BUCKETS; i++)
+        sum += h->count[i] * (top_of(i) < h->max ? top_of(i) : h->max);
+    return sum;
+}

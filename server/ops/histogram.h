@@ -21,4 +21,7 @@ void histogram_add(struct histogram *h, uint64_t ns, uint64_t times);
  * Cost: O(HISTOGRAM_BUCKETS). */
 uint64_t histogram_quantile(const struct histogram *h, double q);
 
+/* The sum of all durations in ns, accurate to 3 per cent. Cost: O(HISTOGRAM_BUCKETS). */
+uint64_t histogram_sum(const struct histogram *h);
+
 #endif

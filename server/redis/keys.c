@@ -16,7 +16,7 @@
 static const char type_name[] = "pointset"; /* as modules of Redis have types of their own */
 
 /* At the start there are no sets until the data directory has been read. What is said about sets shows all changes. */
-static bool sees_sets(struct server *s, struct answer *a)
+bool redis_sees_sets(struct server *s, struct answer *a)
 {
     struct line_reply t = {0};
     struct answer plain = *a;
@@ -30,7 +30,7 @@ static bool sees_sets(struct server *s, struct answer *a)
     return false;
 }
 
-static struct dataset *find(struct server *s, const struct word *name)
+struct dataset *redis_find(struct server *s, const struct word *name)
 {
     struct dataset *set = registry_find(&s->sets, name);
     if (set != NULL && expire_drop_if_due(s, set))
@@ -42,7 +42,7 @@ void redis_dbsize(struct server *s, const struct request *q, struct answer *a)
 {
     if (q->n != 1)
         redis_usage(a, "DBSIZE");
-    else if (sees_sets(s, a))
+    else if (redis_sees_sets(s, a))
         redis_integer(a, (int64_t)s->sets.sets);
 }
 
@@ -53,10 +53,10 @@ void redis_exists(struct server *s, const struct request *q, struct answer *a)
         redis_usage(a, "EXISTS set [set ...]");
         return;
     }
-    if (!sees_sets(s, a))
+    if (!redis_sees_sets(s, a))
         return;
     for (size_t i = 1; i < q->n; i++)
-        n += find(s, &q->word[i]) != NULL;
+        n += redis_find(s, &q->word[i]) != NULL;
     redis_integer(a, n);
 }
 
@@ -67,9 +67,9 @@ void redis_type(struct server *s, const struct request *q, struct answer *a)
         redis_usage(a, "TYPE set");
         return;
     }
-    if (!sees_sets(s, a))
+    if (!redis_sees_sets(s, a))
         return;
-    snprintf(text, sizeof text, "+%s", find(s, &q->word[1]) != NULL ? type_name : "none");
+    snprintf(text, sizeof text, "+%s", redis_find(s, &q->word[1]) != NULL ? type_name : "none");
     redis_simple(a, text);
 }
 
@@ -80,62 +80,88 @@ void redis_memory(struct server *s, const struct request *q, struct answer *a)
         redis_usage(a, "MEMORY USAGE set");
         return;
     }
-    if (!sees_sets(s, a))
+    if (!redis_sees_sets(s, a))
         return;
-    const struct dataset *set = find(s, &q->word[2]);
+    const struct dataset *set = redis_find(s, &q->word[2]);
     if (set != NULL)
         redis_integer(a, (int64_t)set->current->sum.memory);
     else
         redis_null(a);
 }
 
-/* ---- EXPIRE, with Redis's numbers instead of OK and NOSET ---- */
-
-/* Carries out q, and answers with 1 or, if `key` of the reply is 0, with 0; with 0 also if there is no such set. */
-static void ask_if_there(struct server *s, const struct request *q, struct answer *a,
-                         const char *key)
+void redis_object(struct server *s, const struct request *q, struct answer *a)
 {
-    struct line_reply t;
-    if (word_is_set_name(&q->word[1]) && find(s, &q->word[1]) == NULL) {
-        redis_integer(a, 0);
+    if (q->n != 3) {
+        redis_usage(a, "OBJECT ENCODING|REFCOUNT|IDLETIME|FREQ set");
         return;
     }
-    if (!redis_ask(s, q, a, "", &t))
+    if (!redis_sees_sets(s, a))
         return;
-    redis_integer(a, key == NULL || line_reply_number(&t, key) != 0);
-    line_reply_clear(&t);
-}
-
-void redis_expire(struct server *s, const struct request *q, struct answer *a)
-{
-    if (q->n != 3)
-        redis_usage(a, "EXPIRE set seconds");
-    else if (sees_sets(s, a))
-        ask_if_there(s, q, a, NULL);
-}
-
-void redis_persist(struct server *s, const struct request *q, struct answer *a)
-{
-    if (q->n != 2)
-        redis_usage(a, "PERSIST set");
-    else if (sees_sets(s, a))
-        ask_if_there(s, q, a, "changed");
-}
-
-void redis_ttl(struct server *s, const struct request *q, struct answer *a)
-{
-    bool fine = word_is(&q->word[0], "PTTL");
-    if (q->n != 2) {
-        redis_usage(a, fine ? "PTTL set" : "TTL set");
-        return;
-    }
-    if (!sees_sets(s, a))
-        return;
-    const struct dataset *set = find(s, &q->word[1]);
-    if (set == NULL || set->expires_ms == 0)
-        redis_integer(a, set == NULL ? -2 : -1);
+    if (redis_find(s, &q->word[2]) == NULL)
+        redis_null(a);
+    else if (word_is(&q->word[1], "ENCODING"))
+        redis_bulk_text(a, type_name);
     else
-        redis_integer(a, (int64_t)(expire_seconds_left(set) * (fine ? 1000 : 1) + 0.5));
+        redis_integer(a, word_is(&q->word[1], "REFCOUNT"));
+}
+
+/* ---- deleting ---- */
+
+/* Drops the set. False: it has been answered with an error, or waits. */
+static bool drop(struct server *s, const struct word *name, struct answer *a)
+{
+    struct word words[] = {{"DROP", 4}, *name};
+    struct request q = {.word = words, .n = 2};
+    struct line_reply t;
+    bool done = redis_ask(s, &q, a, "", &t);
+    if (done)
+        line_reply_clear(&t);
+    return done;
+}
+
+/* Only the first DROP may have to wait, so that a request that is carried out again counts every set: it is that of a set that
+ * has a writer or readers now, if there is one. */
+void redis_unlink(struct server *s, const struct request *q, struct answer *a)
+{
+    int64_t n = 0;
+    if (q->n < 2) {
+        redis_usage(a, "UNLINK set [set ...]");
+        return;
+    }
+    if (!redis_sees_sets(s, a))
+        return;
+    for (size_t i = 1; i < q->n; i++) {
+        const struct dataset *set = redis_find(s, &q->word[i]);
+        if (set == NULL || dataset_admits(set, true, a->turn))
+            continue;
+        if (!drop(s, &q->word[i], a))
+            return;
+        n++;
+    }
+    for (size_t i = 1; i < q->n; i++) {
+        if (redis_find(s, &q->word[i]) == NULL)
+            continue;
+        if (!drop(s, &q->word[i], a))
+            return;
+        n++;
+    }
+    redis_integer(a, n);
+}
+
+bool redis_del_is_misused(const struct request *q)
+{
+    uint32_t id;
+    bool ids = q->n > 2;
+    for (size_t i = 2; i < q->n && ids; i++)
+        ids = proto_read_u32(q->word[i].text, q->word[i].len, &id);
+    return !ids && q->n > 1;
+}
+
+void redis_del(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, "-SYNTAX usage: DEL set id [id ...]: DEL deletes points; UNLINK set [set ...] "
+                    "or DROP set deletes sets");
 }
 
 /* ---- names ---- */
@@ -177,7 +203,7 @@ void redis_keys(struct server *s, const struct request *q, struct answer *a)
     enum { ROW_BYTES = 80 };
     if (q->n != 2)
         redis_usage(a, "KEYS pattern");
-    else if (good_pattern(a, &q->word[1]) && sees_sets(s, a))
+    else if (good_pattern(a, &q->word[1]) && redis_sees_sets(s, a))
         listing_answer_matching(s, a, list_names, LISTING_ARRAY, &q->word[1],
                                 s->sets.sets * ROW_BYTES);
 }
@@ -251,7 +277,7 @@ void redis_scan(struct server *s, const struct request *q, struct answer *a)
 {
     struct scan scan;
     char cursor[24];
-    if (!read_scan(a, q, &scan) || !sees_sets(s, a))
+    if (!read_scan(a, q, &scan) || !redis_sees_sets(s, a))
         return;
     scan_some(s, &scan);
     snprintf(cursor, sizeof cursor, "%" PRIu64, scan.cursor);

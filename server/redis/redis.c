@@ -1,4 +1,4 @@
-/* redis.c - see redis.h. This does no more than tools need in order to start. */
+/* redis.c - see redis.h. Which requests are Redis's, and those that tools need in order to start. */
 #include "server/redis/redis.h"
 
 #include "proto/number.h"
@@ -7,8 +7,13 @@
 #include "server/clients/clients.h"
 #include "server/command/load.h"
 #include "server/ops/setting.h"
+#include "server/redis/habit.h"
 #include "server/redis/keys.h"
+#include "server/redis/redis_client.h"
+#include "server/redis/redis_expire.h"
+#include "server/redis/redis_info.h"
 #include "server/redis/redis_reply.h"
+#include "server/redis/transaction.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -41,17 +46,23 @@ static void select_db(struct server *s, const struct request *q, struct answer *
         redis_simple(a, "-RANGE there is only the database 0");
 }
 
+static void put_name(struct answer *a, const struct command *c)
+{
+    char name[32];
+    size_t len = strlen(c->name);
+    for (size_t i = 0; i < len; i++)
+        name[i] = (char)(c->name[i] - 'A' + 'a');
+    resp_bulk(a->out, name, len);
+}
+
 /* A command in the format of COMMAND: name, number of words (negative: at least), flags, and the positions
  * of the first and the last key and the step between keys; the name of a set is a key. */
 static void describe(struct answer *a, const struct command *c)
 {
-    char name[32], text[32];
+    char text[32];
     bool set = (c->flags & CMD_SET) != 0;
-    size_t len = strlen(c->name);
-    for (size_t i = 0; i < len; i++)
-        name[i] = (char)(c->name[i] - 'A' + 'a');
     resp_array(a->out, 6);
-    resp_bulk(a->out, name, len);
+    put_name(a, c);
     snprintf(text, sizeof text, ":%s%u", c->least == c->most ? "" : "-", c->least);
     redis_simple(a, text);
     resp_array(a->out, 1);
@@ -60,51 +71,38 @@ static void describe(struct answer *a, const struct command *c)
         redis_integer(a, set);
 }
 
+/* All commands, each as `put` has it; with `asked`, those n, and null for what is not there. */
+static void list_commands(struct answer *a, const struct word *asked, size_t n,
+                          void (*put)(struct answer *a, const struct command *c))
+{
+    resp_array(a->out, asked != NULL ? n : command_count);
+    for (size_t i = 0; asked == NULL && i < command_count; i++)
+        put(a, &commands[i]);
+    for (size_t i = 0; asked != NULL && i < n; i++) {
+        const struct command *c = command_find(&asked[i]);
+        if (c != NULL)
+            put(a, c);
+        else
+            redis_null(a);
+    }
+}
+
 static void command(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
-    if (q->n >= 2 && word_is(&q->word[1], "COUNT")) {
-        redis_integer(a, (int64_t)command_count);
-    } else if (q->n >= 2) { /* DOCS, INFO, ...: empty */
-        resp_array(a->out, 0);
-    } else {
-        resp_array(a->out, command_count);
-        for (size_t i = 0; i < command_count; i++)
-            describe(a, &commands[i]);
-    }
-}
-
-static void answer_name(struct answer *a, const struct line_reply *t)
-{
-    const char *name;
-    size_t len = 0;
-    if (reply_key(&t->status, "name", &name, &len) && len > 0)
-        resp_bulk(a->out, name, len);
-    else
-        redis_null(a);
-}
-
-static void client(struct server *s, const struct request *q, struct answer *a)
-{
-    struct line_reply t;
-    if (q->n == 2 && word_is(&q->word[1], "LIST") && a->role == ROLE_WRITE) {
-        client_list(s, a, LISTING_BULK);
-        return;
-    }
-    if (!redis_ask(s, q, a, "", &t))
-        return;
     const struct word *what = &q->word[1];
-    if (word_is(what, "ID"))
-        redis_integer(a, (int64_t)line_reply_number(&t, "id"));
-    else if (word_is(what, "GETNAME"))
-        answer_name(a, &t);
-    else if (word_is(what, "KILL") && q->n == 4)
-        redis_integer(a, (int64_t)line_reply_number(&t, "killed"));
-    else if (word_is(what, "KILL") && line_reply_number(&t, "killed") == 0)
-        redis_simple(a, "-ERR No such client");
+    (void)s;
+    if (q->n == 1)
+        list_commands(a, NULL, 0, describe);
+    else if (word_is(what, "COUNT"))
+        redis_integer(a, (int64_t)command_count);
+    else if (word_is(what, "LIST"))
+        list_commands(a, NULL, 0, put_name);
+    else if (word_is(what, "INFO"))
+        list_commands(a, q->n > 2 ? q->word + 2 : NULL, q->n - 2, describe);
+    else if (word_is(what, "DOCS"))
+        redis_map(a, 0);
     else
-        redis_simple(a, "+OK");
-    line_reply_clear(&t);
+        resp_array(a->out, 0);
 }
 
 /* Redis tools ask for settings that do not exist here, and only print their values: these are empty. */
@@ -200,78 +198,12 @@ static void slowlog(struct server *s, const struct request *q, struct answer *a)
     line_reply_clear(&t);
 }
 
-/* Redis's names of sections, and the closest sections here. */
-static const struct {
-    const char *theirs, *ours;
-} renamed[] = {
-    {"DEFAULT", "ALL"},   {"EVERYTHING", "ALL"},        {"PERSISTENCE", "DURABILITY"},
-    {"KEYSPACE", "SETS"}, {"COMMANDSTATS", "COMMANDS"}, {"LATENCYSTATS", "COMMANDS"},
-};
-
-/* Whether q, an INFO, asks for the section. */
-static bool asks_for(const struct request *q, const char *section)
-{
-    bool asked = q->n == 1;
-    for (size_t i = 1; i < q->n; i++)
-        asked |= word_is(&q->word[i], section) || word_is(&q->word[i], "ALL");
-    return asked;
-}
-
-static void add_fact(struct buf *rows, const char *key, uint64_t value, const char *rest)
-{
-    char text[96];
-    snprintf(text, sizeof text, "%s%" PRIu64 "%s\r\n", key, value, rest);
-    buf_append_text(rows, text);
-}
-
-static void add_keyspace(const struct server *s, struct buf *rows)
-{
-    char rest[64];
-    snprintf(rest, sizeof rest, ",expires=%zu,avg_ttl=0", s->sets.expiring);
-    add_fact(rows, "db0:keys=", s->sets.sets, rest);
-}
-
-/* The facts that redis-cli --stat and other tools read, by Redis's names. */
-static void add_redis_facts(struct server *s, const struct request *q, struct buf *rows)
-{
-    if (asks_for(q, "CLIENTS")) {
-        add_fact(rows, "connected_clients:", s->clients != NULL ? s->clients->n : 0, "");
-        add_fact(rows, "blocked_clients:", 0, "");
-    }
-    if (asks_for(q, "MEMORY"))
-        add_fact(rows, "used_memory:", budget_used(&s->budget), "");
-    if (asks_for(q, "STATS")) {
-        add_fact(rows, "total_connections_received:", s->count.connections, "");
-        add_fact(rows, "total_commands_processed:", s->count.commands, "");
-    }
-    if (asks_for(q, "SETS"))
-        add_keyspace(s, rows);
-}
-
-/* The rows of INFO as one text, as in Redis. */
-static void info(struct server *s, const struct request *q, struct answer *a)
-{
-    struct line_reply t;
-    for (size_t i = 1; i < q->n; i++)
-        for (size_t k = 0; k < sizeof renamed / sizeof renamed[0]; k++)
-            if (word_is(&q->word[i], renamed[k].theirs))
-                q->word[i] = (struct word){renamed[k].ours, strlen(renamed[k].ours)};
-    if (!redis_ask(s, q, a, "\r\n", &t))
-        return;
-    add_redis_facts(s, q, &t.rows);
-    if (t.rows.failed)
-        answer_out_of_memory(a);
-    else
-        resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
-    line_reply_clear(&t);
-}
-
 /* False: the token is wrong, and the error has been written; or the check is delayed. */
 static bool show_token(struct server *s, const struct word *token, struct answer *a)
 {
     enum shown shown = client_show_token(s, a, token);
     if (shown == SHOWN_WRONG)
-        redis_simple(a, "-DENIED no such token");
+        redis_simple(a, "-WRONGPASS invalid username-password pair or user is disabled.");
     return shown == SHOWN_GOOD;
 }
 
@@ -281,10 +213,10 @@ static void auth(struct server *s, const struct request *q, struct answer *a)
     if (q->n != 2 && q->n != 3)
         redis_usage(a, "AUTH [user] token");
     else if (show_token(s, &q->word[q->n - 1], a))
-        redis_simple(a, a->role == ROLE_WRITE ? "+OK role=rw" : "+OK role=ro");
+        redis_simple(a, "+OK"); /* some clients want exactly that */
 }
 
-static void greet(struct answer *a, uint32_t version)
+static void greet(const struct server *s, struct answer *a, uint32_t version)
 {
     enum { FACTS = 7 };
     a->typed = version == 3;
@@ -300,7 +232,7 @@ static void greet(struct answer *a, uint32_t version)
     redis_bulk_text(a, "mode");
     redis_bulk_text(a, "standalone");
     redis_bulk_text(a, "role");
-    redis_bulk_text(a, "master");
+    redis_bulk_text(a, s->follows ? "replica" : "master");
     redis_bulk_text(a, "modules");
     resp_array(a->out, 0);
 }
@@ -311,7 +243,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
     uint32_t version = a->typed ? 3 : 2;
     if (q->n >= 2 && (!proto_read_u32(q->word[1].text, q->word[1].len, &version) || version < 2 ||
                       version > 3)) {
-        redis_simple(a, "-RANGE this server speaks RESP 2 and 3");
+        redis_simple(a, "-NOPROTO this server speaks RESP 2 and 3");
         return;
     }
     for (size_t at = 2; at < q->n;) {
@@ -330,47 +262,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
     if (a->role == ROLE_NONE)
         redis_simple(a, "-NOAUTH authenticate first: AUTH token");
     else
-        greet(a, version);
-}
-
-/* ---- transactions, which are not supported ----
- *
- * Clients send MULTI, the commands and EXEC at once. If only MULTI were refused, the commands would be carried out one by
- * one, and the client would believe that they were not. So all commands that follow are refused as well, until EXEC or DISCARD. */
-
-static void multi(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    a->multi = true;
-    redis_simple(a, "-UNKNOWN there are no transactions: send the commands without MULTI and EXEC "
-                    "(redis-py: pipeline(transaction=False))");
-}
-
-static void exec(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_simple(a, a->multi ? "-EXECABORT there are no transactions: nothing was carried out"
-                             : "-ERR EXEC without MULTI");
-    a->multi = false;
-}
-
-static void discard(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_simple(a, a->multi ? "+OK" : "-ERR DISCARD without MULTI");
-    a->multi = false;
-}
-
-static void watch(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_simple(a, "-UNKNOWN there are no transactions, so no WATCH and UNWATCH");
-}
-
-static void refuse_in_multi(struct server *s, const struct request *q, struct answer *a)
-{
-    redis_simple(a, "-UNKNOWN not carried out: it follows MULTI, and there are no transactions");
-    command_skip_body(s, q, a);
+        greet(s, a, version);
 }
 
 static const struct {
@@ -381,63 +273,92 @@ static const struct {
     {"PING", true, ping},
     {"HELLO", true, hello},
     {"AUTH", true, auth},
+    {"RESET", true, redis_reset},
     {"ECHO", false, echo},
     {"SELECT", false, select_db},
-    {"CLIENT", false, client},
+    {"CLIENT", false, redis_client},
     {"CONFIG", false, config},
     {"COMMAND", false, command},
-    {"INFO", false, info},
+    {"INFO", false, redis_info},
     {"SLOWLOG", false, slowlog},
     {"DBSIZE", false, redis_dbsize},
     {"EXISTS", false, redis_exists},
+    {"TOUCH", false, redis_exists},
     {"KEYS", false, redis_keys},
     {"SCAN", false, redis_scan},
     {"TYPE", false, redis_type},
     {"MEMORY", false, redis_memory},
+    {"OBJECT", false, redis_object},
+    {"UNLINK", false, redis_unlink},
+    {"DEL", false, redis_del},
     {"EXPIRE", false, redis_expire},
+    {"PEXPIRE", false, redis_expire},
+    {"EXPIREAT", false, redis_expire},
+    {"PEXPIREAT", false, redis_expire},
     {"TTL", false, redis_ttl},
     {"PTTL", false, redis_ttl},
+    {"EXPIRETIME", false, redis_ttl},
+    {"PEXPIRETIME", false, redis_ttl},
     {"PERSIST", false, redis_persist},
-    {"MULTI", false, multi},
-    {"EXEC", false, exec},
-    {"DISCARD", false, discard},
-    {"WATCH", false, watch},
-    {"UNWATCH", false, watch},
+    {"MULTI", false, redis_multi},
+    {"EXEC", false, redis_exec},
+    {"DISCARD", false, redis_discard},
+    {"WATCH", false, redis_watch},
+    {"UNWATCH", false, redis_unwatch},
+    {"WAIT", false, redis_wait},
+    {"TIME", false, redis_time},
+    {"ROLE", false, redis_role},
+    {"LATENCY", false, redis_latency},
+    {"MODULE", false, redis_module},
+    {"CLUSTER", false, redis_cluster},
+    {"READONLY", false, redis_cluster},
+    {"READWRITE", false, redis_cluster},
 };
 
-/* Whether a connection in a refused transaction may send this command. */
-static bool ends_multi(const struct word *name)
+/* Whether the request is that of a command of ours which has the name of one of Redis's. */
+static bool is_ours(const struct request *q, const struct answer *a)
 {
-    return word_is(name, "EXEC") || word_is(name, "DISCARD") || word_is(name, "QUIT");
+    const struct word *name = &q->word[0];
+    /* Events are pushes, which RESP 2 does not have. */
+    if (a->typed && (word_is(name, "WATCH") || word_is(name, "UNWATCH")))
+        return true;
+    /* `HELLO 1` asks for the version of our protocol. */
+    if (q->n == 2 && word_is(name, "HELLO") && word_is(&q->word[1], "1"))
+        return true;
+    return word_is(name, "DEL") && !redis_del_is_misused(q);
 }
 
+/* The handler of Redis's command; NULL: there is none of that name, or it is a command of ours. */
 static redis_handler *find(const struct request *q, const struct answer *a, bool *open)
 {
-    static const char first[] =
-        "PHAESCIDKTMWU"; /* letters in the table; most requests have others */
+    static const char first[] = "PHAESCIDKTMWULOR"; /* in the table; most requests have others */
     *open = false;
-    if (a->multi && !ends_multi(&q->word[0]))
-        return refuse_in_multi;
     if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
         return NULL;
-    /* Events are pushes, which RESP 2 does not have. */
-    if (a->typed && (word_is(&q->word[0], "WATCH") || word_is(&q->word[0], "UNWATCH")))
-        return NULL;
-    /* `HELLO 1` asks for the version of our protocol. */
-    if (q->n == 2 && word_is(&q->word[0], "HELLO") && word_is(&q->word[1], "1"))
-        return NULL;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
-        if (word_is(&q->word[0], table[i].name)) {
+        if (word_is(&q->word[0], table[i].name) && !is_ours(q, a)) {
             *open = table[i].open;
             return table[i].handler;
         }
     return NULL;
 }
 
+/* Who answers the request; NULL: the command of ours. */
+static redis_handler *choose(struct server *s, const struct request *q, const struct answer *a,
+                             bool *open)
+{
+    redis_handler *handler = find(q, a, open);
+    if (handler == NULL && command_find_again(s, &q->word[0]) == NULL) {
+        *open = true;
+        return redis_unknown;
+    }
+    return a->multi && !redis_ends_multi(&q->word[0]) ? redis_queue : handler;
+}
+
 bool redis_answer(struct server *s, const struct request *q, struct answer *a)
 {
     bool open;
-    redis_handler *handler = find(q, a, &open);
+    redis_handler *handler = choose(s, q, a, &open);
     if (handler == NULL)
         return false;
     size_t mark = buf_len(a->out);

@@ -1,6 +1,7 @@
 /* redis.h - requests of Redis tools and client libraries that are not commands of ours, or that need a reply in
  * Redis's form: HELLO 2 and 3, PING, ECHO, SELECT, CLIENT, CONFIG GET, COMMAND, INFO, AUTH with a user's name, sets as
- * keys (keys.h), and MULTI, which is refused. Only in RESP framing (proto/resp.h). */
+ * keys (keys.h) and when they expire (redis_expire.h), transactions, which are not carried out (transaction.h), small ones (habit.h),
+ * and requests that neither Redis's table nor ours has. Only in RESP framing (proto/resp.h). */
 #ifndef SERVER_REDIS_REDIS_H
 #define SERVER_REDIS_REDIS_H
 

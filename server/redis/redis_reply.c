@@ -96,6 +96,24 @@ bool line_reply_split(struct line_reply *t, struct answer *a, const char *eol)
     return false;
 }
 
+const char *redis_fact(const struct buf *rows, const char *key, size_t *len)
+{
+    const char *at = buf_head(rows), *end = at + buf_len(rows);
+    size_t n = strlen(key);
+    while (at < end) {
+        const char *lf = memchr(at, '\n', (size_t)(end - at));
+        size_t line = (size_t)((lf != NULL ? lf : end) - at);
+        if (line > n && memcmp(at, key, n) == 0 && at[n] == ':') {
+            *len = line - n - 1;
+            if (*len > 0 && at[line - 1] == '\r')
+                --*len;
+            return at + n + 1;
+        }
+        at += line + 1;
+    }
+    return NULL;
+}
+
 bool redis_ask(struct server *s, const struct request *q, struct answer *a, const char *eol,
                struct line_reply *t)
 {

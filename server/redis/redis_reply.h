@@ -5,6 +5,8 @@
 #include "proto/reply_read.h"
 #include "server/command/command.h"
 
+typedef void redis_handler(struct server *s, const struct request *q, struct answer *a);
+
 /* A simple string, an error or another element of one line, with its mark; and a bulk string. */
 void redis_simple(struct answer *a, const char *text);
 void redis_bulk_text(struct answer *a, const char *text);
@@ -32,6 +34,9 @@ uint64_t line_reply_number(const struct line_reply *t, const char *key);
 /* Splits t->lines into status and rows, each with `eol`; an error is copied to the reply. False: that is all, and t
  * has been cleared. */
 bool line_reply_split(struct line_reply *t, struct answer *a, const char *eol);
+
+/* The value of a fact `key:value` among rows of INFO, up to the end of its line; NULL: there is none. */
+const char *redis_fact(const struct buf *rows, const char *key, size_t *len);
 
 /* Carries out q as a line. False: it has been answered with an error, or waits as *a says. */
 bool redis_ask(struct server *s, const struct request *q, struct answer *a, const char *eol,

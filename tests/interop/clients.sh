@@ -47,9 +47,9 @@ redis_benchmark_runs() {
 
 # Redis's clients for Node, of fixed versions, kept in the build folder.
 fetch_node_redis() {
-    [ -e "$build/interop/npm_redis/node_modules/ioredis" ] ||
+    [ -e "$build/interop/npm_redis/node_modules/ioredis5" ] ||
         timeout 120 npm install --prefix "$build/interop/npm_redis" --no-save --no-package-lock --no-audit --no-fund --ignore-scripts \
-            redis@5.12.1 ioredis@5.11.1 >"$scratch/npm" 2>&1
+            redis@6.3.1 ioredis@6.0.0 redis5@npm:redis@5.12.1 ioredis5@npm:ioredis@5.11.1 >"$scratch/npm" 2>&1
 }
 
 # ---- our clients with a million points, and with a daemon that dies meanwhile ----
@@ -215,11 +215,21 @@ count "redis-cli's modes" redis_cli_modes_work
 count "redis-benchmark" redis_benchmark_runs
 count "hiredis" "$build/interop/hiredis_talk" "$port"
 if fetch_node_redis; then
-    count "redis and ioredis for Node" timeout 120 node tests/interop/node/redis.mjs "$port" "$build/interop/npm_redis"
+    count "redis and ioredis for Node" timeout 120 node tests/interop/redis/node.mjs "$port" "$build/interop/npm_redis"
 else
     skip "redis and ioredis for Node" "npm cannot fetch packages here"
 fi
-count "redis-py" "$python" tests/interop/redis_py.py "$port"
+count "redis-py" "$python" tests/interop/redis/redis_py.py "$port"
+if php -m 2>/dev/null | grep -qx redis; then
+    count "phpredis" timeout 60 php tests/interop/redis/phpredis.php "$port"
+else
+    skip "phpredis" "the Debian packages php-cli and php-redis are missing"
+fi
+if perl -MRedis -e 1 2>/dev/null; then
+    count "Redis.pm" timeout 60 perl tests/interop/redis/perl.pl "$port"
+else
+    skip "Redis.pm" "the Debian package libredis-perl is missing"
+fi
 count "the Python package, nothing skipped" python_package_passes
 count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py

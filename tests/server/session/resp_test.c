@@ -63,8 +63,9 @@ TEST(resp_words_may_contain_any_byte)
     converse_alone("*2\r\n$4\r\nSTAT\r\n$3\r\na\nb\r\n*1\r\n$0\r\n\r\n*1\r\n$5\r\nA\r\nB:\r\n"
                    "*2\r\n$4\r\nECHO\r\n$4\r\n\r\n*1\r\n*0\r\nPING\n",
                    "-SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\r\n"
-                   "-UNKNOWN there is no command ; try HELP\r\n"
-                   "-UNKNOWN there is no command A??B:; try HELP\r\n$4\r\n\r\n*1\r\nOK 0\n");
+                   "-ERR unknown command '', with args beginning with: \r\n"
+                   "-ERR unknown command 'A??B:', with args beginning with: \r\n"
+                   "$4\r\n\r\n*1\r\nOK 0\n");
 }
 
 TEST(resp_greets_as_redis_tools_expect)
@@ -75,7 +76,7 @@ TEST(resp_greets_as_redis_tools_expect)
         "*3\r\n$6\r\nCONFIG\r\n$3\r\nGET\r\n$4\r\nsave\r\n"
         "*2\r\n$7\r\nCOMMAND\r\n$4\r\nDOCS\r\n*2\r\n$5\r\nHELLO\r\n$1\r\n4\r\n",
         "+OK\r\n-RANGE there is only the database 0\r\n+OK\r\n"
-        "*2\r\n$4\r\nsave\r\n$0\r\n\r\n*0\r\n-RANGE this server speaks RESP 2 and 3\r\n");
+        "*2\r\n$4\r\nsave\r\n$0\r\n\r\n*0\r\n-NOPROTO this server speaks RESP 2 and 3\r\n");
 }
 
 TEST(resp_needs_a_token_where_lines_do)
@@ -91,7 +92,8 @@ TEST(resp_needs_a_token_where_lines_do)
              "*3\r\n$4\r\nAUTH\r\n$1\r\nu\r\n$5\r\nwrong\r\n*3\r\n$4\r\nAUTH\r\n$1\r\nu\r\n$6\r\n"
              "secret\r\n*1\r\n$4\r\nSETS\r\n",
              "-NOAUTH authenticate first: AUTH token\r\n-NOAUTH authenticate first: AUTH token\r\n"
-             "+PONG\r\n-DENIED no such token\r\n+OK role=rw\r\n+OK\r\n");
+             "+PONG\r\n-WRONGPASS invalid username-password pair or user is "
+             "disabled.\r\n+OK\r\n+OK\r\n");
     unlink(path);
 }
 

@@ -35,7 +35,7 @@ try:
     pipe.execute()
     raise AssertionError("a transaction is no error")
 except redis.ResponseError as e:
-    assert "transaction=False" in str(e), e
+    assert "transaction=False" in str(e) and isinstance(e, redis.exceptions.ExecAbortError), e
 assert r.exists("tx") == 0 and r.ping() is True
 try:
     with r.pipeline() as pipe:
@@ -53,6 +53,21 @@ assert r.client_getname() in (b"interop", "interop")
 assert r.client_kill_filter(_id="7") == 0
 assert set(r.config_get("max-*")) == {"max-clients", "max-points", "max-memory"}
 assert r.slowlog_len() >= 0 and isinstance(r.slowlog_get(5), list)
+# What libraries send by habit.
+assert redis.Redis(port=int(sys.argv[1]), username="default", password="any").ping() is True
+assert r.wait(0, 10) == 0 and len(r.time()) == 2 and r.client_info()["multi"] == -1
+assert r.pexpire("p", 30000) and 0 < r.pttl("p") <= 30000 and r.expireat("p", 2000000000) and r.execute_command("EXPIRETIME", "p") == 2000000000
+assert r.execute_command("EXPIRE", "p", 5, "NX") == 0 and r.persist("p")
+assert info["redis_version"] == "7.0.0" and info["role"] == "master" and info["loading"] == 0, info
+assert list(r.info("keyspace")) == ["db0"] and r.info("commandstats")["cmdstat_nearest"]["calls"] >= 1000
+assert r.execute_command("ROLE")[0] == b"master" and r.object("encoding", "p") == b"pointset"
+for wrong, why in ((lambda: r.set("a", "b"), "unknown command 'SET', with args beginning with: 'a' 'b'"), (lambda: r.delete("p"), "DROP set deletes sets")):
+    try:
+        wrong()
+        raise AssertionError("no error")
+    except redis.ResponseError as e:
+        assert why in str(e), e
+assert r.execute_command("CREATE", "q") and r.unlink("p", "q", "none") == 2 and r.execute_command("CREATE", "p")
 assert r.execute_command("DROP", "p") in (b"OK", True)
 assert len(r.execute_command("COMMAND")) > 20
 r.close()

@@ -1,0 +1,11 @@
+/* habit.h - small requests that Redis's libraries and tools send by habit, before or beside what their users want: TIME, RESET, ROLE,
+ * WAIT, LATENCY, MODULE, CLUSTER and its like; and requests that nobody knows. */
+#ifndef SERVER_HABIT_H
+#define SERVER_HABIT_H
+
+#include "server/redis/redis_reply.h"
+
+redis_handler redis_time, redis_reset, redis_role, redis_wait, redis_latency, redis_module;
+redis_handler redis_cluster, redis_unknown;
+
+#endif

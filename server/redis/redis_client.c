@@ -1,0 +1,82 @@
+/* redis_client.c - see redis_client.h. */
+#include "server/redis/redis_client.h"
+
+#include "proto/resp.h"
+#include "server/clients/clients.h"
+
+static void put_name(struct answer *a, const struct line_reply *t)
+{
+    const char *name;
+    size_t len = 0;
+    if (reply_key(&t->status, "name", &name, &len) && len > 0)
+        resp_bulk(a->out, name, len);
+    else
+        redis_null(a);
+}
+
+/* CLIENT INFO: the row of this connection in CLIENT LIST, and facts that libraries expect in it. */
+static void put_own_row(struct server *s, struct answer *a)
+{
+    static const char facts[] =
+        " db=0 sub=0 psub=0 ssub=0 multi=-1 watch=0 qbuf=0 qbuf-free=0 argv-mem=0 "
+        "multi-mem=0 obl=0 oll=0 omem=0 tot-mem=0 flags=N events=r user=default "
+        "redir=-1 resp=";
+    const struct session *me = clients_asker(s, a);
+    struct buf row = {0};
+    if (me != NULL) {
+        client_row(&row, me);
+        buf_rewind(&row, buf_len(&row) - 1); /* its LF */
+        buf_append(&row, facts, sizeof facts - 1);
+        buf_append_text(&row, a->typed ? "3\n" : "2\n");
+    }
+    if (row.failed)
+        answer_out_of_memory(a);
+    else
+        resp_bulk(a->out, buf_head(&row), buf_len(&row));
+    buf_free(&row);
+}
+
+/* What needs no reply of our CLIENT; false: it does. */
+static bool answer_alone(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct word *what = &q->word[1], *how = &q->word[q->n - 1];
+    bool off = word_is(how, "OFF"), on = word_is(how, "ON");
+    if (q->n == 2 && word_is(what, "LIST") && a->role == ROLE_WRITE)
+        client_list(s, a, LISTING_BULK);
+    else if (q->n == 2 && word_is(what, "INFO"))
+        put_own_row(s, a);
+    else if (q->n == 3 && (word_is(what, "NO-EVICT") || word_is(what, "NO-TOUCH")) && (on || off))
+        redis_simple(a, "+OK"); /* that is always so */
+    else if (q->n >= 3 && word_is(what, "TRACKING"))
+        redis_simple(a, q->n == 3 && off
+                            ? "+OK"
+                            : "-ERR there is no client-side caching; WATCH set follows a set");
+    else if (q->n == 3 && word_is(what, "REPLY"))
+        redis_simple(a, on ? "+OK" : "-ERR every request has a reply");
+    else if (q->n == 2 && word_is(what, "GETREDIR"))
+        redis_integer(a, -1);
+    else if (q->n >= 3 && word_is(what, "UNBLOCK"))
+        redis_integer(a, 0);
+    else
+        return false;
+    return true;
+}
+
+void redis_client(struct server *s, const struct request *q, struct answer *a)
+{
+    struct line_reply t;
+    if ((q->n >= 2 && answer_alone(s, q, a)) || !redis_ask(s, q, a, "", &t))
+        return;
+    const struct word *what = &q->word[1];
+    if (word_is(what, "ID"))
+        redis_integer(a, (int64_t)line_reply_number(&t, "id"));
+    else if (word_is(what, "GETNAME"))
+        put_name(a, &t);
+    else if (word_is(what, "KILL") && q->n == 4)
+        redis_integer(a, (int64_t)line_reply_number(&t, "killed"));
+    else if (word_is(what, "KILL") && line_reply_number(&t, "killed") == 0)
+        redis_simple(a, "-ERR No such client");
+    else
+        redis_simple(a, "+OK");
+    line_reply_clear(&t);
+}

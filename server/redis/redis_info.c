@@ -1,0 +1,263 @@
+/* redis_info.c - see redis_info.h. A section is a line `# Name`, Redis's facts, and ours as INFO in lines has them. Programs take the
+ * sections apart by these lines, and facts by their names; so two facts of ours that mean something else in Redis have other names. */
+#include "server/redis/redis_info.h"
+
+#include "proto/resp.h"
+#include "server/clients/clients.h"
+#include "server/jobs/durable.h"
+#include "server/system/loop.h"
+#include "server/system/machine.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* ---- Redis's facts ---- */
+
+static void add_text(struct buf *out, const char *key, const char *value)
+{
+    buf_append_text(out, key);
+    buf_append_char(out, ':');
+    buf_append_text(out, value);
+    buf_append(out, "\r\n", 2);
+}
+
+static void add(struct buf *out, const char *key, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, value);
+    add_text(out, key, text);
+}
+
+static void add_server(struct server *s, const struct buf *ours, struct buf *out)
+{
+    uint64_t up = (uint64_t)(clock_ms() - s->started_ms) / 1000;
+    (void)ours;
+    add_text(out, "redis_version", REDIS_VERSION);
+    add_text(out, "redis_mode", "standalone");
+    add(out, "arch_bits", 8 * sizeof(void *));
+    add(out, "process_id", (uint64_t)getpid());
+    add(out, "uptime_in_seconds", up);
+    add(out, "uptime_in_days", up / 86400);
+}
+
+static void add_clients(struct server *s, const struct buf *ours, struct buf *out)
+{
+    (void)ours;
+    add(out, "connected_clients", s->clients != NULL ? s->clients->n : 0);
+    add(out, "maxclients", s->config->max_clients);
+    add(out, "blocked_clients", 0);
+}
+
+static void add_memory(struct server *s, const struct buf *ours, struct buf *out)
+{
+    (void)ours;
+    add(out, "used_memory", budget_used(&s->budget));
+    add(out, "used_memory_rss", machine_resident());
+    add(out, "used_memory_peak", s->budget.peak);
+    add(out, "maxmemory", s->config->max_memory);
+    add_text(out, "maxmemory_policy", "noeviction");
+}
+
+static void add_persistence(struct server *s, const struct buf *ours, struct buf *out)
+{
+    struct durable_facts disk;
+    (void)ours;
+    durable_facts(s, &disk);
+    add(out, "loading", disk.loaded_percent < 100);
+    add(out, "rdb_bgsave_in_progress", disk.snapshot_running);
+    add_text(out, "rdb_last_bgsave_status", disk.snapshot_failures == 0 ? "ok" : "err");
+    add(out, "aof_enabled", s->config->data != NULL);
+    add_text(out, "aof_last_write_status", strcmp(disk.state, "readonly") == 0 ? "err" : "ok");
+}
+
+static void add_stats(struct server *s, const struct buf *ours, struct buf *out)
+{
+    (void)ours;
+    add(out, "total_connections_received", s->count.connections);
+    add(out, "total_commands_processed", s->count.commands);
+    add(out, "rejected_connections", s->count.refused);
+    add(out, "total_error_replies", s->count.errors);
+}
+
+/* A fact of ours by another name. */
+static void add_fact(struct buf *out, const struct buf *ours, const char *key, const char *fact)
+{
+    size_t len;
+    const char *value = redis_fact(ours, fact, &len);
+    if (value == NULL)
+        return;
+    buf_append_text(out, key);
+    buf_append_char(out, ':');
+    buf_append(out, value, len);
+    buf_append(out, "\r\n", 2);
+}
+
+/* The two halves of `leader`, ADDRESS:PORT. */
+static void add_leader(struct buf *out, const struct buf *ours)
+{
+    char text[128];
+    size_t len;
+    const char *value = redis_fact(ours, "leader", &len);
+    int n = value == NULL ? 0 : (int)(len < sizeof text ? len : sizeof text - 1);
+    snprintf(text, sizeof text, "%.*s", n, value == NULL ? "" : value);
+    char *colon = strrchr(text, ':');
+    if (colon != NULL)
+        *colon = '\0';
+    add_text(out, "master_host", text);
+    add_text(out, "master_port", colon != NULL ? colon + 1 : "0");
+    value = redis_fact(ours, "link", &len);
+    bool up = value != NULL && len == 9 && memcmp(value, "receiving", len) == 0;
+    add_text(out, "master_link_status", up ? "up" : "down");
+    add(out, "slave_read_only", 1);
+    add_fact(out, ours, "slave_repl_offset", "lsn");
+}
+
+static void add_replication(struct server *s, const struct buf *ours, struct buf *out)
+{
+    add_text(out, "role", s->follows ? "slave" : "master");
+    if (s->follows)
+        add_leader(out, ours);
+    add_fact(out, ours, "connected_slaves", "followers");
+    add_fact(out, ours, "master_repl_offset", "lsn");
+}
+
+static void add_seconds(struct buf *out, const char *key, const struct timeval *t)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%" PRId64 ".%06ld", (int64_t)t->tv_sec, (long)t->tv_usec);
+    add_text(out, key, text);
+}
+
+static void add_cpu(struct server *s, const struct buf *ours, struct buf *out)
+{
+    struct rusage used;
+    (void)s, (void)ours;
+    getrusage(RUSAGE_SELF, &used);
+    add_seconds(out, "used_cpu_sys", &used.ru_stime);
+    add_seconds(out, "used_cpu_user", &used.ru_utime);
+}
+
+static void add_calls(struct buf *out, const char *name, const struct command_stats *of)
+{
+    char key[40] = "cmdstat_", value[160];
+    uint64_t us = histogram_sum(&of->work) / 1000;
+    size_t at = strlen(key);
+    for (; *name != '\0' && at + 1 < sizeof key; name++)
+        key[at++] = (char)(*name | 0x20);
+    key[at] = '\0';
+    snprintf(value, sizeof value,
+             "calls=%" PRIu64 ",usec=%" PRIu64
+             ",usec_per_call=%.2f,rejected_calls=0,failed_calls=%" PRIu64,
+             of->calls, us, (double)us / (double)of->calls, of->errors);
+    add_text(out, key, value);
+}
+
+static void add_commandstats(struct server *s, const struct buf *ours, struct buf *out)
+{
+    (void)ours;
+    for (size_t i = 0; i < command_count; i++)
+        if (s->stats.of[i].calls > 0)
+            add_calls(out, commands[i].name, &s->stats.of[i]);
+}
+
+static void add_cluster(struct server *s, const struct buf *ours, struct buf *out)
+{
+    (void)s, (void)ours;
+    add(out, "cluster_enabled", 0);
+}
+
+static void add_keyspace(struct server *s, const struct buf *ours, struct buf *out)
+{
+    char text[80];
+    (void)ours;
+    snprintf(text, sizeof text, "keys=%zu,expires=%zu,avg_ttl=0", s->sets.sets, s->sets.expiring);
+    add_text(out, "db0", text);
+}
+
+/* ---- sections ---- */
+
+static const struct section {
+    const char *name, *asked;    /* as it is shown, and in capitals */
+    const char *ours, *or_asked; /* our section, and another name that asks for it; NULL: none */
+    void (*add)(struct server *s, const struct buf *ours, struct buf *out);
+} sections[] = {
+    {"Server", "SERVER", "SERVER", NULL, add_server},
+    {"Clients", "CLIENTS", "CLIENTS", NULL, add_clients},
+    {"Memory", "MEMORY", "MEMORY", NULL, add_memory},
+    {"Persistence", "PERSISTENCE", NULL, NULL, add_persistence},
+    {"Durability", "DURABILITY", "DURABILITY", "PERSISTENCE", NULL},
+    {"Stats", "STATS", "STATS", NULL, add_stats},
+    {"Replication", "REPLICATION", "REPLICATION", NULL, add_replication},
+    {"CPU", "CPU", NULL, NULL, add_cpu},
+    {"Commandstats", "COMMANDSTATS", NULL, NULL, add_commandstats},
+    {"Commands", "COMMANDS", "COMMANDS", "LATENCYSTATS", NULL},
+    {"Sets", "SETS", "SETS", NULL, NULL},
+    {"Cluster", "CLUSTER", NULL, NULL, add_cluster},
+    {"Keyspace", "KEYSPACE", NULL, NULL, add_keyspace},
+};
+
+static bool asks_for(const struct request *q, const struct section *which)
+{
+    bool asked = q->n == 1;
+    for (size_t i = 1; i < q->n; i++) {
+        const struct word *w = &q->word[i];
+        asked |= word_is(w, which->asked) ||
+                 (which->or_asked != NULL && word_is(w, which->or_asked)) || word_is(w, "ALL") ||
+                 word_is(w, "DEFAULT") || word_is(w, "EVERYTHING");
+    }
+    return asked;
+}
+
+/* Copies our rows; `loading` and `role`, which mean something else in Redis, get longer names. */
+static void copy_rows(const struct buf *rows, struct buf *out)
+{
+    const char *at = buf_head(rows), *end = at + buf_len(rows);
+    while (at < end) {
+        const char *lf = memchr(at, '\n', (size_t)(end - at));
+        size_t n = (size_t)((lf != NULL ? lf + 1 : end) - at);
+        if (n > 8 && (memcmp(at, "loading:", 8) == 0 || memcmp(at, "role:", 5) == 0))
+            buf_append_text(out, "delaunayd_");
+        buf_append(out, at, n);
+        at += n;
+    }
+}
+
+/* False: an error has been written. */
+static bool add_section(struct server *s, const struct section *which, struct answer *a,
+                        struct buf *out)
+{
+    struct line_reply t = {0};
+    if (which->ours != NULL) {
+        struct word words[] = {{"INFO", 4}, {which->ours, strlen(which->ours)}};
+        if (!redis_ask(s, &(struct request){.word = words, .n = 2}, a, "\r\n", &t))
+            return false;
+    }
+    if (buf_len(out) > 0)
+        buf_append(out, "\r\n", 2);
+    buf_append(out, "# ", 2);
+    buf_append_text(out, which->name);
+    buf_append(out, "\r\n", 2);
+    if (which->add != NULL)
+        which->add(s, &t.rows, out);
+    copy_rows(&t.rows, out);
+    line_reply_clear(&t);
+    return true;
+}
+
+/* Of a section that does not exist there are no facts, as in Redis. */
+void redis_info(struct server *s, const struct request *q, struct answer *a)
+{
+    struct buf out = {0};
+    bool ok = true;
+    for (size_t i = 0; i < sizeof sections / sizeof sections[0] && ok; i++)
+        if (asks_for(q, &sections[i]))
+            ok = add_section(s, &sections[i], a, &out);
+    if (ok && out.failed)
+        answer_out_of_memory(a);
+    else if (ok)
+        resp_bulk(a->out, buf_head(&out), buf_len(&out));
+    buf_free(&out);
+}

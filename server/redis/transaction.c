@@ -1,0 +1,54 @@
+/* transaction.c - see transaction.h. */
+#include "server/redis/transaction.h"
+
+void redis_multi(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s;
+    if (q->n != 1) {
+        redis_usage(a, "MULTI");
+        return;
+    }
+    redis_simple(a, a->multi ? "-ERR MULTI calls can not be nested" : "+OK");
+    a->multi = true;
+}
+
+void redis_exec(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, a->multi
+                        ? "-EXECABORT there are no transactions: nothing was carried out; send the "
+                          "commands without MULTI and EXEC (redis-py: pipeline(transaction=False))"
+                        : "-ERR EXEC without MULTI");
+    a->multi = false;
+}
+
+void redis_discard(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, a->multi ? "+OK" : "-ERR DISCARD without MULTI");
+    a->multi = false;
+}
+
+void redis_watch(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, "-UNKNOWN there are no transactions, so there is no WATCH before them");
+}
+
+void redis_unwatch(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, "+OK"); /* nothing is watched */
+}
+
+bool redis_ends_multi(const struct word *name)
+{
+    return word_is(name, "EXEC") || word_is(name, "DISCARD") || word_is(name, "QUIT") ||
+           word_is(name, "RESET") || word_is(name, "MULTI");
+}
+
+void redis_queue(struct server *s, const struct request *q, struct answer *a)
+{
+    redis_simple(a, "+QUEUED");
+    command_skip_body(s, q, a);
+}
