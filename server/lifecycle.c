@@ -26,7 +26,7 @@ bool server_init(struct server *s, struct config *config)
     s->pages = dt_pages_new(config->max_memory);
     budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);
-    registry_begin_life(&s->sets, 0);
+    registry_begin_life_in_memory(&s->sets); /* with --data until that has been read */
     s->sets.memory = server_reservation(s, BUDGET_SETS);
     s->queued = server_reservation(s, BUDGET_LOG);
     s->ahead = calloc(1, sizeof *s->ahead);

@@ -1,6 +1,8 @@
 /* dataset.c - see dataset.h. */
 #include "server/sets/dataset.h"
 
+#include "server/system/random.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -395,6 +397,11 @@ bool registry_replace(struct registry *r, struct registry *from, bool same)
 
 enum { LIFE_SHIFT = 21 };
 
+/* The numbers of lives in memory. They are larger than the seconds until 2038, and 2^20 smaller than 2^32, so that 2^40
+ * changes fit below 2^53. */
+#define FIRST_IN_MEMORY (UINT32_C(1) << 31)
+#define LIVES_IN_MEMORY ((UINT32_C(1) << 31) - (UINT32_C(1) << 20))
+
 uint64_t registry_version(struct registry *r, uint64_t lsn)
 {
     uint64_t base = (uint64_t)r->life << LIFE_SHIFT;
@@ -420,8 +427,14 @@ void registry_begin_life(struct registry *r, uint32_t last)
     clock_gettime(CLOCK_REALTIME, &now);
     registry_each(r, note_life, &last);
     r->life = now.tv_sec > last ? (uint32_t)now.tv_sec : last + 1;
-    r->unlogged = (uint64_t)now.tv_nsec / 1000; /* a life in memory may have begun in this second */
+    r->unlogged = (uint64_t)now.tv_nsec / 1000;
     registry_each(r, give_version, r);
+}
+
+void registry_begin_life_in_memory(struct registry *r)
+{
+    r->life = FIRST_IN_MEMORY + (uint32_t)(random_bits() % LIVES_IN_MEMORY);
+    r->unlogged = 0;
 }
 
 /* ---- temporary sets ---- */

@@ -92,13 +92,16 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
 /* Removes the set and frees it; all requests that wait for it are woken. It must have no writer. */
 void registry_drop(struct registry *r, struct dataset *set);
 /* The version of a set after a change that has this lsn; 0: it is in no log. Below 2^53, never the same twice, and
- * larger than those of earlier lives. */
+ * with a data directory larger than those of earlier lives. */
 uint64_t registry_version(struct registry *r, uint64_t lsn);
 /* The set has another version. */
 void registry_set_version(struct registry *r, struct dataset *set, uint64_t version);
 /* A life begins after the life `last` (0: there was none): chooses its number, which grows with the time, and gives
  * versions to the sets that have none. */
 void registry_begin_life(struct registry *r, uint32_t last);
+/* The same without a data directory, which would say what the last life was: chooses a random number, because the clock may
+ * stand still or be set back. */
+void registry_begin_life_in_memory(struct registry *r);
 /* Sets when the set is dropped, in milliseconds since 1970 (expire.h); 0: never. */
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms);
 /* The next one of the sets that are dropped at some time, round and round; NULL: there are none. Cost: constant. */

@@ -215,3 +215,24 @@ TEST(temporary_set_is_replaced_by_one_of_its_name_only)
     CHECK(sets.sets == 1);
     registry_clear(&sets);
 }
+
+/* All begin in the same second or two, as if the clock stood still or were set back. */
+TEST(lives_in_memory_have_no_version_in_common_whatever_the_clock)
+{
+    enum { LIVES = 200, CHANGES = 100000 };
+    static uint64_t first[LIVES];
+    for (int i = 0; i < LIVES; i++) {
+        struct registry r;
+        registry_init(&r);
+        registry_begin_life_in_memory(&r);
+        uint64_t before = first[i] = registry_version(&r, 0);
+        for (int k = 1; k < CHANGES; k++) {
+            uint64_t now = registry_version(&r, 0);
+            CHECK(now > before && now < UINT64_C(1) << 53);
+            before = now;
+        }
+        for (int k = 0; k < i; k++)
+            CHECK(first[k] > before || first[k] + 2 * CHANGES < first[i]);
+        registry_clear(&r);
+    }
+}
