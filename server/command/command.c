@@ -289,6 +289,18 @@ static bool prepare(struct server *s, struct answer *a, struct dataset *set)
     return false;
 }
 
+/* Whether the request has to be saved: not if it is about a temporary set, or creates one. */
+static bool is_saved(const struct server *s, const struct command *c, const struct request *q,
+                     const struct dataset *set)
+{
+    if (set != NULL)
+        return !set->temporary;
+    bool temporary = false;
+    for (size_t i = 2; c->handler == cmd_create && s->read_only.why == NULL && i < q->n; i++)
+        temporary = temporary || word_is(&q->word[i], "TEMPORARY");
+    return !temporary;
+}
+
 /* Whether the state of the set allows the command now. If not, the request waits, or the ERR line has been written. */
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         const struct request *q, struct dataset *set)
@@ -298,9 +310,8 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         rebuild_refuse(s, a, set);
         return false;
     }
-    bool kept = set == NULL || !set->temporary;
     bool saves = (c->flags & CMD_ALL_SETS) != 0; /* what a follower may, too */
-    if (writes && kept && !(saves && s->read_only.why != NULL) &&
+    if (writes && is_saved(s, c, q, set) && !(saves && s->read_only.why != NULL) &&
         !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
         return false;
     if (set == NULL)

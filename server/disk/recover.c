@@ -453,12 +453,14 @@ static bool save_log(struct recovery *r)
         const struct datafile *f = &files.v[i];
         if (f->kind != DATAFILE_LOG)
             continue;
-        ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes);
+        ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes) ||
+             fail(r, RECOVERY_ERROR, "cannot write and sync %s: %s", f->name, strerror(errno));
         last = false;
     }
-    int error = errno;
+    if (!ok && r->result == RECOVERY_OK)
+        fail(r, RECOVERY_ERROR, "cannot list the files: %s", strerror(errno));
     datafiles_free(&files);
-    return ok || fail(r, RECOVERY_ERROR, "cannot sync the log: %s", strerror(error));
+    return ok;
 }
 
 /* The snapshot that was read, if there are also files that it covers: they would have been removed after a

@@ -425,4 +425,7 @@ void follower_facts(const struct server *s, struct follower_facts *facts)
     snprintf(facts->why, sizeof facts->why, "%s", f->link->why);
     facts->leader_lsn = f->link->leader_lsn;
     pthread_mutex_unlock(&f->link->mutex);
+    const char *fault = durable_fault(s);
+    if (fault != NULL)
+        snprintf(facts->why, sizeof facts->why, "changes cannot be saved here: %s", fault);
 }

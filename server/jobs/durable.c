@@ -309,6 +309,14 @@ static bool is_behind(const struct server *s)
     return s->queued.bytes > room;
 }
 
+const char *durable_fault(const struct server *s)
+{
+    const struct durable *d = s->durable;
+    if (!is_running(d) || d->saver.status.state == LOG_GOOD)
+        return NULL;
+    return datadir_error(saver_error(&d->saver));
+}
+
 bool durable_has_room(const struct server *s)
 {
     const struct durable *d = s->durable;

@@ -61,6 +61,9 @@ struct datadir *durable_dir(const struct server *s);
 /* The log's state as it was last read; NULL: as durable_dir. */
 const struct log_status *durable_status(const struct server *s);
 
+/* Why changes cannot be saved now; NULL: they can, or there is no data directory. */
+const char *durable_fault(const struct server *s);
+
 /* Whether the log has lost changes that a snapshot has: nothing can continue from it. */
 bool durable_has_gap(const struct server *s);
 
