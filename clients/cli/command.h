@@ -4,7 +4,6 @@
 #ifndef CLIENTS_COMMAND_H
 #define CLIENTS_COMMAND_H
 
-#include "clients/files/source.h"
 #include "clients/lib/delaunay_client.h"
 #include "clients/lib/url.h"
 
@@ -56,13 +55,6 @@ int command_copy(struct delaunay_client *c, int argc, char **argv);
 
 /* completion SHELL: prints a completion script. c is NULL. */
 int command_completion(struct delaunay_client *c, int argc, char **argv);
-
-/* source_read, whose fault is kept for --json, too. */
-bool command_read_points(struct source *s, struct points_file *f);
-
-/* Sends the points of a file, and its fields if it has any, into a set, with a progress bar, and receives the reply. */
-enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
-                                         const struct points_file *f, const struct source *s);
 
 /* Prints the status line of the last reply, or it as JSON. */
 void command_print_status(const struct delaunay_client *c);

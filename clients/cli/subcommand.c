@@ -14,24 +14,26 @@ const struct subcommand subcommands[] = {
      "rsvg-convert or inkscape.\n\n"
      "  -f, --format F           svg or png; else the picture's ending decides\n"
      "      --input-format F     of the points; as load's --format\n"
-     "  -c, --columns X,Y        as load's\n"
-     "      --skip-bad, --fields as load's\n"
+     "  -c, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata V, --negate FIELD,\n"
+     "      --dry-run            as load's; --dry-run needs no PICTURE\n"
      "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
-     "--format --input-format --columns --skip-bad --fields --colour --field --numbers --viewport "
-     "--force "
-     "--help",
+     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
+     "--dry-run "
+     "--colour --field --numbers --viewport --force --help",
      true},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
      "  -f, --format F           of the mesh; else its ending decides\n"
-     "      --input-format F, --columns X,Y, --skip-bad, --fields, --force\n",
-     "--format --input-format --columns --skip-bad --fields --colour --field --numbers --viewport "
-     "--force "
-     "--help",
+     "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
+     "V,\n"
+     "      --negate FIELD, --dry-run, --force\n",
+     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
+     "--dry-run "
+     "--colour --field --numbers --viewport --force --help",
      true},
     {"load", command_load, false, true,
-     "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad]",
+     "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
      "line\n"
      "loads nothing and is named.\n\n"
@@ -42,17 +44,23 @@ const struct subcommand subcommands[] = {
      "  -f, --format node     Triangle's .node file\n"
      "  -c, --columns X,Y[,Z] columns of a table, by name or by number from 1\n"
      "      --fields          every other column of numbers becomes a field\n"
-     "      --skip-bad        leave bad lines out; shows the first ones and counts them\n\n"
+     "      --skip-bad        leave bad lines out; shows the first ones and counts them\n"
+     "      --skip-lines N    leave out the first N lines\n"
+     "      --nodata V        the value V of a field means that it is missing\n"
+     "      --negate FIELD    change the sign of x, y or a field\n"
+     "      --dry-run         show how the file is read, and load nothing; needs no server\n\n"
      "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node; else the\n"
      "first character: { is GeoJSON, anything else a table. The headings of a table choose the "
      "columns,\n"
      "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
-     "refused. Heights (z, height, elevation, ...; the third of three columns) become the field z. "
-     "Beside\n"
-     "semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
-     ".zst)\n"
+     "refused. Heights (z, height, elevation, ele, ...; the third of three columns) become the "
+     "field "
+     "z.\n"
+     "A column of WKT points is read, too. What is not used, missing or doubtful is named.\n"
+     "Compressed files (.gz .bz2 .xz .zst)\n"
      "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv.\n",
-     "--format --columns --fields --skip-bad --help", true},
+     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --dry-run --help",
+     true},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
      "[--viewport X0,Y0,X1,Y1]",

@@ -96,10 +96,10 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
     return status;
 }
 
-static bool asks_for_help(int words, char **word)
+static bool has_option(int words, char **word, const char *option)
 {
     for (int i = 1; i < words; i++)
-        if (strcmp(word[i], "--help") == 0)
+        if (strcmp(word[i], option) == 0)
             return true;
     return false;
 }
@@ -107,14 +107,14 @@ static bool asks_for_help(int words, char **word)
 int dispatch(struct delaunay_client *c, int words, char **word, struct url *where)
 {
     const struct subcommand *s = words > 0 ? subcommand_find(word[0]) : NULL;
-    if (s != NULL && asks_for_help(words, word)) {
+    if (s != NULL && has_option(words, word, "--help")) {
         subcommand_print_help(s);
         return EXIT_DONE;
     }
     const char *fault = find_fault(s, words, word, where);
     if (fault != NULL)
         return options_wrong("", "%s", fault);
-    if (s != NULL && s->alone)
+    if (s != NULL && (s->alone || (s->run == command_load && has_option(words, word, "--dry-run"))))
         return s->run(NULL, words, word);
     return c != NULL ? run_connected(c, s, words, word) : run(s, words, word, where);
 }

@@ -7,13 +7,13 @@
 #include "clients/cli/command.h"
 #include "clients/cli/message.h"
 #include "clients/cli/private_daemon.h"
+#include "clients/cli/reading.h"
 #include "clients/commands/export.h"
-#include "clients/files/source.h"
 
 static const char set[] = "points";
 
 struct drawing {
-    struct source from;
+    struct reading reading;
     struct export to;
     bool on_terminal;
     char name[100]; /* the file's, as a title */
@@ -21,40 +21,35 @@ struct drawing {
 
 static int read_option(struct drawing *d, int option, char **argv)
 {
-    if (option == 's')
-        d->from.skip_bad = true;
-    else if (option == 'a')
-        d->from.table.fields.all = true;
-    else if (option == 'i' && !source_read_form(optarg, &d->from))
-        return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
-                             optarg);
-    else if (option == 'c' && !table_choose_columns(&d->from.table, optarg))
-        return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
-                             optarg);
-    else if (option != 'i' && option != 'c')
-        return export_option(&d->to, option, argv);
-    return EXIT_DONE;
+    bool known;
+    int status =
+        reading_option(&d->reading, option == 'c' ? READING_COLUMNS : option, argv, &known);
+    return known ? status : export_option(&d->to, option, argv);
 }
 
 /* The last part of the path, without characters of markup. */
 static void choose_name(struct drawing *d)
 {
-    const char *slash = strrchr(d->from.path, '/');
-    snprintf(d->name, sizeof d->name, "%s", slash != NULL ? slash + 1 : d->from.path);
+    const char *slash = strrchr(d->reading.from.path, '/');
+    snprintf(d->name, sizeof d->name, "%s", slash != NULL ? slash + 1 : d->reading.from.path);
     for (char *p = d->name; *p != '\0'; p++)
         if (strchr("<>&", *p) != NULL || iscntrl((unsigned char)*p))
             *p = '_';
 }
 
+static void put_reading(const void *ctx)
+{
+    reading_json(ctx);
+}
+
 static int read_arguments(struct drawing *d, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"input-format", required_argument, NULL, 'i'},
-                                            {"columns", required_argument, NULL, 'c'},
-                                            {"skip-bad", no_argument, NULL, 's'},
-                                            {"fields", no_argument, NULL, 'a'},
-                                            EXPORT_OPTIONS,
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'},
+        {"input-format", required_argument, NULL, READING_FORMAT},
+        READING_OPTIONS,
+        EXPORT_OPTIONS,
+        {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
     int option, status = EXIT_DONE;
     optind = 0;
@@ -62,15 +57,17 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
         status = read_option(d, option, argv);
     if (status != EXIT_DONE)
         return status;
-    d->on_terminal = draws && argc - optind == 1;
+    d->on_terminal = argc - optind == 1 && (draws || d->reading.dry_run);
     if (argc - optind != 2 && !d->on_terminal)
         return options_wrong(argv[0], draws ? "draw takes a file of points and that of the picture"
                                             : "run takes a file of points and that of the mesh");
-    d->from.path = argv[optind];
+    d->reading.from.path = argv[optind];
     choose_name(d);
     if (d->on_terminal)
         return EXIT_DONE;
     d->to.path = argv[optind + 1];
+    d->to.more = put_reading;
+    d->to.ctx = &d->reading;
     status = export_prepare(&d->to, argv);
     if (status == EXIT_DONE && draws && d->to.format != NULL)
         return options_wrong(argv[0],
@@ -89,33 +86,33 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
     return d->on_terminal ? command_show(c, 2, words) : export_set(c, &d->to, set, d->name);
 }
 
-static int carry_out(struct drawing *d, const struct points_file *f)
+static int carry_out(struct drawing *d)
 {
     char why[300];
+    bool go_on;
     struct private_daemon own;
-    if (f->n == 0) {
-        message_print("%s: there are no points in it", d->from.path);
-        return EXIT_REFUSED;
-    }
+    int status = reading_read(&d->reading, &go_on);
+    if (!go_on)
+        return status;
+    if (d->reading.file.n == 0)
+        return EXIT_REFUSED; /* the report says so */
     if (!private_daemon_start(&own, why, sizeof why)) {
         message_print("%s", why);
         return EXIT_NO_CONNECTION;
     }
-    enum delaunay_result r = command_send_points(own.client, set, f, &d->from);
-    int status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
+    enum delaunay_result r = reading_send(&d->reading, own.client, set);
+    status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
     private_daemon_end(&own);
     return status;
 }
 
 int command_draw(struct delaunay_client *c, int argc, char **argv)
 {
-    struct drawing d = {.from = {.form = SOURCE_GUESS}};
-    struct points_file f = {0};
+    struct drawing d = {.reading = {.from = {.form = SOURCE_GUESS}}};
     (void)c;
     int status = read_arguments(&d, argc, argv);
-    if (status != EXIT_DONE)
-        return status;
-    status = command_read_points(&d.from, &f) ? carry_out(&d, &f) : EXIT_REFUSED;
-    points_file_free(&f);
+    if (status == EXIT_DONE)
+        status = carry_out(&d);
+    reading_free(&d.reading);
     return status;
 }

@@ -69,6 +69,8 @@ static void report(const struct export_work *w)
         json_number("hull", m->hull_n);
         if (w->left_out > 0)
             json_number("left_out", w->left_out);
+        if (e->more != NULL)
+            e->more(e->ctx);
         json_finish();
     } else if (shown < m->n) {
         printf("%s: %zu of %zu points\n", e->path, shown, m->n);

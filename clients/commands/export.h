@@ -14,6 +14,8 @@ struct export
     const char *path, *form;     /* "-": the standard output; form NULL: the ending decides */
     const struct format *format; /* NULL: a picture */
     bool png, force;
+    void (*more)(const void *ctx); /* writes more keys of the report in JSON; may be NULL */
+    const void *ctx;
     struct picture picture;
 };
 

@@ -3,86 +3,63 @@
 #include <stdio.h>
 
 #include "clients/cli/command.h"
-#include "clients/cli/message.h"
-#include "clients/cli/options.h"
-#include "clients/files/progress.h"
-#include "clients/files/source.h"
+#include "clients/cli/json.h"
+#include "clients/cli/reading.h"
 
-static void show_sending(void *ctx, size_t done, size_t total)
+static int read_arguments(struct reading *r, const char **set, int argc, char **argv)
 {
-    progress_update(ctx, done, total, done);
-}
-
-enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
-                                         const struct points_file *f, const struct source *s)
-{
-    const struct table_fields *t = &s->table.fields;
-    char names[FIELDS_MOST * (FIELDS_NAME + 1)] = "";
-    struct progress bar;
-    for (size_t i = 0, n = 0; i < f->fields; i++)
-        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", i > 0 ? "," : "", t->name[i]);
-    progress_start(&bar, "sending");
-    enum delaunay_result r =
-        delaunay_send_values(c, set, names, f->xy, f->value, f->n, show_sending, &bar);
-    progress_end(&bar);
-    return r == DELAUNAY_OK ? delaunay_receive(c, command_show_comment, NULL) : r;
-}
-
-bool command_read_points(struct source *s, struct points_file *f)
-{
-    bool ok = source_read(s, f);
-    if (!ok && f->line > 0)
-        message_keep("%s:%ju: %s", s->path, (uintmax_t)f->line, f->fault);
-    else if (!ok)
-        message_keep("%s: %s", s->path, f->fault);
-    return ok;
-}
-
-static int read_arguments(struct source *s, const char **set, int argc, char **argv)
-{
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"columns", required_argument, NULL, 'c'},
-                                            {"skip-bad", no_argument, NULL, 's'},
-                                            {"fields", no_argument, NULL, 'a'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, READING_FORMAT}, READING_OPTIONS, {NULL, 0, NULL, 0}};
     int option;
     optind = 0;
     while ((option = options_next(argc, argv, "f:c:", options)) != -1) {
-        if (option == 's')
-            s->skip_bad = true;
-        else if (option == 'a')
-            s->table.fields.all = true;
-        else if (option == 'f' && !source_read_form(optarg, s))
-            return options_wrong(
-                argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz", optarg);
-        else if (option == 'c' && !table_choose_columns(&s->table, optarg))
-            return options_wrong(
-                argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1", optarg);
-        else if (option != 'f' && option != 'c')
-            return options_unknown(argv[0], argv, option);
+        bool known;
+        int status = reading_option(r,
+                                    option == 'f'   ? READING_FORMAT
+                                    : option == 'c' ? READING_COLUMNS
+                                                    : option,
+                                    argv, &known);
+        if (status != EXIT_DONE || !known)
+            return known ? status : options_unknown(argv[0], argv, option);
     }
     if (argc - optind != 2)
         return options_wrong(argv[0], "load takes a set and a file");
     *set = argv[optind];
-    s->path = argv[optind + 1];
+    r->from.path = argv[optind + 1];
     return EXIT_DONE;
+}
+
+static void print_status(const struct reading *r, const struct delaunay_client *c)
+{
+    struct json_reply j = {.rows = 0};
+    if (!json_chosen()) {
+        command_print_status(c);
+        return;
+    }
+    json_part(&j, delaunay_status(c));
+    reading_json(r);
+    json_end(&j);
+}
+
+static int load(struct delaunay_client *c, struct reading *r, const char *set)
+{
+    bool go_on;
+    int status = reading_read(r, &go_on);
+    if (!go_on)
+        return status;
+    enum delaunay_result result = reading_send(r, c, set);
+    if (result == DELAUNAY_OK)
+        print_status(r, c);
+    return command_outcome(c, result);
 }
 
 int command_load(struct delaunay_client *c, int argc, char **argv)
 {
-    struct points_file f = {0};
-    struct source s = {.form = SOURCE_GUESS};
+    struct reading r = {.from = {.form = SOURCE_GUESS}};
     const char *set = NULL;
-    int status = read_arguments(&s, &set, argc, argv);
-    if (status != EXIT_DONE)
-        return status;
-    if (!command_read_points(&s, &f)) {
-        points_file_free(&f);
-        return EXIT_REFUSED;
-    }
-    enum delaunay_result r = command_send_points(c, set, &f, &s);
-    points_file_free(&f);
-    if (r == DELAUNAY_OK)
-        command_print_status(c);
-    return command_outcome(c, r);
+    int status = read_arguments(&r, &set, argc, argv);
+    if (status == EXIT_DONE)
+        status = load(c, &r, set);
+    reading_free(&r);
+    return status;
 }

@@ -2,7 +2,7 @@
  * been passed: the object's members are bookmarked first, and then those are read that its type makes meaningful. */
 #include "clients/files/geojson_file.h"
 
-#include "clients/files/headings.h"
+#include "clients/reading/headings.h"
 #include "clients/reading/json_scan.h"
 #include "proto/number.h"
 

@@ -1,5 +1,5 @@
-/* points_file.h - reads a file of points: lines `x y`, blank ones and those that start with '#'
- * skipped; or lines that f->parse_line reads (table_file.h). */
+/* points_file.h - the points of a file in memory, their values, and what was wrong with the file. Readers of formats fill it
+ * in (table_file.h, geojson_file.h). */
 #ifndef CLIENTS_POINTS_FILE_H
 #define CLIENTS_POINTS_FILE_H
 
@@ -19,11 +19,6 @@ struct points_file {
     const double
         *row;      /* borrows `fields` values for the point that is read next; NULL: none known */
     uint64_t line; /* lines read so far; the last one's number, from 1 */
-    /* Reads one line, its number in f->line, which may be changed meanwhile; NULL: `x y`. */
-    bool (*parse_line)(struct points_file *f, const char *s, const char *end);
-    /* The end of the line that begins at s, NULL if it is not before `end`; NULL: at a LF. */
-    const char *(*find_end)(const struct points_file *f, const char *s, const char *end);
-    void *parser; /* borrows: what parse_line keeps from line to line */
     const char
         *fault; /* why reading failed: a sentence, about line `line` if that is not 0; static or
                           in `text` */
@@ -41,17 +36,18 @@ struct points_file {
 /* Called now and then with the bytes and points read so far. */
 typedef void points_file_progress_fn(void *ctx, uint64_t bytes, size_t points);
 
-/* Reads all of the open file fd. False at the first bad line, on a read error or out of memory. *f must be
- * zeroed except parser and skip_bad; the caller frees it in any case. Memory: 16 bytes a point, doubled while
- * growing. */
-bool points_file_read(struct points_file *f, int fd, points_file_progress_fn *progress, void *ctx);
+/* Appends a point with the values f->row. False, with the fault set, if a coordinate is out of the server's range, or out of
+ * memory. Memory: 16 bytes a point and 8 a value, doubled while growing. */
+bool points_file_append(struct points_file *f, double x, double y);
 
 /* Appends the point that two words give. False, with the fault set, if they are not numbers. */
 bool points_file_add(struct points_file *f, const char *x, size_t x_len, const char *y,
                      size_t y_len);
 
-/* Return false and set the fault: of this line; of the file as a whole, from a format. */
+/* Return false and set the fault: of this line, the second one from a format; of the file as a whole. */
 bool points_file_fault(struct points_file *f, const char *what);
+__attribute__((format(printf, 2, 3))) bool points_file_bad(struct points_file *f,
+                                                           const char *format, ...);
 __attribute__((format(printf, 2, 3))) bool points_file_stop(struct points_file *f,
                                                             const char *format, ...);
 

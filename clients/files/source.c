@@ -24,7 +24,7 @@ bool source_read_form(const char *name, struct source *s)
     for (size_t i = 0; i < 5; i++) /* the names of formats come first */
         if (strcmp(endings[i].name, name) == 0) {
             s->form = endings[i].form;
-            s->table.xyz = endings[i].xyz;
+            s->table.wish.xyz = endings[i].xyz;
             return true;
         }
     return false;
@@ -53,19 +53,19 @@ static void guess_form(struct source *s, const struct input *in)
     const char *ending;
     size_t len = find_ending(s->path, &ending);
     s->form = SOURCE_TABLE;
-    if (s->table.chosen)
+    if (s->table.wish.chosen)
         return;
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
         if (len == strlen(endings[i].name) && strncasecmp(ending, endings[i].name, len) == 0) {
             s->form = endings[i].form;
-            s->table.xyz = endings[i].xyz;
+            s->table.wish.xyz = endings[i].xyz;
             return;
         }
     if (in->first == '{' || in->first == '[' || in->first == 0x1E)
         s->form = SOURCE_GEOJSON;
 }
 
-static const char *source_name(const struct source *s)
+const char *source_name(const struct source *s)
 {
     return strcmp(s->path, "-") == 0 ? "standard input" : s->path;
 }
@@ -117,14 +117,13 @@ static bool read_geojson(struct source *s, struct points_file *f, int fd)
 static bool read_points(struct source *s, struct points_file *f, const struct input *in)
 {
     struct reading r = {.size = in->size};
-    s->table.node = s->form == SOURCE_NODE;
+    s->table.wish.node = s->form == SOURCE_NODE;
+    s->table.wish.xy = s->form == SOURCE_XY;
     f->skip_bad = s->skip_bad;
     if (s->form == SOURCE_GEOJSON)
         return read_geojson(s, f, in->fd);
-    if (s->form != SOURCE_XY)
-        table_file_init(&s->table, f);
     progress_start(&r.bar, "reading");
-    bool ok = points_file_read(f, in->fd, show_reading, &r);
+    bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);
     return ok;
 }
@@ -140,13 +139,15 @@ static void show_skipped(const char *name, const struct points_file *f)
                 f->skipped > shown ? " in all" : "", f->n);
 }
 
-static void show_missing(const char *name, const struct source *s, const struct points_file *f)
+static void fail(struct source *s, const struct points_file *f)
 {
-    const struct table_fields *t = &s->table.fields;
-    for (size_t i = 0; i < t->n; i++)
-        if (t->missing[i] > 0)
-            fprintf(stderr, "delaunay: %s: %s: %ju of %zu values are missing\n", name, t->name[i],
-                    (uintmax_t)t->missing[i], f->n);
+    const char *hint = !f->fatal && !s->skip_bad ? " (--skip-bad leaves such out)" : "";
+    char line[32] = "";
+    if (f->line > 0)
+        snprintf(line, sizeof line, ":%ju", (uintmax_t)f->line);
+    snprintf(s->message, sizeof s->message, "%s%s: %s; nothing was loaded%s", source_name(s), line,
+             f->fault, f->line > 0 ? hint : "");
+    fprintf(stderr, "delaunay: %s\n", s->message);
 }
 
 bool source_read(struct source *s, struct points_file *f)
@@ -155,8 +156,9 @@ bool source_read(struct source *s, struct points_file *f)
     struct input in;
     const char *name = source_name(s);
     if (!input_open(&in, s->path, why, sizeof why)) {
-        fprintf(stderr, "delaunay: %s: %s\n", name, why);
-        return points_file_stop(f, "%s", why);
+        snprintf(s->message, sizeof s->message, "%s: %s", name, why);
+        fprintf(stderr, "delaunay: %s\n", s->message);
+        return false;
     }
     if (s->form == SOURCE_GUESS)
         guess_form(s, &in);
@@ -165,19 +167,19 @@ bool source_read(struct source *s, struct points_file *f)
         f->line = 0;
         ok = points_file_stop(f, "%s", why);
     }
-    const char *hint = !ok && !f->fatal && !s->skip_bad ? " (--skip-bad leaves such out)" : "";
-    if (!ok && f->line > 0)
-        fprintf(stderr, "delaunay: %s:%ju: %s; nothing was loaded%s\n", name, (uintmax_t)f->line,
-                f->fault, hint);
-    else if (!ok)
-        fprintf(stderr, "delaunay: %s: %s; nothing was loaded\n", name, f->fault);
+    ok = ok && survey(f, &s->table, &s->wish);
+    if (!ok)
+        fail(s, f);
     if (ok && s->table.using[0] != '\0')
         fprintf(stderr, "delaunay: %s: using %s%s\n", name,
                 s->form == SOURCE_GEOJSON ? "" : "columns ", s->table.using);
     report_print(&f->report, name, stderr);
-    if (ok) {
-        show_missing(name, s, f);
+    if (ok)
         show_skipped(name, f);
-    }
     return ok;
+}
+
+void source_free(struct source *s)
+{
+    table_file_free(&s->table);
 }

@@ -4,6 +4,7 @@
 #define CLIENTS_SOURCE_H
 
 #include "clients/files/points_file.h"
+#include "clients/files/survey.h"
 #include "clients/files/table_file.h"
 
 enum source_form { SOURCE_XY, SOURCE_TABLE, SOURCE_GEOJSON, SOURCE_NODE, SOURCE_GUESS };
@@ -13,13 +14,19 @@ struct source {
     enum source_form form; /* SOURCE_GUESS: the ending and the first bytes decide */
     struct table_file table;
     bool skip_bad;
+    struct survey_wish wish;
+    char message[1400]; /* after a failure: the file, the line and why */
 };
 
 /* Reads a format's name. */
 bool source_read_form(const char *name, struct source *s);
 
-/* Reads the file into *f, which must be zeroed and is the caller's to free. Reports on the standard error which
- * columns were used if that is not obvious, what was skipped, and the fault if it returns false. */
+/* The path, or a name for the standard input. */
+const char *source_name(const struct source *s);
+
+/* Reads the file into *f, which must be zeroed and is the caller's to free. Prints on the standard error which
+ * columns were used if that is not obvious, f->report, what was skipped, and the fault if it returns false. */
 bool source_read(struct source *s, struct points_file *f);
+void source_free(struct source *s);
 
 #endif

@@ -1,408 +1,450 @@
-/* table_file.c - see table_file.h. */
+/* table_file.c - see table_file.h: the file is read a block at a time; the plan is made from the first block. */
 #include "clients/files/table_file.h"
 
-#include "clients/files/headings.h"
-#include "clients/files/table_row.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "clients/reading/plan_make.h"
+#include "clients/reading/wkt.h"
 #include "proto/number.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <strings.h>
+enum { BLOCK = 256 * 1024 };
 
-/* Where the row at s ends, beyond line breaks in quotes. Before the separator is known any may be it. */
-static const char *find_row_end(const struct points_file *f, const char *s, const char *end)
+struct reader {
+    struct table_file *t;
+    struct points_file *f;
+    struct value *value; /* owns PLAN_COLUMNS: of the row */
+    char *block;         /* owns ROW_MOST_BYTES + BLOCK bytes, `have` of them read */
+    size_t have;
+    bool all, has_nul; /* the file ends with the block; the block has NUL bytes */
+    size_t usual;      /* a row of so many values needs no check; SIZE_MAX: none */
+    bool plain;        /* numbers are plain ones most often */
+    bool in_order;     /* and the columns are x, y and the fields, nothing else */
+};
+
+static void count(struct rows_seen *rows, uint64_t line)
 {
-    static const char candidates[] = ",;\t|";
-    const struct table_file *t = f->parser;
-    const char *lf = memchr(s, '\n', (size_t)(end - s));
-    if (lf == NULL || memchr(s, '"', (size_t)(lf - s)) == NULL || *value_trim(s, lf).text == '#')
-        return lf;
-    bool begins = true;
-    for (const char *p = s; p < end; p++) {
-        if (*p == '\n')
-            return p;
-        if (begins && *p == '"' && (p = value_quote_end(p + 1, end)) == end)
-            return NULL;
-        begins = t->separator == ' ' ? value_is_blank(*p)
-                 : t->separator != 0 ? *p == t->separator || (begins && value_is_blank(*p))
-                                     : strchr(candidates, *p) != NULL || value_is_blank(*p);
-    }
-    return NULL;
+    if (rows->n++ == 0)
+        rows->line = line;
 }
 
-static bool add_point(struct points_file *f, char separator, struct value x, struct value y)
-{
-    char room[2][NUMBER_ROOM];
-    x = value_with_point(separator, x, room[0]);
-    y = value_with_point(separator, y, room[1]);
-    return points_file_add(f, x.text, x.len, y.text, y.len);
-}
+/* ---- columns ---- */
 
-/* ---- the first row ---- */
-
-/* The separator that the row has outside of quotes. */
-static char find_separator(const char *s, const char *end)
+static bool name_fields(struct table_file *t)
 {
-    static const char candidates[] = "\t;|,";
-    bool begins = true, seen[sizeof candidates] = {false};
-    for (const char *p = s; p < end; p++) {
-        if (begins && *p == '"' && (p = value_quote_end(p + 1, end)) == end)
-            break;
-        const char *c = strchr(candidates, *p);
-        begins = c != NULL && *c != '\0';
-        if (begins)
-            seen[c - candidates] = true;
-        begins |= value_is_blank(*p);
-    }
-    for (size_t i = 0; candidates[i] != '\0'; i++)
-        if (seen[i])
-            return candidates[i];
-    return ' ';
-}
-
-bool table_choose_columns(struct table_file *t, const char *text)
-{
-    int n = 0;
-    for (bool more = true; more; n++) {
-        size_t len = strcspn(text, ",");
-        uint32_t number;
-        if (n == 3 || len == 0 || len >= TABLE_NAME_LIMIT)
-            return false;
-        if (!proto_read_u32(text, len, &number))
-            memcpy(t->name[n], text, len);
-        else if (number == 0)
-            return false;
-        else
-            t->column[n] = number - 1;
-        more = text[len] == ',';
-        text += len + more;
-    }
-    t->chosen = true;
-    t->has_z = n == 3;
-    return n >= 2;
-}
-
-static bool find_name(const char *s, const char *end, char separator, const char *name,
-                      size_t *column)
-{
-    struct value v;
-    for (size_t i = 0; row_next(&s, end, separator, &v); i++)
-        if (v.len == strlen(name) && strncasecmp(v.text, name, v.len) == 0) {
-            *column = i;
-            return true;
+    bool all = true;
+    for (size_t pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < t->plan.columns; i++) {
+            struct column *c = &t->plan.column[i];
+            size_t len = strlen(c->heading);
+            if (pass == 0 && c->role == COLUMN_HEIGHT)
+                table_fields_add_height(&t->fields, i, c->heading, len);
+            else if (pass == 0 && c->role == COLUMN_POINT && c->solid > 0 && t->fields.n == 0)
+                table_fields_add(&t->fields, i, "z", 1);
+            else if (pass == 1 && c->role == COLUMN_FIELD &&
+                     !table_fields_add(&t->fields, i, c->heading, len)) {
+                c->role = COLUMN_UNUSED;
+                all = false;
+            }
         }
-    return false;
+    return all;
 }
 
-static int shown(struct value v)
+/* Notes which columns are used, if that is not obvious. */
+static void note_using(struct table_file *t)
 {
-    return v.len < 40 ? (int)v.len : 40;
-}
-
-/* Lists the columns of a row, and says what the user can do. */
-static bool refuse(struct points_file *f, const char *s, const char *end, const char *what)
-{
-    const struct table_file *t = f->parser;
-    char list[700];
-    size_t n = 0, i = 0;
-    struct value v;
-    list[0] = '\0';
-    for (; row_next(&s, end, t->separator, &v); i++)
-        if (n + 80 < sizeof list)
-            n += (size_t)snprintf(list + n, sizeof list - n, " %zu=%.*s", i + 1, shown(v), v.text);
-        else if (list[n - 1] != '.')
-            n += (size_t)snprintf(list + n, sizeof list - n, " ...");
-    return points_file_stop(f, "%s; columns found:%s; choose with --columns X,Y, names or numbers",
-                            what, list);
-}
-
-/* Keeps the headings or numbers of the columns of x and y. */
-static void note_using(struct table_file *t, const char *s, const char *end, bool header)
-{
-    struct value v[2];
-    for (int i = 0; i < 2; i++)
-        if (!header || !row_find(s, end, t->separator, t->column[i], &v[i]))
-            v[i] = (struct value){"", 0};
-    if (header)
-        snprintf(t->using, sizeof t->using, "x=%.*s y=%.*s", shown(v[0]), v[0].text, shown(v[1]),
-                 v[1].text);
-    else
-        snprintf(t->using, sizeof t->using, "x=%zu y=%zu", t->column[0] + 1, t->column[1] + 1);
-    t->headless = !header;
-}
-
-/* At the first row of values: notes which columns are used, to report them if that is not obvious. */
-static void finish_using(struct table_file *t)
-{
+    const struct plan *p = &t->plan;
     const struct table_fields *e = &t->fields;
-    size_t n = strlen(t->using), room = sizeof t->using - 60;
-    if (!t->report && e->n == 0) {
-        t->using[0] = '\0';
+    size_t n = 0, room = sizeof t->using - 60;
+    if (p->columns == 0 || (p->obvious && e->n == 0))
         return;
-    }
+    const char *x = p->x < p->columns ? p->column[p->x].heading : "";
+    const char *y = p->y < p->columns ? p->column[p->y].heading : "";
+    if (p->geometry)
+        n = (size_t)snprintf(t->using, room, "x y of %s", p->headed ? x : "points");
+    else if (!t->wish.node && p->headed)
+        n = (size_t)snprintf(t->using, room, "x=%s y=%s", x, y);
+    else if (!t->wish.node)
+        n = (size_t)snprintf(t->using, room, "x=%zu y=%zu", p->x + 1, p->y + 1);
     for (size_t i = 0; i < e->n && n + 2 * FIELDS_NAME < room; i++) {
         bool height = strcmp(e->name[i], "z") == 0 && e->height[0] != '\0';
         n += (size_t)snprintf(t->using + n, room - n, "%s%s%s%s", n > 0 ? " " : "", e->name[i],
                               height ? "=" : "", height ? e->height : "");
     }
-    if (t->headless && e->n + 2 < t->columns)
-        n += (size_t)snprintf(t->using + n, sizeof t->using - n, " of %zu", t->columns);
-    if (t->headless)
+    if (!p->headed && !t->wish.node && e->n + 2 < p->columns)
+        n += (size_t)snprintf(t->using + n, sizeof t->using - n, " of %zu", p->columns);
+    if (!p->headed && !t->wish.node)
         snprintf(t->using + n, sizeof t->using - n, ", without a header");
 }
 
-static bool choose_by_headings(struct table_file *t, const char *s, const char *end, bool *obvious)
+static bool is_unused(const struct table_file *t, size_t i)
 {
-    struct heading_search search = {.columns = 0};
-    struct value v;
-    while (row_next(&s, end, t->separator, &v))
-        heading_search_add(&search, v.text, v.len);
-    return heading_search_end(&search, t->column, obvious);
+    const struct column *c = &t->plan.column[i];
+    bool values = c->numbers + c->degrees + c->points + c->texts > 0 || c->heading[0] != '\0';
+    return c->role == COLUMN_UNUSED && values && !(t->wish.node && c->heading[0] == '\0');
 }
 
-/* The comment before the first row as its header, if it has as many words. */
-static bool choose_by_comment(struct table_file *t)
+static void note_unused(struct table_file *t, struct report *report)
 {
-    const char *s = t->comment, *end = s + strlen(s);
-    bool obvious;
-    for (int i = 0; i < 2; i++) {
-        char separator = i == 0 ? t->separator : find_separator(s, end), mine = t->separator;
-        size_t n = 0;
-        struct value v;
-        for (const char *p = s; row_next(&p, end, separator, &v);)
-            n++;
-        t->separator = separator;
-        bool chosen = n == t->columns && choose_by_headings(t, s, end, &obvious);
-        if (chosen) {
-            note_using(t, s, end, true);
-            t->report = true;
-            table_fields_add_headings(&t->fields, s, end, separator, t->column);
-        }
-        t->separator = mine;
-        if (chosen)
-            return true;
+    const struct plan *p = &t->plan;
+    char list[300];
+    size_t n = 0, found = 0;
+    bool numbers = false;
+    list[0] = '\0';
+    for (size_t i = 0; i < p->columns; i++) {
+        const struct column *c = &p->column[i];
+        if (!is_unused(t, i))
+            continue;
+        numbers |= c->numbers > 0 && c->numbers >= c->texts;
+        found++;
+        if (n + PLAN_NAME + 40 >= sizeof list)
+            continue;
+        n += (size_t)snprintf(list + n, sizeof list - n, "%s", found > 1 ? ", " : "");
+        n += (size_t)(c->heading[0] != '\0' ? snprintf(list + n, sizeof list - n, "%s", c->heading)
+                                            : snprintf(list + n, sizeof list - n, "%zu", i + 1));
     }
-    return false;
+    if (n + PLAN_NAME + 40 >= sizeof list)
+        snprintf(list + n, sizeof list - n, ", ... (%zu in all)", found);
+    if (found > 0)
+        report_add(report, NOTE_UNUSED, "columns not used: %s%s", list,
+                   numbers && !t->fields.all ? " (--fields keeps those of numbers)" : "");
 }
 
-/* A first row that is not a header, or is not recognised as one. */
-static bool start_without_header(struct points_file *f, const char *s, const char *end)
+/* ---- rows ---- */
+
+static bool fault_length(struct points_file *f, size_t n, const struct plan *p)
 {
-    struct table_file *t = f->parser;
-    struct value v[2] = {{NULL, 0}, {NULL, 0}};
-    if (t->comment[0] != '\0' && choose_by_comment(t))
+    bool commas = p->row.separator == ',' && n == 2 * p->columns;
+    return points_file_bad(f, "the row has too %s columns: %zu instead of %zu%s",
+                           n < p->columns ? "few" : "many", n, p->columns,
+                           commas ? " (decimal commas?)" : "");
+}
+
+/* The name of a column for messages, in room[PLAN_NAME]. */
+static const char *column_name(const struct plan *p, size_t i, char *room)
+{
+    if (i < p->columns && p->column[i].heading[0] != '\0')
+        return p->column[i].heading;
+    snprintf(room, PLAN_NAME, "%zu", i + 1);
+    return room;
+}
+
+static bool fault_value(struct points_file *f, const struct plan *p, size_t column, struct value v,
+                        const char *what)
+{
+    char text[60], name[PLAN_NAME];
+    return points_file_bad(f, "%s: \"%s\" in column %s", what,
+                           report_clean(text, sizeof text, v.text, v.len),
+                           column_name(p, column, name));
+}
+
+static bool has_unit(const struct plan *p, size_t column, struct value *v)
+{
+    struct value unit;
+    return column < p->columns && p->column[column].units > 0 && number_split_unit(v, &unit) &&
+           value_is_word(unit, p->column[column].unit);
+}
+
+static bool read_coordinate(struct reader *r, int axis, size_t column, double *x)
+{
+    const struct plan *p = &r->t->plan;
+    struct value v = r->value[column], number = v;
+    if (number_read(&p->number, v, x) || number_read_degrees(&p->number, v, axis, x) ||
+        (has_unit(p, column, &number) && number_read(&p->number, number, x)))
         return true;
-    t->column[0] = 0;
-    t->column[1] = 1;
-    if (t->columns < 2)
-        return points_file_stop(f, "a point needs x and y");
-    for (size_t i = 0; i < 2; i++)
-        if (!row_find(s, end, t->separator, i, &v[i]) || !value_is_number(t->separator, v[i]))
-            return refuse(f, s, end, "no header, and the first two columns are not numbers");
-    note_using(t, s, end, false);
-    t->counting = t->report = t->columns > 2 && !t->xyz;
-    table_fields_add_numbers(&t->fields, t->columns, t->columns == 3 || (t->xyz && t->columns > 3),
-                             t->column);
+    bool comma = memchr(v.text, ',', v.len) != NULL && number_shape(v) != SHAPE_NONE;
+    return fault_value(r->f, p, column, v,
+                       comma ? "not a number without doubt, because of its comma" : "not a number");
+}
+
+static void read_fields(struct reader *r, size_t n, const double *point, int values)
+{
+    struct table_file *t = r->t;
+    const struct plan *p = &t->plan;
+    for (size_t k = 0; k < t->fields.n; k++) {
+        const size_t column = t->fields.column[k];
+        struct value v = column < n ? r->value[column] : (struct value){"", 0}, number = v;
+        double x;
+        if (p->geometry && column == p->x)
+            t->row[k] = values > 2 ? point[2] : (double)NAN;
+        else if (number_read(&p->number, v, &x) ||
+                 (has_unit(p, column, &number) && number_read(&p->number, number, &x)))
+            t->row[k] = isfinite(x) ? x : (double)NAN;
+        else
+            t->row[k] = (double)NAN;
+        if (isnan(t->row[k]) && t->odd[k].line == 0 && !number_is_missing(v) &&
+            !(p->geometry && column == p->x)) {
+            t->odd[k].line = r->f->line;
+            report_clean(t->odd[k].text, sizeof t->odd[k].text, v.text, v.len);
+        }
+    }
+}
+
+static bool is_empty(const struct reader *r, size_t n)
+{
+    for (size_t i = 0; i < n && i < PLAN_COLUMNS; i++)
+        if (r->value[i].len > 0)
+            return false;
     return true;
 }
 
-static bool choose_columns(struct points_file *f, const char *s, const char *end, bool *header)
+/* Whether the row may have values in other columns than the plan says. */
+static bool check_length(const struct reader *r, size_t n)
 {
-    struct table_file *t = f->parser;
-    struct value v;
-    bool obvious, numbers = false;
-    *header = choose_by_headings(t, s, end, &obvious);
-    if (*header) {
-        note_using(t, s, end, true);
-        t->report = !obvious;
-        table_fields_add_headings(&t->fields, s, end, t->separator, t->column);
+    const struct plan *p = &r->t->plan;
+    if (r->t->wish.xy && n > 2)
+        return points_file_fault(r->f, "more than x and y; --columns 1,2 takes the first two");
+    if (n <= p->x || n <= p->y) {
+        double x;
+        bool lone =
+            n == 1 && p->columns == 2 && !p->headed && number_read(&p->number, r->value[0], &x);
+        return lone ? points_file_fault(r->f, "a point needs x and y") : fault_length(r->f, n, p);
+    }
+    if (p->exact && n < p->columns)
+        return fault_length(r->f, n, p);
+    if (!p->any_length)
+        for (size_t i = p->columns; i < n; i++)
+            if (i >= PLAN_COLUMNS || r->value[i].len > 0)
+                return p->columns >= PLAN_COLUMNS || fault_length(r->f, n, p);
+    if (p->text < n && number_shape(r->value[p->text]) != SHAPE_NONE)
+        return fault_value(r->f, p, p->text, r->value[p->text], "the row seems to be shifted");
+    return true;
+}
+
+/* The place of the row that was split. */
+static bool read_place(struct reader *r, double *point, int *values)
+{
+    const struct plan *p = &r->t->plan;
+    if (p->geometry)
+        return wkt_read_point(r->value[p->x], point, values) ||
+               fault_value(r->f, p, p->x, r->value[p->x], "not a point");
+    const struct value x = r->value[p->x], y = r->value[p->y];
+    if (r->plain && proto_read_double(x.text, x.len, &point[0]) &&
+        proto_read_double(y.text, y.len, &point[1]))
+        return true;
+    return read_coordinate(r, 0, p->x, &point[0]) && read_coordinate(r, 1, p->y, &point[1]);
+}
+
+/* Reads the usual row of nothing but plain numbers x, y and fields. False if it is another one. */
+static bool read_in_order(struct reader *r, const char *s, const char *end, double *point)
+{
+    const char separator = r->t->plan.row.separator;
+    for (size_t left = r->usual; left > 0; left--) {
+        const size_t k = r->usual - left;
+        double *to = k < 2 ? &point[k] : &r->t->row[k - 2];
+        while (s < end && (*s == ' ' || (separator == ' ' && value_is_blank(*s))))
+            s++;
+        size_t n = proto_read_leading_double(s, (size_t)(end - s), to);
+        s += n;
+        if (n == 0 || (k >= 2 && !isfinite(*to)))
+            return false;
+        if (left == 1)
+            break;
+        if (s == end || (separator == ' ' ? !value_is_blank(*s) : *s != separator))
+            return false;
+        s++;
+    }
+    while (s < end && value_is_blank(*s))
+        s++;
+    return s == end;
+}
+
+static bool read_values(struct reader *r, const char *s, const char *end)
+{
+    const struct plan *p = &r->t->plan;
+    double point[3] = {0, 0, 0};
+    int values = 2;
+    if (r->in_order && read_in_order(r, s, end, point))
+        return points_file_append(r->f, point[0], point[1]);
+    size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
+    if (r->value[0].len == 0 && is_empty(r, n)) {
+        count(&r->t->empty, r->f->line);
         return true;
     }
-    for (const char *p = s; row_next(&p, end, t->separator, &v);) {
-        numbers |= value_is_number(t->separator, v);
-        t->columns++;
-    }
-    size_t columns = t->columns;
-    if (numbers)
-        return start_without_header(f, s, end);
-    if (columns == 1)
-        return points_file_stop(f, "not a number");
-    return refuse(f, s, end, "no headings that are known for x and y");
+    if ((n != r->usual && !check_length(r, n)) || !read_place(r, point, &values))
+        return false;
+    if (r->t->fields.n > 0)
+        read_fields(r, n, point, values);
+    return points_file_append(r->f, point[0], point[1]);
 }
 
-/* The fields beside columns of x and y that the caller chose. */
-static void choose_fields(struct table_file *t, const char *s, const char *end, bool header)
+/* A comment between rows that would be one without its mark. */
+static void look_at_comment(struct reader *r, const char *s, const char *end)
 {
-    struct value v = {"", 0};
-    note_using(t, s, end, header);
-    if (t->has_z && header)
-        row_find(s, end, t->separator, t->column[2], &v);
-    if (t->has_z)
-        table_fields_add_height(&t->fields, t->column[2], v.text, v.len);
-    if (t->fields.all && header)
-        table_fields_add_headings(&t->fields, s, end, t->separator, t->column);
-    else if (t->fields.all)
-        table_fields_add_numbers(&t->fields, t->columns, false, t->column);
-}
-
-/* The header of a .node file: points, dimensions, attributes, markers. */
-static void start_node(struct table_file *t, const char *s, const char *end)
-{
-    struct value v;
-    uint32_t attributes;
-    if (!t->fields.all || !row_find(s, end, ' ', 2, &v) ||
-        !proto_read_u32(v.text, v.len, &attributes))
+    const struct plan *p = &r->t->plan;
+    double x;
+    while (s < end && (value_is_blank(*s) || *s == '#' || *s == '%' || *s == '/'))
+        s++;
+    size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
+    if (p->columns < 2 || n != p->columns || p->geometry || p->x >= n || p->y >= n)
         return;
-    for (uint32_t i = 0; i < attributes; i++) {
-        char name[20];
-        int n = snprintf(name, sizeof name, "a%u", i + 1);
-        if (!table_fields_add(&t->fields, 3 + i, name, (size_t)n))
-            return;
-    }
+    if (number_read(&p->number, r->value[p->x], &x) && number_read(&p->number, r->value[p->y], &x))
+        count(&r->t->comments, r->f->line);
 }
 
-/* The first row: *header says whether it is one. */
-static bool start_csv(struct points_file *f, const char *s, const char *end, bool *header)
+static bool read_row(struct reader *r, const char *s, const char *end)
 {
-    struct table_file *t = f->parser;
-    struct value v;
-    bool named = t->name[0][0] != '\0' || t->name[1][0] != '\0' || t->name[2][0] != '\0', ok = true;
-    if (t->separator == 0)
-        t->separator = find_separator(s, end);
-    t->columns = 0;
-    for (int i = 0; i < 3; i++)
-        if (t->name[i][0] != '\0' && !find_name(s, end, t->separator, t->name[i], &t->column[i])) {
-            char what[TABLE_NAME_LIMIT + 40];
-            snprintf(what, sizeof what, "no column is named %s", t->name[i]);
-            return refuse(f, s, end, what);
+    if (r->has_nul && memchr(s, '\0', (size_t)(end - s)) != NULL)
+        return points_file_stop(r->f, "not a text file: it has NUL bytes");
+    enum row_kind kind = row_kind(s, end);
+    if (kind == ROW_SEGMENT)
+        count(&r->t->segments, r->f->line);
+    else if (kind == ROW_COMMENT && r->f->line >= r->t->plan.first_line)
+        look_at_comment(r, s, end);
+    return kind != ROW_VALUES || r->f->line < r->t->plan.first_line || read_values(r, s, end);
+}
+
+/* ---- blocks ---- */
+
+static bool read_line(struct reader *r, const char *s, const char *end,
+                      const struct row_quotes *quotes)
+{
+    r->f->line++;
+    if (quotes->breaks > 0 && r->t->spanning.n == 0)
+        r->t->spanning_end = r->f->line + quotes->breaks;
+    if (quotes->breaks > 0)
+        count(&r->t->spanning, r->f->line);
+    if (quotes->lone)
+        count(&r->t->lone_quotes, r->f->line);
+    if (!read_row(r, s, end) && !points_file_skip(r->f, s, (size_t)(end - s)))
+        return false;
+    r->f->line += quotes->breaks;
+    return true;
+}
+
+/* Reads the whole rows of the block, and the last one if the file ends with it; removes them. */
+static bool read_rows(struct reader *r)
+{
+    const struct row_style *style = &r->t->plan.row;
+    const char *s = r->block, *end = r->block + r->have;
+    if (r->f->line == 0)
+        s += plan_mark_length(s, r->have);
+    while (s < end) {
+        struct row_quotes quotes = {0};
+        const char *stop = row_end(style, s, end, r->all, &quotes);
+        if (stop == NULL && (!r->all || end - s > ROW_MOST_BYTES))
+            break;
+        if (!read_line(r, s, stop != NULL ? stop : end, &quotes))
+            return false;
+        s = stop != NULL ? stop + 1 : end;
+    }
+    r->have = (size_t)(end - s);
+    memmove(r->block, s, r->have);
+    if (r->have <= ROW_MOST_BYTES && !(r->all && r->have > 0))
+        return true;
+    r->f->line++;
+    return points_file_stop(r->f, "the line is too long");
+}
+
+/* Reads more of the file: BLOCK bytes, unless it ends. */
+static bool read_block(struct reader *r, int fd)
+{
+    size_t want = r->have + BLOCK, from = r->have;
+    while (r->have < want && !r->all) {
+        ssize_t n = read(fd, r->block + r->have, want - r->have);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            r->f->line = 0;
+            return points_file_stop(r->f, "%s", strerror(errno));
         }
-    *header = named || (t->chosen && (!row_find(s, end, t->separator, t->column[0], &v) ||
-                                      !value_is_number(t->separator, v)));
-    if (!t->chosen)
-        ok = choose_columns(f, s, end, header);
-    t->columns = 0;
-    for (const char *p = s; row_next(&p, end, t->separator, &v);)
-        t->columns++;
-    if (t->chosen)
-        choose_fields(t, s, end, *header);
+        r->all = n == 0;
+        r->have += (size_t)n;
+    }
+    r->has_nul = memchr(r->block + from, '\0', r->have - from) != NULL;
+    return true;
+}
+
+static bool start(struct reader *r)
+{
+    struct table_file *t = r->t;
+    t->wish.all = t->fields.all;
+    if (!plan_make(&t->plan, &t->wish, r->block, r->have, r->all, &r->f->report)) {
+        r->f->line = t->plan.fault_line;
+        return points_file_stop(r->f, "%s", t->plan.fault);
+    }
+    if (!name_fields(t))
+        report_add(&r->f->report, NOTE_UNUSED, "only the first %d columns become fields",
+                   FIELDS_MOST);
+    note_using(t);
+    note_unused(t, &r->f->report);
+    const struct plan *p = &t->plan;
+    bool check = p->text != SIZE_MAX || p->x >= p->columns || p->y >= p->columns ||
+                 (t->wish.xy && p->columns > 2);
+    r->usual = check ? SIZE_MAX : p->columns;
+    r->plain = p->number.comma != COMMA_DECIMAL && !p->number.point_groups;
+    r->in_order = r->plain && !check && !p->geometry && p->x == 0 && p->y == 1 &&
+                  t->fields.n + 2 == p->columns;
+    r->f->fields = t->fields.n;
+    r->f->row = t->row;
+    return true;
+}
+
+static bool read_all(struct reader *r, int fd, table_progress_fn *progress, void *ctx)
+{
+    uint64_t total = 0;
+    if (!read_block(r, fd) || !start(r))
+        return false;
+    for (bool first = true; first || !r->all; first = false) {
+        if (!first && !read_block(r, fd))
+            return false;
+        if (!read_rows(r))
+            return false;
+        total += BLOCK;
+        if (progress != NULL)
+            progress(ctx, total, r->f->n);
+    }
+    return true;
+}
+
+/* ---- what was seen ---- */
+
+static void note(struct report *report, const struct rows_seen *rows, const char *one,
+                 const char *many)
+{
+    if (rows->n == 1)
+        report_add(report, NOTE_SKIPPED, "line %ju %s", (uintmax_t)rows->line, one);
+    else if (rows->n > 1)
+        report_add(report, NOTE_SKIPPED, "%ju lines %s, the first is line %ju", (uintmax_t)rows->n,
+                   many, (uintmax_t)rows->line);
+}
+
+static void note_rows(const struct table_file *t, struct report *report)
+{
+    note(report, &t->empty, "has only empty values", "have only empty values");
+    note(report, &t->segments, "begins with >: what it separates is one set",
+         "begin with >: the segments that they separate are one set");
+    note(report, &t->comments, "looks like a row but is a comment, and is not read",
+         "look like rows but are comments, and are not read");
+    if (t->spanning.n > 0)
+        report_add(report, NOTE_SPANNING, "%ju quoted value%s %s lines, %s lines %ju to %ju",
+                   (uintmax_t)t->spanning.n, t->spanning.n > 1 ? "s" : "",
+                   t->spanning.n > 1 ? "span" : "spans", t->spanning.n > 1 ? "the first" : "from",
+                   (uintmax_t)t->spanning.line, (uintmax_t)t->spanning_end);
+    if (t->lone_quotes.n > 0)
+        report_add(report, NOTE_DOUBT,
+                   "in %ju line%s a quote is not closed and taken as it is, %s line %ju",
+                   (uintmax_t)t->lone_quotes.n, t->lone_quotes.n > 1 ? "s" : "",
+                   t->lone_quotes.n > 1 ? "first in" : "in", (uintmax_t)t->lone_quotes.line);
+}
+
+bool table_file_read(struct table_file *t, struct points_file *f, int fd,
+                     table_progress_fn *progress, void *ctx)
+{
+    struct reader r = {.t = t, .f = f, .block = malloc(ROW_MOST_BYTES + BLOCK)};
+    r.value = calloc(PLAN_COLUMNS, sizeof r.value[0]);
+    bool ok = r.block != NULL && r.value != NULL;
+    ok = ok ? read_all(&r, fd, progress, ctx) : points_file_stop(f, "out of memory");
+    note_rows(t, &f->report);
+    free(r.block);
+    free(r.value);
     return ok;
 }
 
-/* ---- all rows ---- */
-
-/* Finds both values. A row that is longer than the first one may have them in other columns: 1,5,2,5 under
- * x,y. */
-static bool find_both(struct points_file *f, const char *s, const char *end, struct value *x,
-                      struct value *y)
+void table_file_free(struct table_file *t)
 {
-    struct table_file *t = f->parser;
-    struct value v;
-    size_t n = 0;
-    bool longer = false;
-    for (; row_next(&s, end, t->separator, &v); n++) {
-        if (n == t->column[0])
-            *x = v;
-        if (n == t->column[1])
-            *y = v;
-        longer |= n >= t->columns && v.len > 0;
-    }
-    if (n <= t->column[0] || n <= t->column[1])
-        return points_file_fault(f, "the row has too few columns");
-    return t->any_length || !longer ||
-           points_file_fault(f, "the row has more columns than the first one");
-}
-
-/* Without a header: a first column that counts 1, 2, 3 is not a coordinate. */
-static bool check_counting(struct points_file *f, double x)
-{
-    struct table_file *t = f->parser;
-    bool counts = x == floor(x) && (t->counted == 0 || x == t->count + 1);
-    t->count = x;
-    if (counts && ++t->counted == 3)
-        return points_file_stop(f, "no header, and the first column counts rows; choose with "
-                                   "--columns, for instance 2,3");
-    t->counting = counts;
-    return true;
-}
-
-/* Excel's first line: sep=; */
-static bool is_separator_line(struct table_file *t, struct value row)
-{
-    if (row.len != 5 || strncasecmp(row.text, "sep=", 4) != 0)
-        return false;
-    t->separator = row.text[4];
-    return true;
-}
-
-static bool is_no_row(struct table_file *t, const char *s, const char *end)
-{
-    struct value row = value_trim(s, end);
-    if (row.len > 0 && row.text[0] == '#' && !t->started && row.len < TABLE_COMMENT_ROOM) {
-        memcpy(t->comment, row.text + 1, row.len - 1);
-        t->comment[row.len - 1] = '\0';
-    }
-    return row.len == 0 || row.text[0] == '#' || (!t->started && is_separator_line(t, row));
-}
-
-static bool start(struct points_file *f, const char *s, const char *end, bool *header)
-{
-    struct table_file *t = f->parser;
-    t->started = true;
-    if (t->node) {
-        *header = true;
-        start_node(t, s, end);
-    } else if (!start_csv(f, s, end, header)) {
-        return false;
-    }
-    t->any_length = t->node || t->xyz || (t->chosen && !*header);
-    return true;
-}
-
-/* At the first row of values. */
-static void start_values(struct points_file *f, const char *s, const char *end)
-{
-    struct table_file *t = f->parser;
-    t->has_values = true;
-    table_fields_sort(&t->fields);
-    table_fields_check(&t->fields, s, end, t->separator, t->has_z ? t->column[2] : SIZE_MAX);
-    finish_using(t);
-    f->fields = t->fields.n;
-    f->row = t->fields.row;
-}
-
-static bool parse_row(struct points_file *f, const char *s, const char *end)
-{
-    struct table_file *t = f->parser;
-    struct value x = {NULL, 0}, y = x;
-    bool header = false;
-    if (is_no_row(t, s, end))
-        return true;
-    if (memchr(s, '\0', (size_t)(end - s)) != NULL)
-        return points_file_stop(f, "not a text file");
-    if (!t->started && !start(f, s, end, &header))
-        return false;
-    if (header)
-        return true;
-    if (!t->has_values)
-        start_values(f, s, end);
-    if (!find_both(f, s, end, &x, &y))
-        return false;
-    table_fields_read(&t->fields, s, end, t->separator);
-    if (!add_point(f, t->separator, x, y))
-        return false;
-    table_fields_count(&t->fields);
-    return !t->counting || check_counting(f, f->xy[2 * f->n - 2]);
-}
-
-void table_file_init(struct table_file *t, struct points_file *f)
-{
-    if (t->node) {
-        t->separator = ' ';
-        t->column[0] = 1;
-        t->column[1] = 2;
-    }
-    f->parse_line = parse_row;
-    f->find_end = find_row_end;
-    f->parser = t;
+    plan_clear(&t->plan);
 }

@@ -1,47 +1,44 @@
-/* table_file.h - points from tables: CSV and its relatives, with columns chosen by heading, name or
- * number, and Triangle's .node files. */
+/* table_file.h - points from tables: CSV and its relatives, and Triangle's .node files. A plan decides how a table is read
+ * (reading/plan.h); here its rows become points. */
 #ifndef CLIENTS_TABLE_FILE_H
 #define CLIENTS_TABLE_FILE_H
 
 #include "clients/files/points_file.h"
 #include "clients/files/table_fields.h"
+#include "clients/reading/plan.h"
 
-enum { TABLE_NAME_LIMIT = 64, TABLE_COMMENT_ROOM = 500 };
-
-struct table_file {
-    char name[3]
-             [TABLE_NAME_LIMIT]; /* of the columns of x, y and z; "" if they are chosen by number */
-    size_t column[3];            /* counted from 0 */
-    struct table_fields fields;
-    size_t columns;        /* of the first row */
-    char separator;        /* 0 until the first row has been seen; ' ' for blanks */
-    bool chosen;           /* the caller has named or numbered the columns */
-    bool has_z;            /* and the third one */
-    bool node;             /* a .node file: `number x y ...` after a header of counts */
-    bool xyz;              /* more columns than x and y are usual */
-    bool any_length;       /* a row may be longer than the first one */
-    bool started;          /* the first row has been read */
-    bool has_values;       /* the first row of values has been read */
-    bool headless, report; /* for `using`: there is no header; the columns are not obvious */
-    bool counting;         /* no header: the first column may be a number of the row */
-    double count;          /* its last value */
-    size_t counted;        /* rows in which it did count */
-    char using[5 * TABLE_NAME_LIMIT + 80]; /* which columns were taken, "" where that is obvious */
-    char comment[TABLE_COMMENT_ROOM];      /* the last one before the first row */
+/* Rows of one kind: how many, and the line of the first one. */
+struct rows_seen {
+    uint64_t n, line;
 };
 
-/* Reads "X,Y" or "X,Y,Z", names or numbers counted from 1. False if it is neither. */
-bool table_choose_columns(struct table_file *t, const char *text);
+/* A value that is neither a number nor missing, where a number should be. */
+struct odd_value {
+    uint64_t line;
+    char text[40];
+};
 
-/* Makes f read lines of such a table; *t must be zero but for what the caller chose. Values are separated by
- * tabs, semicolons, vertical bars, commas or blanks, whichever the first row has, and may be quoted, with
- * line breaks inside. With semicolons, numbers may have decimal commas. If the first row has no numbers it is the
- * header, whose headings choose the columns unless the caller did (headings.h); headings that name no
- * coordinates are a fault. So they are in a comment before the first row. Without a header the columns are the
- * first two.
- *
- * Heights become the field z: a third column that the caller chose, one whose heading says so, and without a header the
- * third of three or, in an xyz file, of more. With t->fields.all every other numeric column becomes a field, too. */
-void table_file_init(struct table_file *t, struct points_file *f);
+struct table_file {
+    struct wish wish; /* the caller's */
+    struct plan plan; /* owns; valid after reading */
+    struct table_fields fields;
+    char using[5 * PLAN_NAME + 80];    /* which columns were taken, "" where that is obvious */
+    struct odd_value odd[FIELDS_MOST]; /* the first one of each field; line 0: none */
+    struct rows_seen empty, segments,
+        comments; /* rows of empty values, lines of GMT, comments that look like rows */
+    struct rows_seen spanning, lone_quotes;
+    uint64_t spanning_end; /* the last line of the first row that spans lines */
+    double row[FIELDS_MOST];
+};
+
+/* Called now and then with the bytes and points read so far. */
+typedef void table_progress_fn(void *ctx, uint64_t bytes, size_t points);
+
+/* Reads all of the open file fd into *f. False at the first bad line unless f->skip_bad, on a read error or out of memory. *t must
+ * be zero but for the wish and fields.all, *f but for skip_bad; the caller frees both in any case. What is not used, skipped or
+ * doubtful goes to f->report. */
+bool table_file_read(struct table_file *t, struct points_file *f, int fd,
+                     table_progress_fn *progress, void *ctx);
+void table_file_free(struct table_file *t);
 
 #endif

@@ -24,12 +24,14 @@ static size_t utf8_length(const unsigned char *s, size_t len)
 const char *report_clean(char *to, size_t room, const char *text, size_t len)
 {
     const unsigned char *s = (const unsigned char *)text;
-    size_t n = 0;
+    size_t n = 0, fits = 0; /* where "..." fits behind */
     for (size_t i = 0; i < len;) {
         size_t c = utf8_length(s + i, len - i);
-        if (n + 4 + sizeof "..." > room) {
-            memcpy(to + n, "...", 3);
-            n += 3;
+        if (n + sizeof "..." <= room)
+            fits = n;
+        if (n + (c == 0 ? 2 : c) + 1 > room) {
+            memcpy(to + fits, "...", 3);
+            n = fits + 3;
             break;
         }
         if (c == 0) { /* Latin-1 */
@@ -73,8 +75,10 @@ const char *report_kind(enum note_kind kind)
 
 void report_print(const struct report *r, const char *name, FILE *out)
 {
-    for (size_t i = 0; i < r->n; i++)
-        fprintf(out, "delaunay: %s: %s\n", name, r->note[i].text);
+    for (int kind = 0; kind < NOTE_KINDS; kind++)
+        for (size_t i = 0; i < r->n; i++)
+            if ((int)r->note[i].kind == kind)
+                fprintf(out, "delaunay: %s: %s\n", name, r->note[i].text);
     if (r->lost > 0)
         fprintf(out, "delaunay: %s: and %zu more notes\n", name, r->lost);
 }

@@ -12,7 +12,8 @@ enum note_kind {
     NOTE_MISSING,  /* values that are missing */
     NOTE_SKIPPED,  /* lines or features that are left out */
     NOTE_SPANNING, /* values that span lines */
-    NOTE_DOUBT     /* what may be meant otherwise */
+    NOTE_DOUBT,    /* what may be meant otherwise */
+    NOTE_KINDS
 };
 
 enum { REPORT_NOTES = 40, REPORT_NOTE_ROOM = 400 };
@@ -34,10 +35,10 @@ __attribute__((format(printf, 3, 4))) void report_add(struct report *r, enum not
 /* "read", "unused", "missing", "skipped", "spanning", "doubt". */
 const char *report_kind(enum note_kind kind);
 
-/* Prints each note as `delaunay: NAME: TEXT`. */
+/* Prints each note as `delaunay: NAME: TEXT`, in the order of their kinds. */
 void report_print(const struct report *r, const char *name, FILE *out);
 
-/* Copies s[len] into to[room] as printable UTF-8, as report_add does. Returns to. */
+/* Copies s[len] into to[room], at least 4 bytes, as printable UTF-8, as report_add does. Returns to. */
 const char *report_clean(char *to, size_t room, const char *s, size_t len);
 
 #endif

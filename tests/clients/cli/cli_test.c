@@ -110,7 +110,7 @@ TEST(cli_reports_the_number_of_a_bad_line_and_loads_nothing)
     int status;
     peer_start(port, answer);
     CHECK_STR(peer_shell(&status, "printf '1 2\\n3 x\\n' | %s -p %s load t - 2>&1", client(), port),
-              "delaunay: standard input:2: not a number; nothing was loaded "
+              "delaunay: standard input:2: not a number: \"x\" in column 2; nothing was loaded "
               "(--skip-bad leaves such out)\n");
     CHECK(status == 1);
     CHECK_STR(peer_shell(&status, "%s -p %s load t /nonexistent 2>&1", client(), port),

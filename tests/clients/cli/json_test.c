@@ -51,9 +51,10 @@ TEST(json_reports_refused_requests)
     expect("--json export t -", 1,
            "{\"ok\":false,\"error\":\"NOSET\",\"message\":\"there is no set t\"}\n");
     expect("--json load t /none", 1,
-           "delaunay: /none: No such file or "
-           "directory\n{\"ok\":false,\"error\":\"REFUSED\",\"message\":\"/none: No such file or "
-           "directory\"}\n");
+           "delaunay: /none: No such file or directory\n{\"ok\":false,\"error\":\"REFUSED\","
+           "\"message\":\"/none: No such file or "
+           "directory\",\"input\":{\"name\":\"/none\",\"points\":0,"
+           "\"skipped\":0,\"skipped_lines\":[],\"notes\":[]}}\n");
     expect("--json load t", 2,
            "delaunay: load takes a set and a file\nTry 'delaunay load "
            "--help'.\n{\"ok\":false,\"error\":\"USAGE\",\"message\":\"load takes a set and a "
@@ -74,10 +75,17 @@ TEST(json_is_printed_by_every_subcommand)
     char command[300], url[64];
     cli_begin();
     cli_write("a.csv", "x,y\n0,0\n1,0\n0,1\n");
+    char want[600];
     snprintf(command, sizeof command, "--json load t %s", cli_path("a.csv"));
-    expect(command, 0, "{\"ok\":true,\"first\":0,\"added\":3,\"coincident\":0,\"rows\":[]}\n");
+    snprintf(want, sizeof want,
+             "{\"ok\":true,\"first\":0,\"added\":3,\"coincident\":0,\"input\":{\"name\":\"%s\","
+             "\"points\":3,\"skipped\":0,\"skipped_lines\":[],\"heading_line\":1,\"columns\":["
+             "{\"column\":1,\"heading\":\"x\",\"use\":\"x\",\"from\":0,\"to\":1,\"missing\":0},"
+             "{\"column\":2,\"heading\":\"y\",\"use\":\"y\",\"from\":0,\"to\":1,\"missing\":0}],"
+             "\"notes\":[]},\"rows\":[]}\n",
+             cli_path("a.csv"));
+    expect(command, 0, want);
     cli_run_well("triangulate t");
-    char want[300];
     snprintf(command, sizeof command, "--json export t %s", cli_path("a.svg"));
     snprintf(want, sizeof want,
              "{\"ok\":true,\"file\":\"%s\",\"points\":3,\"shown\":3,\"triangles\":1,\"hull\":3}\n",

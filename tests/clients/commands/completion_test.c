@@ -48,7 +48,7 @@ TEST(completion_offers_commands_options_and_their_values)
     expect("delaunay tri", "triangulate triangles");
     expect("delaunay -p 1 tri", "triangulate triangles");
     expect("delaunay --v", "--version");
-    expect("delaunay load cities --s", "--skip-bad");
+    expect("delaunay load cities --skip-b", "--skip-bad");
     expect("delaunay load -f n", "node");
     expect("delaunay export -f n", "node neigh ndjson");
     expect("delaunay export t x.svg --colour q", "quality");

@@ -47,6 +47,7 @@ TEST(draw_makes_a_picture_of_a_file_without_a_server)
         "printf 'id,X_COORD,Y_COORD\\n1,0,0\\n2,4,0\\n3,4,4\\n4,0,4\\n5,2,2\\n' > a.csv && "
         "$D draw a.csv a.svg && grep -c '<title>a.csv: Delaunay triangulation of 5 points' a.svg",
         "delaunay: a.csv: using columns x=X_COORD y=Y_COORD\n"
+        "delaunay: a.csv: columns not used: id (--fields keeps those of numbers)\n"
         "a.svg: 5 points, 4 triangles, hull of 4\n1\n");
     expect("ls", "a.csv\na.svg\n");
     finish();
@@ -67,6 +68,7 @@ TEST(run_writes_a_mesh_of_a_file_without_a_server)
     expect("printf '0 0\\nbad\\n4 0\\n0 4\\n' | $D run - - --format off --skip-bad 2>/dev/null",
            "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
     expect("printf '7,0,0\\n8,4,0\\n9,0,4\\n' > a.csv; $D run a.csv b.ele -c 2,3 && cat b.ele",
+           "delaunay: a.csv: columns not used: 1 (--fields keeps those of numbers)\n"
            "b.ele: 3 points, 1 triangles, hull of 3\n1 3 0\n0 0 1 2\n");
     finish();
 }

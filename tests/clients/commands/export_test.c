@@ -181,7 +181,9 @@ TEST(load_gives_points_the_numbers_of_their_lines_as_ids)
                    getenv("DELAUNAY"), d.port_text);
     CHECK_STR(out, "OK 0 first=0 added=3 coincident=1\n");
     check_run(&d, "POINTS t", 0, "OK 3\n0 5 6\n1 7 8\n2 5 6\n");
-    check_run(&d, "load t /dev/null", 0, "OK 0 first=3 added=0 coincident=0\n");
+    check_run(
+        &d, "load t /dev/null", 0,
+        "delaunay: /dev/null: there are no points in it\nOK 0 first=3 added=0 coincident=0\n");
     daemon_end(&d);
 }
 

@@ -163,7 +163,7 @@ TEST(load_finds_the_columns_of_coordinates_by_their_headings_and_says_which)
     load_saying("a.csv", "1,2,9\n3,4,9\n", "", "using columns x=1 y=2 z=3, without a header\n",
                 "OK 2\n0 1 2\n1 3 4\n");
     char command[200];
-    cli_write("a.csv", "id,x,y\n7,1,2\n");
+    cli_write("a.csv", "x,y\n1,2\n");
     snprintf(command, sizeof command, "load t %s", cli_path("a.csv"));
     cli_expect(command, "OK 0 first=0 added=1 coincident=0\n"); /* obvious: no message */
     cli_finish();
@@ -180,8 +180,7 @@ TEST(load_refuses_unknown_columns_and_lists_the_known_ones)
     refuse_text("a.csv", "Paris,2.35,48.85\n", "", "columns found: 1=Paris 2=2.35 3=48.85;");
     refuse_text("a.csv", "1,20,30\n2,40,50\n3,60,70\n", "", "the first column counts rows");
     refuse_text("a.csv", "x,y\n1,5,2,5\n", "",
-                "a.csv:2: the row has more columns than the first one");
-    refuse_text("a.txt", "1,5 2,5\n", "", "columns found: 1=1 2=5 2 3=5;");
+                "a.csv:2: the row has too many columns: 4 instead of 2 (decimal commas?)");
     cli_run_well("add t 1 1");
     cli_expect("points t", "OK 1\n0 1 1\n"); /* no points were loaded */
     cli_finish();
@@ -210,8 +209,7 @@ TEST(load_reads_quoted_values_with_line_breaks_and_quotes)
               "", "OK 3\n0 1 2\n1 3 4\n2 5 6\n");
     load_text("a.csv", "\"X\n(m)\",\"Y\n(m)\"\n1,2\n", "", "OK 1\n0 1 2\n");
     refuse_text("a.csv", "name,x,y\n\"a\nb\",1,2\nc,1,e\n", "", "a.csv:4: not a number");
-    refuse_text("a.csv", "name,x,y\n\"open,1,2\nc,3,4\n", "--skip-bad",
-                "a.csv:2: a quote is not closed");
+    load_text("a.csv", "name,x,y\n\"open,1,2\nc,3,4\n", "", "OK 2\n0 1 2\n1 3 4\n");
     cli_finish();
 }
 
@@ -264,13 +262,15 @@ TEST(load_skips_bad_lines_when_asked_and_shows_what_it_skipped)
     char text[400] = "x,y\n";
     cli_begin();
     load_saying("a.csv", "x,y\n1,2\nn/a,3\n4\n5,6\n", "--skip-bad",
-                "a.csv:3: skipped, not a number: n/a,3\n", "OK 2\n0 1 2\n1 5 6\n");
+                "a.csv:3: skipped, not a number: \"n/a\" in column x: n/a,3\n",
+                "OK 2\n0 1 2\n1 5 6\n");
     load_saying("a.csv", "x,y\n1,2\nn/a,3\n4\n5,6\n", "--skip-bad",
                 "delaunay: 2 skipped, 2 points read\n", "OK 2\n0 1 2\n1 5 6\n");
     for (int i = 0; i < 7; i++)
         strcat(text, "a,b\n");
     load_saying("a.csv", strcat(text, "1,2\n"), "--skip-bad",
-                "a.csv:6: skipped, not a number: a,b\ndelaunay: 7 skipped in all, 1 points read\n",
+                "a.csv:6: skipped, not a number: \"a\" in column x: a,b\ndelaunay: 7 skipped in "
+                "all, 1 points read\n",
                 "OK 1\n0 1 2\n");
     load_saying("a.json",
                 "{\"type\":\"GeometryCollection\",\"geometries\":[\n"
@@ -321,7 +321,7 @@ TEST(json_of_a_file_that_is_refused_has_the_reason_as_its_message)
     const char *out = cli_run(&status, "load t /nowhere/a.csv --json");
     CHECK(strstr(out,
                  "{\"ok\":false,\"error\":\"REFUSED\",\"message\":\"/nowhere/a.csv: No such file "
-                 "or directory\"}\n") != NULL);
+                 "or directory\",\"input\":{") != NULL);
     out = cli_run(&status, "load t --json --nothing");
     CHECK(strstr(out, "{\"ok\":false,\"error\":\"USAGE\",\"message\":\"unknown option "
                       "--nothing\"}\n") != NULL);

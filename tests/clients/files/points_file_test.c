@@ -1,9 +1,10 @@
-/* points_file_test.c - files of points, good and bad. */
-#include "clients/files/points_file.h"
+/* points_file_test.c - files of lines `x y`, good and bad. */
+#include "clients/files/table_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,12 +22,20 @@ static int file_with(const char *bytes, size_t n)
     return fd;
 }
 
+static bool read_xy(struct points_file *f, int fd)
+{
+    struct table_file t = {.wish = {.xy = true}};
+    bool ok = table_file_read(&t, f, fd, NULL, NULL);
+    table_file_free(&t);
+    return ok;
+}
+
 static void check_read(const char *text, const char *want)
 {
     char got[400] = "";
     struct points_file f = {0};
     int fd = file_with(text, strlen(text));
-    CHECK_MSG(points_file_read(&f, fd, NULL, NULL), "line %d: %s", (int)f.line, f.fault);
+    CHECK_MSG(read_xy(&f, fd), "line %d: %s", (int)f.line, f.fault);
     for (size_t i = 0; i < f.n; i++)
         snprintf(got + strlen(got), sizeof got - strlen(got), "%g %g;", f.xy[2 * i],
                  f.xy[2 * i + 1]);
@@ -51,7 +60,7 @@ static void check_fault(const char *text, uint64_t line, const char *fault)
 {
     struct points_file f = {0};
     int fd = file_with(text, strlen(text));
-    CHECK_MSG(!points_file_read(&f, fd, NULL, NULL), "accepted: %s", text);
+    CHECK_MSG(!read_xy(&f, fd), "accepted: %s", text);
     CHECK_STR(f.fault, fault);
     CHECK_MSG(f.line == line, "%s: line %d", text, (int)f.line);
     close(fd);
@@ -63,10 +72,9 @@ TEST(points_file_reports_the_number_of_a_bad_line)
     const char *range = "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude";
     check_fault("1 2\n# x\n3\n4 5\n", 3, "a point needs x and y");
     check_fault("1 2\n1 2 3\n", 2, "more than x and y; --columns 1,2 takes the first two");
-    check_fault("1 two\n", 1, "not a number");
-    check_fault("1,2\n", 1, "not a number");
-    check_fault("nan 1\n", 1, "not a number");
-    check_fault("\n\n0x10 1", 3, "not a number");
+    check_fault("1 2\n1 two\n", 2, "not a number: \"two\" in column 2");
+    check_fault("1 2\nnan 1\n", 2, "not a number: \"nan\" in column 1");
+    check_fault("\n\n1 2\n0x10 1", 4, "not a number: \"0x10\" in column 1");
     check_fault("1 1e61\n", 1, range);
     check_fault("1e-43 0\n", 1, range);
     check_fault("1 1e400\n", 1, range);
@@ -83,7 +91,7 @@ TEST(points_file_reads_across_blocks)
             (size_t)sprintf(text + len, i % 7 == 0 ? "%zu %zu.25\r\n" : "%zu %zu.25\n", i, 2 * i);
     struct points_file f = {0};
     int fd = file_with(text, len);
-    CHECK(points_file_read(&f, fd, NULL, NULL) && f.n == n && f.line == n);
+    CHECK(read_xy(&f, fd) && f.n == n && f.line == n);
     for (size_t i = 0; i < n; i++)
         CHECK(f.xy[2 * i] == (double)i && f.xy[2 * i + 1] == (double)(2 * i) + 0.25);
     close(fd);
@@ -110,7 +118,7 @@ TEST(points_file_reads_from_a_pipe_in_small_pieces)
 {
     struct points_file f = {0};
     int fd = dribble("1.5 2.5\n-3e2 4\n# end\n7 8");
-    CHECK(points_file_read(&f, fd, NULL, NULL) && f.n == 3);
+    CHECK(read_xy(&f, fd) && f.n == 3);
     CHECK(f.xy[2] == -300 && f.xy[5] == 8);
     close(fd);
     points_file_free(&f);
@@ -124,7 +132,7 @@ TEST(points_file_limits_the_length_of_a_line)
     memset(text, '1', n);
     memcpy(text, "1 2\n", 4);
     int fd = file_with(text, n);
-    CHECK(!points_file_read(&f, fd, NULL, NULL) && f.line == 2);
+    CHECK(!read_xy(&f, fd) && f.line == 2);
     CHECK_STR(f.fault, "the line is too long");
     close(fd);
     points_file_free(&f);
@@ -135,7 +143,7 @@ TEST(points_file_reports_a_read_error)
 {
     struct points_file f = {0};
     int fd = open("/", O_RDONLY);
-    CHECK(fd >= 0 && !points_file_read(&f, fd, NULL, NULL));
+    CHECK(fd >= 0 && !read_xy(&f, fd));
     CHECK_STR(f.fault, strerror(EISDIR));
     CHECK(f.line == 0);
     close(fd);
@@ -152,7 +160,7 @@ TEST(points_file_reports_that_memory_ran_out)
         struct points_file f = {0};
         int fd = file_with(text, sizeof text);
         test_fail_alloc(nth);
-        bool ok = points_file_read(&f, fd, NULL, NULL);
+        bool ok = read_xy(&f, fd);
         failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(ok == !failed);

@@ -1,6 +1,8 @@
 /* table_fields_test.c - further columns of a table: which become fields, their names and values. */
 #include "clients/files/source.h"
 
+#include "clients/reading/plan_make.h"
+
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -20,7 +22,7 @@ static struct points_file read_text(struct source *s, const char *ending, const 
     CHECK(fd >= 0 && write(fd, text, strlen(text)) == (ssize_t)strlen(text) && close(fd) == 0);
     *s = (struct source){.path = path, .form = SOURCE_GUESS};
     s->table.fields.all = which == ALL;
-    CHECK(columns == NULL || table_choose_columns(&s->table, columns));
+    CHECK(columns == NULL || wish_columns(&s->table.wish, columns));
     bool good = source_read(s, &f);
     unlink(path);
     CHECK_MSG(good, "%s", f.fault);
@@ -54,7 +56,8 @@ TEST(the_third_column_of_an_xyz_file_is_z)
     check_fields(".csv", NULL, HEIGHTS, "10,2,3\n4,5,6\n", "z 3 6");
     check_fields(".csv", NULL, HEIGHTS, "10,2,3,4\n4,5,6,7\n", "");
     check_fields(".xy", NULL, HEIGHTS, "1 2\n3 4\n", "");
-    check_fields(".xyz", NULL, HEIGHTS, "1 2 town\n3 4 5\n", "");
+    check_fields(".xyz", NULL, HEIGHTS, "1 2 town\n3 4 5\n", "z nan 5");
+    check_fields(".xyz", NULL, HEIGHTS, "1 2 town\n3 4 city\n", "");
 }
 
 TEST(a_heading_may_identify_the_column_of_heights)
@@ -80,7 +83,7 @@ TEST(all_numeric_columns_become_fields_on_request)
     check_fields(
         ".csv", NULL, ALL,
         "id,x,y,name,elevation,2020,mean temp,n/a col\n1,2,3,A,4,5,6,\n7,8,9,B,10,11,12,x\n",
-        "id,z,_2020,mean_temp,n_a_col 1,4,5,6,nan 7,10,11,12,nan");
+        "id,z,_2020,mean_temp 1,4,5,6 7,10,11,12");
     check_fields(".csv", NULL, ALL, "10,2,3,a,4\n4,5,6,b,7\n", "c3,c5 3,4 6,7");
     check_fields(".xyz", NULL, ALL, "1 2 3 4\n", "z,c4 3,4");
     check_fields(".csv", NULL, ALL, "x,y,t,t,t\n1,2,3,4,5\n", "t,t_2,t_3 3,4,5");
@@ -137,8 +140,8 @@ TEST(a_table_of_a_hundred_columns_has_64_fields)
 
 TEST(columns_are_chosen_by_two_or_three_names)
 {
-    struct table_file t = {.chosen = false};
-    CHECK(!table_choose_columns(&t, "x") && !table_choose_columns(&t, "x,y,z,t"));
-    CHECK(!table_choose_columns(&t, "x,") && !table_choose_columns(&t, ",y"));
-    CHECK(!table_choose_columns(&t, "x,y,") && !table_choose_columns(&t, "1,0"));
+    struct wish t = {.chosen = false};
+    CHECK(!wish_columns(&t, "x") && !wish_columns(&t, "x,y,z,t"));
+    CHECK(!wish_columns(&t, "x,") && !wish_columns(&t, ",y"));
+    CHECK(!wish_columns(&t, "x,y,") && !wish_columns(&t, "1,0"));
 }

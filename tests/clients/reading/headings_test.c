@@ -1,5 +1,5 @@
 /* headings_test.c - which headings of a table name coordinates. */
-#include "clients/files/headings.h"
+#include "clients/reading/headings.h"
 
 #include <string.h>
 
@@ -10,12 +10,13 @@
 static const char *choose(const char *header)
 {
     static char text[40];
-    struct heading_search s = {.columns = 0};
+    struct heading_search s = {0};
+    size_t columns = 0;
     size_t column[2];
     bool obvious;
     for (const char *p = header;; p++) {
         size_t len = strcspn(p, ",");
-        heading_search_add(&s, p, len);
+        heading_search_add(&s, columns++, p, len);
         p += len;
         if (*p == '\0')
             break;

@@ -1,0 +1,324 @@
+/* reading.c - see reading.h. */
+#include "clients/cli/reading.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/files/progress.h"
+#include "clients/reading/plan_make.h"
+#include "proto/number.h"
+
+/* ---- options ---- */
+
+static int read_change(struct reading *r, int option, char **argv)
+{
+    struct survey_wish *w = &r->from.wish;
+    double nodata;
+    size_t *n = option == READING_NODATA ? &w->nodata_n : &w->negate_n;
+    if (*n == SURVEY_CHANGES)
+        return options_wrong(argv[0], "at most %d values of one option", SURVEY_CHANGES);
+    if (option == READING_NEGATE) {
+        w->negate[(*n)++] = optarg;
+        return EXIT_DONE;
+    }
+    if (!proto_read_double(optarg, strlen(optarg), &nodata))
+        return options_wrong(argv[0], "--nodata %s is not a number", optarg);
+    w->nodata[(*n)++] = nodata;
+    return EXIT_DONE;
+}
+
+int reading_option(struct reading *r, int option, char **argv, bool *known)
+{
+    struct source *s = &r->from;
+    uint32_t lines;
+    *known = true;
+    if (option == READING_SKIP_BAD)
+        s->skip_bad = true;
+    else if (option == READING_FIELDS)
+        s->table.fields.all = true;
+    else if (option == READING_DRY_RUN)
+        r->dry_run = true;
+    else if (option == READING_FORMAT && !source_read_form(optarg, s))
+        return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
+                             optarg);
+    else if (option == READING_COLUMNS && !wish_columns(&s->table.wish, optarg))
+        return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
+                             optarg);
+    else if (option == READING_SKIP_LINES && !proto_read_u32(optarg, strlen(optarg), &lines))
+        return options_wrong(argv[0], "--skip-lines %s is not a number of lines", optarg);
+    else if (option == READING_SKIP_LINES)
+        s->table.wish.skip_lines = lines;
+    else if (option == READING_NODATA || option == READING_NEGATE)
+        return read_change(r, option, argv);
+    else
+        *known = option == READING_FORMAT || option == READING_COLUMNS;
+    return EXIT_DONE;
+}
+
+/* ---- JSON ---- */
+
+static void put_number(const char *key, double v)
+{
+    char text[PROTO_NUMBER_MAX];
+    json_key(key);
+    if (isfinite(v))
+        printf("%.*s", (int)proto_write_double(text, v), text);
+    else
+        fputs("null", stdout);
+}
+
+static void put_range(const struct reading *r, size_t column)
+{
+    struct range range = survey_range(&r->file, column);
+    put_number("from", range.least);
+    put_number("to", range.greatest);
+    json_number("missing", range.missing);
+}
+
+/* The place of a table's column among x, y and the fields; SIZE_MAX: it is not used. */
+static size_t field_of(const struct reading *r, size_t column)
+{
+    const struct table_file *t = &r->from.table;
+    for (size_t k = 0; k < t->fields.n; k++)
+        if (t->fields.column[k] == column && !(t->plan.geometry && column == t->plan.x))
+            return k + 2;
+    return !t->plan.geometry && column == t->plan.x   ? 0
+           : !t->plan.geometry && column == t->plan.y ? 1
+                                                      : SIZE_MAX;
+}
+
+static const char *name_of(const struct reading *r, size_t place)
+{
+    return place == 0 ? "x" : place == 1 ? "y" : r->from.table.fields.name[place - 2];
+}
+
+static void put_column(const struct reading *r, size_t i)
+{
+    const struct plan *p = &r->from.table.plan;
+    size_t place = field_of(r, i);
+    printf("%s{\"column\":%zu", i > 0 ? "," : "", i + 1);
+    if (p->column[i].heading[0] != '\0')
+        json_text("heading", p->column[i].heading);
+    if (place == SIZE_MAX)
+        json_text("use", p->column[i].role == COLUMN_POINT ? "point" : "none");
+    else
+        json_text("use", name_of(r, place));
+    if (place != SIZE_MAX)
+        put_range(r, place);
+    putchar('}');
+}
+
+static void put_skipped(const struct points_file *f)
+{
+    json_number("skipped", f->skipped);
+    json_key("skipped_lines");
+    putchar('[');
+    for (size_t i = 0; i < f->skipped && i < SKIPPED_SHOWN; i++) {
+        char text[4 * sizeof f->skip[0].text];
+        printf("%s{\"line\":%ju", i > 0 ? "," : "", (uintmax_t)f->skip[i].line);
+        json_text("fault", f->skip[i].fault);
+        json_text("text",
+                  report_clean(text, sizeof text, f->skip[i].text, strlen(f->skip[i].text)));
+        putchar('}');
+    }
+    putchar(']');
+}
+
+static void put_notes(const struct report *report)
+{
+    json_key("notes");
+    putchar('[');
+    for (size_t i = 0; i < report->n; i++) {
+        printf("%s{\"kind\":\"%s\"", i > 0 ? "," : "", report_kind(report->note[i].kind));
+        json_text("text", report->note[i].text);
+        putchar('}');
+    }
+    putchar(']');
+}
+
+void reading_json(const struct reading *r)
+{
+    const struct table_file *t = &r->from.table;
+    json_key("input");
+    fputs("{\"name\":", stdout);
+    const char *name = source_name(&r->from);
+    json_string(name, strlen(name));
+    json_number("points", r->file.n);
+    if (t->using[0] != '\0')
+        json_text("using", t->using);
+    put_skipped(&r->file);
+    if (t->plan.columns > 0) {
+        json_number("heading_line", t->plan.heading_line);
+        json_key("columns");
+        putchar('[');
+        for (size_t i = 0; i < t->plan.columns; i++)
+            put_column(r, i);
+        putchar(']');
+    }
+    put_notes(&r->file.report);
+    putchar('}');
+}
+
+/* ---- --dry-run ---- */
+
+static const char *shown(double v, char *room)
+{
+    if (!isfinite(v))
+        return "-";
+    room[proto_write_double(room, v)] = '\0';
+    return room;
+}
+
+static void show_row(const char *column, const char *use, const struct reading *r, size_t place)
+{
+    char from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
+    if (place == SIZE_MAX) {
+        printf("  %-24s %s\n", column, use);
+        return;
+    }
+    struct range range = survey_range(&r->file, place);
+    printf("  %-24s %-10s %16s %16s %9ju\n", column, use, shown(range.least, from),
+           shown(range.greatest, to), (uintmax_t)range.missing);
+}
+
+static void show_columns(const struct reading *r)
+{
+    const struct plan *p = &r->from.table.plan;
+    printf("  %-24s %-10s %16s %16s %9s\n", "column", "use", "from", "to", "missing");
+    for (size_t i = 0; i < p->columns; i++) {
+        char column[PLAN_NAME + 24];
+        size_t place = field_of(r, i);
+        snprintf(column, sizeof column, "%zu %s", i + 1, p->column[i].heading);
+        show_row(column,
+                 place != SIZE_MAX                   ? name_of(r, place)
+                 : p->column[i].role == COLUMN_POINT ? "point"
+                                                     : "not used",
+                 r, place);
+    }
+    for (size_t k = 0; k < r->file.fields + 2; k++)
+        if (p->columns == 0 ||
+            (p->geometry && (k < 2 || r->from.table.fields.column[k - 2] == p->x)))
+            show_row("", name_of(r, k), r, k);
+}
+
+static const char *separator_name(const struct plan *p)
+{
+    switch (p->row.separator) {
+    case ' ':
+        return "blanks";
+    case '\t':
+        return "tabs";
+    case ',':
+        return "commas";
+    case ';':
+        return "semicolons";
+    default:
+        return "bars";
+    }
+}
+
+static void show_plan(const struct reading *r)
+{
+    const struct plan *p = &r->from.table.plan;
+    printf("  values between %s%s%s", separator_name(p),
+           p->number.comma == COMMA_DECIMAL ? ", with decimal commas" : "",
+           p->number.comma == COMMA_GROUPS ? ", with commas between thousands" : "");
+    if (p->heading_line > 0)
+        printf("; heading in line %ju", (uintmax_t)p->heading_line);
+    else
+        fputs("; no heading", stdout);
+    if (r->file.n > 0)
+        printf("; points from line %ju on\n", (uintmax_t)p->first_line);
+    else
+        putchar('\n');
+}
+
+static void show(const struct reading *r)
+{
+    struct coincidence c = {0};
+    bool known = survey_coincident(&r->file, &c);
+    if (json_chosen()) {
+        json_begin(true);
+        json_key("dry_run");
+        fputs("true", stdout);
+        if (known)
+            json_number("coincident", c.points);
+        reading_json(r);
+        json_finish();
+        return;
+    }
+    printf("%s: %zu points, %ju lines skipped", source_name(&r->from), r->file.n,
+           (uintmax_t)r->file.skipped);
+    if (known)
+        printf(", %ju points coincident with earlier ones", (uintmax_t)c.points);
+    putchar('\n');
+    if (r->from.table.plan.columns > 0)
+        show_plan(r);
+    show_columns(r);
+}
+
+/* ---- the file ---- */
+
+/* Prints what has been added to the report since the file was read. */
+static void note_coincident(struct reading *r)
+{
+    struct report *report = &r->file.report;
+    size_t before = report->n;
+    survey_note_coincident(&r->file, &r->from.table);
+    for (size_t i = before; i < report->n; i++)
+        fprintf(stderr, "delaunay: %s: %s\n", source_name(&r->from), report->note[i].text);
+}
+
+int reading_read(struct reading *r, bool *go_on)
+{
+    *go_on = false;
+    if (!source_read(&r->from, &r->file)) {
+        if (!json_chosen())
+            return EXIT_REFUSED;
+        json_begin(false);
+        json_text("error", "REFUSED");
+        json_text("message", r->from.message);
+        reading_json(r);
+        json_finish();
+        return EXIT_REFUSED;
+    }
+    *go_on = !r->dry_run;
+    if (r->dry_run) {
+        note_coincident(r);
+        show(r);
+    }
+    return EXIT_DONE;
+}
+
+static void show_sending(void *ctx, size_t done, size_t total)
+{
+    progress_update(ctx, done, total, done);
+}
+
+enum delaunay_result reading_send(struct reading *r, struct delaunay_client *c, const char *set)
+{
+    const struct table_fields *t = &r->from.table.fields;
+    const struct points_file *f = &r->file;
+    char names[FIELDS_MOST * (FIELDS_NAME + 1)] = "";
+    struct progress bar;
+    for (size_t i = 0, n = 0; i < f->fields; i++)
+        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", i > 0 ? "," : "", t->name[i]);
+    progress_start(&bar, "sending");
+    enum delaunay_result result =
+        delaunay_send_values(c, set, names, f->xy, f->value, f->n, show_sending, &bar);
+    progress_end(&bar);
+    if (result == DELAUNAY_OK)
+        result = delaunay_receive(c, command_show_comment, NULL);
+    if (result == DELAUNAY_OK && strstr(delaunay_status(c)->text, "coincident=0") == NULL)
+        note_coincident(r);
+    return result;
+}
+
+void reading_free(struct reading *r)
+{
+    points_file_free(&r->file);
+    source_free(&r->from);
+}

@@ -1,0 +1,302 @@
+/* survey.c - see survey.h. */
+#include "clients/files/survey.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/number.h"
+
+/* ---- columns ---- */
+
+/* The values of x (0), y (1) or a field, `*step` apart. */
+static double *column_of(const struct points_file *f, size_t column, size_t *step)
+{
+    *step = column < 2 ? 2 : f->fields;
+    return column < 2 ? f->xy + column : f->value + (column - 2);
+}
+
+static const char *column_name(const struct table_file *t, size_t column)
+{
+    return column == 0 ? "x" : column == 1 ? "y" : t->fields.name[column - 2];
+}
+
+struct range survey_range(const struct points_file *f, size_t column)
+{
+    struct range r = {INFINITY, -INFINITY, 0};
+    size_t step = 0;
+    const double *v = f->n > 0 ? column_of(f, column, &step) : NULL;
+    for (size_t i = 0; i < f->n; i++, v += step) {
+        r.least = *v < r.least ? *v : r.least;
+        r.greatest = *v > r.greatest ? *v : r.greatest;
+        r.missing += isnan(*v) != 0;
+    }
+    if (r.least > r.greatest)
+        r.least = r.greatest = (double)NAN;
+    return r;
+}
+
+/* A number for messages, in room[PROTO_NUMBER_MAX + 1]. */
+static const char *shown(double v, char *room)
+{
+    room[isfinite(v) ? proto_write_double(room, v) : 0] = '\0';
+    return room;
+}
+
+/* ---- changes ---- */
+
+static void apply_nodata(struct points_file *f, struct table_file *t, double nodata)
+{
+    char number[PROTO_NUMBER_MAX + 1];
+    for (size_t k = 0; k < f->fields; k++) {
+        uint64_t found = 0;
+        for (size_t i = 0; i < f->n; i++) {
+            double *v = &f->value[i * f->fields + k];
+            if (*v == nodata) {
+                *v = (double)NAN;
+                found++;
+            }
+        }
+        if (found > 0)
+            report_add(&f->report, NOTE_READ, "%s: %ju values %s mean missing", t->fields.name[k],
+                       (uintmax_t)found, shown(nodata, number));
+    }
+}
+
+static bool find_column(const struct points_file *f, const struct table_file *t, const char *name,
+                        size_t *column)
+{
+    for (*column = 0; *column < f->fields + 2; ++*column)
+        if (strcmp(column_name(t, *column), name) == 0)
+            return true;
+    return false;
+}
+
+static bool negate(struct points_file *f, const struct table_file *t, const char *name)
+{
+    size_t column, step;
+    if (!find_column(f, t, name, &column)) {
+        f->line = 0;
+        return points_file_stop(f, "no field %s to negate; there are x, y%s%s", name,
+                                f->fields > 0 ? ", " : "", f->fields > 0 ? t->fields.name[0] : "");
+    }
+    double *v = f->n > 0 ? column_of(f, column, &step) : NULL;
+    for (size_t i = 0; i < f->n; i++, v += step)
+        *v = *v == 0 ? 0 : isnan(*v) ? *v : -*v;
+    return true;
+}
+
+static bool is_negated(const struct survey_wish *w, const char *name)
+{
+    for (size_t i = 0; i < w->negate_n; i++)
+        if (strcmp(w->negate[i], name) == 0)
+            return true;
+    return false;
+}
+
+/* ---- doubts ---- */
+
+static void note_missing(struct points_file *f, struct table_file *t, size_t k)
+{
+    const struct odd_value *odd = &t->odd[k];
+    char where[120] = "";
+    if (t->fields.missing[k] == 0)
+        return;
+    if (odd->line > 0)
+        snprintf(where, sizeof where, "; the first that is not a number is \"%s\" in line %ju",
+                 odd->text, (uintmax_t)odd->line);
+    report_add(&f->report, NOTE_MISSING, "%s: %ju of %zu values are missing%s", t->fields.name[k],
+               (uintmax_t)t->fields.missing[k], f->n, where);
+}
+
+/* Whether programs write this value where there is none. */
+static bool is_sentinel(double v)
+{
+    static const double values[] = {
+        -99,      -999, -9999, -99999,        -999999,    -9999999, -9999.9, -999.9, -99.9, -999.25,
+        -9999.25, 9999, 99999, 999999,        9999999,    -32768,   32767,   -32767, 65535, -1e30,
+        1e30,     1e20, -1e20, -2147483648.0, 2147483647, 1e10,     -1e10,   -88888, -8888};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
+        if (v == values[i])
+            return true;
+    return fabs(v) >
+           1e36; /* the greatest floats and doubles, Surfer's 1.70141e38, NetCDF's 9.97e36 */
+}
+
+/* A least or greatest value that is far from the others and may mean: missing. */
+static bool check_extreme(struct points_file *f, const char *name, size_t k, bool least)
+{
+    const struct range all = survey_range(f, k + 2);
+    const double extreme = least ? all.least : all.greatest;
+    char number[PROTO_NUMBER_MAX + 1], from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
+    double low = INFINITY, high = -INFINITY;
+    uint64_t found = 0;
+    if (!is_sentinel(extreme))
+        return false;
+    for (size_t i = 0; i < f->n; i++) {
+        double v = f->value[i * f->fields + k];
+        found += v == extreme;
+        if (v != extreme && !is_sentinel(v)) {
+            low = v < low ? v : low;
+            high = v > high ? v : high;
+        }
+    }
+    double gap = least ? low - extreme : extreme - high;
+    bool far = low > high || (gap > 0 && gap > (high - low) / (least ? 10 : 1));
+    if (!far)
+        return false;
+    shown(extreme, number);
+    if (low > high)
+        report_add(&f->report, NOTE_DOUBT, "%s: all values are %s, which may mean missing", name,
+                   number);
+    else
+        report_add(&f->report, NOTE_DOUBT,
+                   "%s: %ju values are %s, far from the others (%s to %s); --nodata %s makes them "
+                   "missing",
+                   name, (uintmax_t)found, number, shown(low, from), shown(high, to), number);
+    return true;
+}
+
+static uint64_t count_beyond(const struct points_file *f, size_t axis, double most)
+{
+    uint64_t n = 0;
+    for (size_t i = 0; i < f->n; i++)
+        n += fabs(f->xy[2 * i + axis]) > most;
+    return n;
+}
+
+static void check_degrees(struct points_file *f)
+{
+    uint64_t latitudes = count_beyond(f, 1, 90), longitudes = count_beyond(f, 0, 360);
+    if (latitudes > 0 && count_beyond(f, 0, 90) == 0)
+        report_add(
+            &f->report, NOTE_DOUBT,
+            "%ju latitudes are beyond 90 degrees, and no longitude is: they seem to be swapped",
+            (uintmax_t)latitudes);
+    else if (latitudes > 0)
+        report_add(&f->report, NOTE_DOUBT, "%ju latitudes are beyond 90 degrees",
+                   (uintmax_t)latitudes);
+    if (longitudes > 0)
+        report_add(&f->report, NOTE_DOUBT, "%ju longitudes are beyond 360 degrees",
+                   (uintmax_t)longitudes);
+}
+
+/* A latitude that counts to the south, a longitude that counts to the west. */
+static void check_hemispheres(struct points_file *f, const struct plan *p,
+                              const struct survey_wish *w)
+{
+    for (size_t axis = 0; axis < 2; axis++) {
+        const char *name = axis == 0 ? "x" : "y";
+        struct range r = survey_range(f, axis);
+        if (p->reversed[axis] && !is_negated(w, name) && r.least >= 0 && r.greatest > 0)
+            report_add(&f->report, NOTE_DOUBT,
+                       "%s is positive, so the map is a mirror image; --negate %s turns it",
+                       p->column[axis == 0 ? p->x : p->y].heading, name);
+    }
+}
+
+static void check_depths(struct points_file *f, const struct table_file *t,
+                         const struct survey_wish *w)
+{
+    for (size_t k = 0; k < f->fields; k++) {
+        if (!t->plan.depth || strcmp(t->fields.name[k], "z") != 0 || is_negated(w, "z"))
+            continue;
+        struct range r = survey_range(f, k + 2);
+        if (r.greatest > 0)
+            report_add(&f->report, NOTE_DOUBT,
+                       "z is %s as it is, so what is deeper is higher; --negate z turns it",
+                       t->fields.height);
+    }
+}
+
+bool survey(struct points_file *f, struct table_file *t, const struct survey_wish *w)
+{
+    for (size_t i = 0; i < w->nodata_n; i++)
+        apply_nodata(f, t, w->nodata[i]);
+    for (size_t k = 0; k < f->fields; k++) {
+        t->fields.missing[k] = survey_range(f, k + 2).missing;
+        note_missing(f, t, k);
+        if (f->n > 0 && !check_extreme(f, t->fields.name[k], k, true))
+            check_extreme(f, t->fields.name[k], k, false);
+    }
+    for (size_t i = 0; i < w->negate_n; i++)
+        if (!negate(f, t, w->negate[i]))
+            return false;
+    if (t->plan.pair == PAIR_LON_LAT && t->plan.headed)
+        check_degrees(f);
+    check_hemispheres(f, &t->plan, w);
+    check_depths(f, t, w);
+    if (f->n == 0)
+        report_add(&f->report, NOTE_DOUBT, "there are no points in it");
+    return true;
+}
+
+/* ---- coincident points ---- */
+
+static uint64_t hash(const double *xy)
+{
+    const double place[2] = {xy[0] + 0, xy[1] + 0}; /* -0 is 0 */
+    uint64_t bits[2];
+    memcpy(bits, place, sizeof bits);
+    uint64_t h = (bits[0] ^ (bits[1] << 31 | bits[1] >> 33)) * 0x9E3779B97F4A7C15;
+    return (h ^ h >> 29) * 0xBF58476D1CE4E5B9;
+}
+
+/* The field in which two points differ; f->fields if in none. */
+static size_t difference(const struct points_file *f, size_t a, size_t b)
+{
+    size_t k = 0;
+    while (k < f->fields) {
+        double u = f->value[a * f->fields + k], v = f->value[b * f->fields + k];
+        if (u != v && !(isnan(u) && isnan(v)))
+            break;
+        k++;
+    }
+    return k;
+}
+
+bool survey_coincident(const struct points_file *f, struct coincidence *c)
+{
+    *c = (struct coincidence){.points = 0};
+    size_t cap = 16;
+    while (cap < 2 * f->n)
+        cap *= 2;
+    uint32_t *place = calloc(cap, sizeof place[0]); /* a point's number from 1 */
+    if (place == NULL)
+        return false;
+    for (size_t i = 0; i < f->n; i++) {
+        size_t at = (size_t)(hash(f->xy + 2 * i) >> 16) & (cap - 1);
+        const double *here = f->xy + 2 * i, *there = NULL;
+        for (; place[at] != 0; at = (at + 1) & (cap - 1)) {
+            there = f->xy + 2 * (size_t)(place[at] - 1);
+            if (there[0] == here[0] && there[1] == here[1])
+                break;
+        }
+        if (place[at] == 0) {
+            place[at] = (uint32_t)i + 1;
+            continue;
+        }
+        c->points++;
+        size_t k = difference(f, place[at] - 1, i);
+        if (k < f->fields && c->different++ == 0) {
+            c->first = i;
+            c->field = k;
+        }
+    }
+    free(place);
+    return true;
+}
+
+void survey_note_coincident(struct points_file *f, const struct table_file *t)
+{
+    struct coincidence c;
+    char x[PROTO_NUMBER_MAX + 1], y[PROTO_NUMBER_MAX + 1];
+    if (f->fields == 0 || !survey_coincident(f, &c) || c.different == 0)
+        return;
+    report_add(
+        &f->report, NOTE_DOUBT,
+        "%ju of %ju coincident points have other values than the first point there, as %s at "
+        "%s %s; the first counts",
+        (uintmax_t)c.different, (uintmax_t)c.points, t->fields.name[c.field],
+        shown(f->xy[2 * c.first], x), shown(f->xy[2 * c.first + 1], y));
+}

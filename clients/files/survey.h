@@ -1,0 +1,44 @@
+/* survey.h - looks at the points of a file after reading: ranges, missing values, coincident points, and what may be wrong with
+ * them. */
+#ifndef CLIENTS_SURVEY_H
+#define CLIENTS_SURVEY_H
+
+#include "clients/files/points_file.h"
+#include "clients/files/table_file.h"
+
+enum { SURVEY_CHANGES = 8 };
+
+/* What the caller wants changed. */
+struct survey_wish {
+    double nodata[SURVEY_CHANGES]; /* values of fields that mean: missing */
+    size_t nodata_n;
+    const char *negate[SURVEY_CHANGES]; /* borrows: x, y or fields whose sign changes */
+    size_t negate_n;
+};
+
+/* Of x (0), y (1) or a field (2, 3, ...). */
+struct range {
+    double least, greatest; /* of what is there; nan if nothing is */
+    uint64_t missing;
+};
+
+struct coincidence {
+    uint64_t points;    /* that are where an earlier one is */
+    uint64_t different; /* of these, those with other values than the first one there */
+    size_t first;       /* the first of these points */
+    size_t field;       /* in which its value differs */
+};
+
+/* Makes the changes, then adds to f->report what is missing and doubtful; counts t->fields.missing. False with a fault if a
+ * field is not there. */
+bool survey(struct points_file *f, struct table_file *t, const struct survey_wish *w);
+
+struct range survey_range(const struct points_file *f, size_t column);
+
+/* False if out of memory. Cost: O(n). */
+bool survey_coincident(const struct points_file *f, struct coincidence *c);
+
+/* Adds to the report where values of coincident points differ; nothing if they do not, or out of memory. */
+void survey_note_coincident(struct points_file *f, const struct table_file *t);
+
+#endif
