@@ -224,7 +224,7 @@ static void show_plan(const struct reading *r)
 {
     const struct plan *p = &r->from.table.plan;
     printf("  values between %s%s%s", separator_name(p),
-           p->number.comma == COMMA_DECIMAL ? ", with decimal commas" : "",
+           p->number.commas && p->number.comma == COMMA_DECIMAL ? ", with decimal commas" : "",
            p->number.comma == COMMA_GROUPS ? ", with commas between thousands" : "");
     if (p->heading_line > 0)
         printf("; heading in line %ju", (uintmax_t)p->heading_line);
@@ -250,10 +250,10 @@ static void show(const struct reading *r)
         json_finish();
         return;
     }
-    printf("%s: %zu points, %ju lines skipped", source_name(&r->from), r->file.n,
+    printf("%s: points: %zu, lines skipped: %ju", source_name(&r->from), r->file.n,
            (uintmax_t)r->file.skipped);
     if (known)
-        printf(", %ju points coincident with earlier ones", (uintmax_t)c.points);
+        printf(", coincident with earlier points: %ju", (uintmax_t)c.points);
     putchar('\n');
     if (r->from.table.plan.columns > 0)
         show_plan(r);

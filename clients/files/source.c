@@ -17,7 +17,7 @@ static const struct {
                {"geojson", SOURCE_GEOJSON, false}, {"node", SOURCE_NODE, false},
                {"xyz", SOURCE_TABLE, true},        {"json", SOURCE_GEOJSON, false},
                {"ndjson", SOURCE_GEOJSON, false},  {"geojsonl", SOURCE_GEOJSON, false},
-               {"jsonl", SOURCE_GEOJSON, false},   {"pts", SOURCE_TABLE, false}};
+               {"jsonl", SOURCE_GEOJSON, false},   {"pts", SOURCE_TABLE, true}};
 
 bool source_read_form(const char *name, struct source *s)
 {

@@ -58,8 +58,8 @@ static void apply_nodata(struct points_file *f, struct table_file *t, double nod
             }
         }
         if (found > 0)
-            report_add(&f->report, NOTE_READ, "%s: %ju values %s mean missing", t->fields.name[k],
-                       (uintmax_t)found, shown(nodata, number));
+            report_add(&f->report, NOTE_READ, "%s: %s means missing, %ju times", t->fields.name[k],
+                       shown(nodata, number), (uintmax_t)found);
     }
 }
 
@@ -151,9 +151,9 @@ static bool check_extreme(struct points_file *f, const char *name, size_t k, boo
                    number);
     else
         report_add(&f->report, NOTE_DOUBT,
-                   "%s: %ju values are %s, far from the others (%s to %s); --nodata %s makes them "
-                   "missing",
-                   name, (uintmax_t)found, number, shown(low, from), shown(high, to), number);
+                   "%s: %s in %ju of %zu values, far from the others (%s to %s); --nodata %s makes "
+                   "them missing",
+                   name, number, (uintmax_t)found, f->n, shown(low, from), shown(high, to), number);
     return true;
 }
 
@@ -169,15 +169,14 @@ static void check_degrees(struct points_file *f)
 {
     uint64_t latitudes = count_beyond(f, 1, 90), longitudes = count_beyond(f, 0, 360);
     if (latitudes > 0 && count_beyond(f, 0, 90) == 0)
-        report_add(
-            &f->report, NOTE_DOUBT,
-            "%ju latitudes are beyond 90 degrees, and no longitude is: they seem to be swapped",
-            (uintmax_t)latitudes);
+        report_add(&f->report, NOTE_DOUBT,
+                   "latitudes beyond 90 degrees: %ju, longitudes: none; they seem to be swapped",
+                   (uintmax_t)latitudes);
     else if (latitudes > 0)
-        report_add(&f->report, NOTE_DOUBT, "%ju latitudes are beyond 90 degrees",
+        report_add(&f->report, NOTE_DOUBT, "latitudes beyond 90 degrees: %ju",
                    (uintmax_t)latitudes);
     if (longitudes > 0)
-        report_add(&f->report, NOTE_DOUBT, "%ju longitudes are beyond 360 degrees",
+        report_add(&f->report, NOTE_DOUBT, "longitudes beyond 360 degrees: %ju",
                    (uintmax_t)longitudes);
 }
 

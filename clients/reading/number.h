@@ -11,6 +11,7 @@ enum comma { COMMA_UNKNOWN, COMMA_DECIMAL, COMMA_GROUPS };
 struct number_style {
     enum comma comma;
     bool point_groups; /* 1.234 is 1234 */
+    bool commas;       /* numbers with commas have been seen */
 };
 
 /* What a text shows about the commas and points of its file. */

@@ -33,7 +33,8 @@ struct column {
     size_t numbers, degrees, points, missing, texts; /* of each kind */
     size_t solid;                                    /* points that have a third coordinate */
     size_t integers, decimals, units, quoted;        /* of the numbers; quoted ones of all */
-    double least, greatest, last;                    /* numbers */
+    double least, greatest, last, step;              /* numbers */
+    bool even;                /* all steps between the numbers are the same */
     bool ascending, counting; /* each number is greater than, 1 more than, the last */
     char text[40];            /* the first one that is not a number */
     uint64_t text_line;

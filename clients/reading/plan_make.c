@@ -270,6 +270,25 @@ static bool check_text(struct plan *p, const char *text, size_t n)
     return plan_fault(p, false, "not a text file: it has NUL bytes");
 }
 
+/* Formats of grids, which begin with words of their own. */
+static bool check_grid(struct plan *p, const struct sample *s)
+{
+    static const char *const words[] = {"ncols", "nrows", "DSAA", "DSBB", "DSRB", "north:"};
+    struct value v = value_trim(s->text, s->end);
+    size_t len = 0;
+    while (len < v.len && !value_is_blank(v.text[len]) && v.text[len] != '\n')
+        len++;
+    v.len = len;
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        if (value_is_word(v, words[i])) {
+            p->fault_line = 1;
+            return plan_fault(p, false,
+                              "this is a grid, not a table of points; gdal_translate -of "
+                              "XYZ makes one of it");
+        }
+    return true;
+}
+
 static void plan_node(struct plan *p, const struct wish *w, struct sample *s)
 {
     size_t row = 0;
@@ -356,7 +375,7 @@ bool plan_make(struct plan *p, const struct wish *w, const char *text, size_t n,
     s->skip_lines = w->skip_lines;
     bool has_lf = memchr(text, '\n', n) != NULL;
     p->row.line_end = has_lf || memchr(text, '\r', n) == NULL ? '\n' : '\r';
-    bool ok = make(p, w, s, report);
+    bool ok = (w->skip_lines > 0 || check_grid(p, s)) && make(p, w, s, report);
     free(s);
     return ok;
 }

@@ -165,19 +165,20 @@ static bool check_first_column(struct plan *p, struct report *report)
         decimals += c[i].decimals > 0;
     if (are_dates(c) || (p->columns > 3 && are_years_and_months(c)))
         return plan_fault(p, true, "no header, and the first column has dates");
-    if (!c->ascending || c->decimals > 0 || c->numbers < 2 || c->least < 0)
+    bool whole = c->decimals == 0 && c->numbers > 1 && c->least >= 0;
+    if (!whole || (!c->ascending && decimals < 2))
         return true;
     if (c->counting && c->numbers > 2 && c->least <= 1)
         return plan_fault(p, false,
                           "no header, and the first column counts rows; choose with --columns, for "
                           "instance 2,3");
-    if (c->numbers > 2 && (decimals > 1 || c->counting))
+    if (c->ascending && c->numbers > 2 && (c->counting || (decimals > 1 && !c->even)))
         return plan_fault(p, false,
                           "no header, and the first column seems to number the points; choose with "
                           "--columns, for instance 2,3");
     report_add(report, NOTE_DOUBT,
-               "the first column ascends; if it numbers the points, choose "
-               "with --columns, for instance 2,3");
+               "the first column has only whole numbers; if it numbers the points or has years, "
+               "choose with --columns, for instance 2,3");
     return true;
 }
 

@@ -102,6 +102,7 @@ struct fit {
     size_t rows, columns;   /* rows from the first number on; columns of most of them */
     size_t agree, full;     /* rows with so many columns; rows of nothing but numbers */
     size_t numbers, points; /* in all rows */
+    bool framed;            /* a row before them has as many columns */
     bool headings;          /* a row before them has headings of x and y, as many as columns */
 };
 
@@ -129,6 +130,7 @@ static struct fit try_separator(struct sample *s, char separator, char line_end)
     }
     for (size_t i = 0; i < from && !fit.headings; i++) {
         size_t n = s->row[i].kind == ROW_VALUES ? sample_split(s, &style, i) : 0;
+        fit.framed |= n > 1 && n == fit.columns;
         fit.headings = n > 1 && (fit.rows == 0 || n == fit.columns || n + 1 == fit.columns) &&
                        sample_is_heading(s->value, n);
     }
@@ -147,7 +149,7 @@ static int rank(const struct fit *f)
     if (f->headings)
         return 4;
     if (f->rows > 0 && f->rows - f->points <= f->rows / 10)
-        return 3;
+        return 3 + f->framed;
     if (f->rows == 0 || f->columns < 2)
         return 0;
     if (are_most(f->agree, f->rows) && are_most(f->full, f->rows))
@@ -199,6 +201,8 @@ struct number_style sample_numbers(struct sample *s, const struct plan *p, struc
         style.comma = COMMA_GROUPS;
     else if (either ? !separates : p->row.separator == ';')
         style.comma = COMMA_DECIMAL;
+    style.commas =
+        either || seen[SHAPE_COMMA] + seen[SHAPE_COMMA_GROUPS] > 0 || seen[SHAPE_POINT_GROUPS] > 0;
     bool certain = seen[SHAPE_COMMA] + seen[SHAPE_COMMA_GROUPS] + seen[SHAPE_POINT_GROUPS] > 0;
     if (either && !certain && style.comma != COMMA_UNKNOWN)
         report_add(report, NOTE_DOUBT, "commas as in 1,234 are taken for %s",
@@ -221,6 +225,8 @@ static void note_number(struct column *c, const struct number_style *style, stru
     bool first = c->numbers == 0;
     c->ascending = first || (c->ascending && x > c->last);
     c->counting = first || (c->counting && x == c->last + 1);
+    c->even = c->numbers < 2 || (c->even && x - c->last == c->step);
+    c->step = first ? 0 : x - c->last;
     c->least = first || x < c->least ? x : c->least;
     c->greatest = first || x > c->greatest ? x : c->greatest;
     c->last = x;

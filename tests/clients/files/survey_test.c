@@ -43,19 +43,20 @@ TEST(latitudes_to_the_south_and_longitudes_to_the_west_that_are_positive_are_a_d
 TEST(latitudes_beyond_90_degrees_are_a_doubt)
 {
     tables_expect(CSV, "lat,lon\n11.5,148\n151,33\n", "148 11.5; 33 151",
-                  "doubt: 1 latitudes are beyond 90 degrees\n");
+                  "doubt: latitudes beyond 90 degrees: 1\n");
     tables_expect(CSV, "lat,lon\n151.2,-33.1\n151.9,-33.2\n", "-33.1 151.2; -33.2 151.9",
                   "they seem to be swapped");
-    tables_expect(CSV, "lat,lon\n48,400\n", "400 48", "1 longitudes are beyond 360 degrees");
+    tables_expect(CSV, "lat,lon\n48,400\n", "400 48", "longitudes beyond 360 degrees: 1");
     tables_expect(CSV, "x,y\n148,151\n", "148 151", "");
 }
 
 TEST(heights_that_may_mean_missing_are_a_doubt)
 {
-    tables_expect(".xyz", "0 0 100\n1 0 110\n1 1 -9999\n0 1 -9999\n",
-                  "0 0 100; 1 0 110; 1 1 -9999; 0 1 -9999",
-                  "doubt: z: 2 values are -9999, far from the others (100 to 110); --nodata -9999 "
-                  "makes them missing");
+    tables_expect(
+        ".xyz", "0 0 100\n1 0 110\n1 1 -9999\n0 1 -9999\n",
+        "0 0 100; 1 0 110; 1 1 -9999; 0 1 -9999",
+        "doubt: z: -9999 in 2 of 4 values, far from the others (100 to 110); --nodata -9999 "
+        "makes them missing");
     tables_expect(CSV, "x,y,z\n0,0,100\n1,0,-99999\n", "0 0 100; 1 0 -99999", "--nodata -99999");
     tables_expect(CSV, "x,y,z\n0,0,100\n1,0,1.70141e38\n", "0 0 100; 1 0 1.70141e+38", "--nodata");
     tables_expect(CSV, "x,y,z\n0,0,-98\n1,0,-99\n", "0 0 -98; 1 0 -99", "using x=x y=y z=z\n");
@@ -83,7 +84,7 @@ TEST(values_that_mean_missing_are_chosen_and_signs_are_changed)
     static const char text[] = "x,y,depth\n0,0,100\n1,0,-9999\n2,0,0\n";
     tables_read(&o, CSV, text, strlen(text), choose_nodata);
     CHECK_STR(o.points, "0 0 -100; -1 0 nan; -2 0 nan");
-    CHECK(strstr(o.notes, "z: 1 values -9999 mean missing") != NULL);
+    CHECK(strstr(o.notes, "z: -9999 means missing, 1 times") != NULL);
     CHECK(strstr(o.notes, "z: 2 of 3 values are missing") != NULL);
     CHECK(strstr(o.notes, "what is deeper") == NULL);
 }
@@ -144,7 +145,7 @@ TEST(a_dry_run_shows_how_a_file_is_read_and_changes_nothing)
     cli_write("a.csv", "id;lat;lon;H\xF6he\n1;48,5;11;500\n2;49;12;\n3;49;12;510\n");
     expect(
         "load t", "a.csv", "--dry-run", 0,
-        ": 3 points, 0 lines skipped, 1 points coincident with earlier ones\n"
+        ": points: 3, lines skipped: 0, coincident with earlier points: 1\n"
         "  values between semicolons, with decimal commas; heading in line 1; points from line 2 "
         "on\n"
         "  column                   use                    from               to   missing\n"
@@ -154,7 +155,7 @@ TEST(a_dry_run_shows_how_a_file_is_read_and_changes_nothing)
     expect("load t", "a.csv", "--dry-run", 0,
            "z                       500              510         1\n");
     expect("load t", "a.csv", "--dry-run", 0, "columns not used: id (--fields keeps");
-    expect("-p 1 load t", "a.csv", "--dry-run", 0, "3 points"); /* needs no server */
+    expect("-p 1 load t", "a.csv", "--dry-run", 0, "points: 3"); /* needs no server */
     cli_expect("sets", "OK 0\n");
     cli_write("b.csv", "x,y\n1,b\n2,3\n");
     expect("--json load t", "b.csv", "--dry-run", 1, "\"message\":\"/tmp/");

@@ -196,10 +196,17 @@ TEST(titles_and_rows_of_units_are_not_read_and_named)
                   "line 1 is not read: Survey of Loch Ness, 2024");
     tables_expect(TXT, "My survey of the field\n0 0 5\n1 0 6\n", "0 0 5; 1 0 6",
                   "line 1 is not read");
-    tables_expect(".pts", "3\n0 0 5 10\n1 0 6 20\n1 1 7 30\n", "0 0; 1 0; 1 1",
+    tables_expect(".pts", "3\n0 0 5 10\n1 0 6 20\n1 1 7 30\n", "0 0 5; 1 0 6; 1 1 7",
                   "line 1 is not read: 3");
     tables_expect(CSV, "x,y\nm,m\nfloat,float\n0,0\n1,0\n1,1\n", SQUARE, "line 3 is not read");
     tables_refuse(CSV, "x,y\na,b\na,b\na,b\n1,2\n", "2: not a number: \"a\" in column x");
+}
+
+TEST(a_grid_is_no_table_of_points)
+{
+    tables_refuse(".asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n",
+                  "1: this is a grid, not a table of points");
+    tables_refuse(".grd", "DSAA\n3 2\n0 1\n0 1\n1 6\n1 2 3\n4 5 6\n", "this is a grid");
 }
 
 TEST(a_title_is_no_heading_and_a_heading_is_no_title)
@@ -360,6 +367,12 @@ TEST(a_column_of_points_in_wkt_has_the_coordinates)
                   "0 0 500; 1 0 501", "using x y of WKT z=height");
 }
 
+TEST(semicolons_in_wkt_do_not_separate_columns_between_commas)
+{
+    tables_expect(CSV, "id,geom\n1,SRID=4326;POINT(1 2)\n2,SRID=4326;POINT(3 4)\n", "1 2; 3 4",
+                  "using x y of geom");
+}
+
 TEST(points_in_wkt_may_have_heights_and_other_geometries_are_bad)
 {
     tables_expect(CSV, "id|geom\n1|SRID=4326;POINT Z (0 0 5)\n2|POINTZ(1 0 6)\n", "0 0 5; 1 0 6",
@@ -386,6 +399,11 @@ TEST(numbers_of_points_dates_and_decimal_commas_are_not_coordinates)
     tables_refuse(CSV, "12,05,48,1\n13,5,49,25\n", "decimal commas");
     tables_expect(CSV, "12,5,48,1\n13,5,49,25\n", "12 5; 13 5", "if commas are decimal commas");
     tables_expect(CSV, "0,0,5\n10,0,6\n20,0,7\n", "0 0 5; 10 0 6; 20 0 7",
-                  "doubt: the first column ascends");
+                  "doubt: the first column has only whole numbers");
+    tables_expect(TXT, "1001 100.5 200.5 3.5\n1005 101.5 201.5 3.6\n1003 111.5 201.5 3.6\n",
+                  "1001 100.5; 1005 101.5; 1003 111.5", "if it numbers the points or has years");
+    tables_expect(CSV, "0,10.5,5.5\n10,11.5,6.5\n20,12.5,7.5\n",
+                  "0 10.5 5.5; 10 11.5 6.5; 20 12.5 7.5", "only whole numbers");
+    tables_expect(CSV, "10.5,2,5\n11.5,3,6\n", "10.5 2 5; 11.5 3 6", "without a header\n");
     tables_expect(".xyz", "1 0 5\n2 0 6\n3 0 7\n", "1 0 5; 2 0 6; 3 0 7", NULL);
 }
