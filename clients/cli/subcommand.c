@@ -16,10 +16,12 @@ const struct subcommand subcommands[] = {
      "      --input-format F     of the points; as load's --format\n"
      "  -c, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata V, --negate FIELD,\n"
      "      --dry-run            as load's; --dry-run needs no PICTURE\n"
-     "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
+     "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n"
+     "      --geographic         as export's; usual where the headings are those of degrees\n"
+     "      --planar             x and y alike, whatever the headings are\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
      "--dry-run "
-     "--colour --field --numbers --viewport --force --help",
+     "--colour --field --numbers --viewport --geographic --planar --force --help",
      true},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
@@ -30,7 +32,7 @@ const struct subcommand subcommands[] = {
      "      --negate FIELD, --dry-run, --force\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
      "--dry-run "
-     "--colour --field --numbers --viewport --force --help",
+     "--colour --field --numbers --viewport --geographic --planar --force --help",
      true},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
@@ -69,7 +71,7 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --field --numbers --viewport --force --help", true},
+     "--format --colour --field --numbers --viewport --geographic --planar --force --help", true},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -98,8 +100,9 @@ const struct subcommand subcommands[] = {
      "      --levels L,L,...  these levels\n"
      "      --max-edge E      none in triangles that have a longer edge\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --every --base --levels --max-edge --viewport --force --help", true},
+     "--format --every --base --levels --max-edge --viewport --geographic --force --help", true},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
      "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "
@@ -110,10 +113,11 @@ const struct subcommand subcommands[] = {
      "      --viewport BOX    clips the cells: X0,Y0,X1,Y1; else the box around all points, grown "
      "by half;\n"
      "                        in a picture by a twentieth\n"
+     "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --field F         colours the cells of the picture by a field; without it by z, if "
      "there is one\n"
      "      --force           replace any file\n",
-     "--format --viewport --field --force --help", true},
+     "--format --viewport --field --geographic --force --help", true},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
      "Writes the alpha shape of the triangulated set: the union of the triangles whose "
@@ -123,16 +127,17 @@ const struct subcommand subcommands[] = {
      "ALPHA.\n\n"
      "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --viewport --force --help", true},
+     "--format --viewport --geographic --force --help", true},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. A set "
      "with\n"
      "heights, in the field F or z, is drawn as shaded relief, unless --mesh is given. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"
-     "$NO_COLOR does.\n",
-     "--width --height --field --mesh --plain --help", false},
+     "$NO_COLOR does. With --geographic x and y are longitude and latitude.\n",
+     "--width --height --field --mesh --plain --geographic --help", false},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
@@ -259,6 +264,7 @@ void subcommand_print_help(const struct subcommand *s)
           "      --field F         the field of heights; else z, if there is one\n"
           "      --numbers         ids beside the points, however many there are\n"
           "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
+          "      --geographic      x and y are longitude and latitude: a map with a scale in km\n"
           "      --force           replace any file\n\n"
           "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
           "and\n"

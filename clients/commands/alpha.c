@@ -98,10 +98,12 @@ static int write_shape(void *ctx, FILE *out)
         rings_write_wkt(out, &w->rings, w->radius);
     } else if (!shapes_file_is_picture(&w->file)) {
         rings_write_geojson(out, &w->rings, w->radius);
+    } else if (!shapes_file_project(&w->file, w->rings.xy, w->rings.corners)) {
+        return EXIT_REFUSED;
     } else {
         snprintf(title, sizeof title, "%.100s: alpha shape of radius %.100s", w->set, w->radius);
         if (!surface_write_rings(out, title, &w->rings, &w->file.model,
-                                 w->file.has_box ? w->file.box : NULL))
+                                 w->file.has_box ? w->file.box : NULL, shapes_file_unit(&w->file)))
             return output_fault("", "out of memory");
     }
     return EXIT_DONE;
@@ -140,6 +142,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
     static const struct option options[] = {{"format", required_argument, NULL, 'f'},
                                             {"viewport", required_argument, NULL, 'v'},
                                             {"force", no_argument, NULL, 'F'},
+                                            {"geographic", no_argument, NULL, 'G'},
                                             {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     double radius;

@@ -115,9 +115,11 @@ static int draw_lines(void *ctx, FILE *out)
     int field = model_field(&w->file.model, w->field);
     if (field < 0)
         return output_fault(w->field, "the set has no such field");
+    if (!shapes_file_project(&w->file, w->file.shapes.xy, w->file.shapes.corners))
+        return EXIT_REFUSED;
     snprintf(title, sizeof title, "%.100s: contour lines of %.100s", w->set, w->field);
     return surface_write_contours(out, title, &w->file.shapes, &w->file.model, field,
-                                  w->file.has_box ? w->file.box : NULL)
+                                  w->file.has_box ? w->file.box : NULL, shapes_file_unit(&w->file))
                ? EXIT_DONE
                : output_fault("", "out of memory");
 }
@@ -160,11 +162,15 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
-        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
-        {"max-edge", required_argument, NULL, 'm'}, {"viewport", required_argument, NULL, 'v'},
-        {"force", no_argument, NULL, 'F'},          {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"every", required_argument, NULL, 'e'},
+                                            {"base", required_argument, NULL, 'b'},
+                                            {"levels", required_argument, NULL, 'l'},
+                                            {"max-edge", required_argument, NULL, 'm'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {"geographic", no_argument, NULL, 'G'},
+                                            {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

@@ -10,6 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/output.h"
+#include "clients/surfaces/grid_file.h"
 
 struct export_work {
     struct export *e;
@@ -47,6 +48,45 @@ static int make_png(const char *part, const char *path)
     if (status != 0)
         unlink(png);
     return status == 0 ? EXIT_DONE : EXIT_REFUSED;
+}
+
+/* With --geographic, the middle latitude of the map. */
+static int choose_map(struct export_work *w)
+{
+    struct picture *p = &w->e->picture;
+    if (!p->geographic || w->e->format != NULL)
+        return EXIT_DONE;
+    if (!degrees_choose(&p->degrees, w->m->xy, w->m->n))
+        return output_fault("", "--geographic: there are latitudes beyond 90 degrees");
+    fprintf(
+        stderr,
+        "delaunay: a map of degrees, true to scale at latitude %.4g (--planar: x and y alike)\n",
+        p->degrees.middle);
+    return EXIT_DONE;
+}
+
+/* A world file in the units of the set. */
+static int write_world(void *ctx, FILE *out)
+{
+    const struct picture *p = &((const struct export_work *)ctx)->e->picture;
+    double x = p->geographic ? p->degrees.x : 1, y = p->geographic ? p->degrees.y : 1;
+    world_write(out, p->pixel / x, p->pixel / y, p->left / x, p->top / y);
+    return EXIT_DONE;
+}
+
+/* The picture or mesh; beside a PNG, where it lies. */
+static int write_files(struct export_work *w)
+{
+    char beside[4096];
+    const char *path = w->e->path;
+    if (!w->e->png)
+        return output_write(path, write_model, w, NULL);
+    if (!output_beside(path, "pgw", beside, sizeof beside))
+        return output_fault(path, "the name is too long");
+    int status = output_check(beside, w->e->force);
+    if (status == EXIT_DONE)
+        status = output_write(path, write_model, w, make_png);
+    return status == EXIT_DONE ? output_write(beside, write_world, w, NULL) : status;
 }
 
 static void report_labels(const struct picture *p)
@@ -133,8 +173,9 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
         status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
         status = command_outcome(c, r);
-    else if ((status = choose_heights(&work)) == EXIT_DONE)
-        status = output_write(e->path, write_model, &work, e->png ? make_png : NULL);
+    else if ((status = choose_heights(&work)) == EXIT_DONE &&
+             (status = choose_map(&work)) == EXIT_DONE)
+        status = write_files(&work);
     if (status == EXIT_DONE)
         report_labels(&e->picture);
     if (status == EXIT_DONE && !output_is_standard(e->path))
@@ -163,6 +204,10 @@ int export_option(struct export *e, int option, char **argv)
         e->force = true;
     else if (option == 'z')
         e->field = optarg;
+    else if (option == 'G')
+        e->picture.geographic = true;
+    else if (option == 'P')
+        e->planar = true;
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
         return options_wrong(argv[0], "unknown colour %s; there are quality, degree and relief",
                              optarg);
@@ -180,6 +225,8 @@ int export_prepare(struct export *e, char **argv)
 {
     const char *name = output_form(e->form, e->path, "svg");
     e->png = strcmp(name, "png") == 0;
+    if (e->planar && e->picture.geographic)
+        return options_wrong(argv[0], "--geographic, or --planar");
     e->format = format_find(name);
     if (e->format == NULL && !e->png && strcmp(name, "svg") != 0)
         return options_wrong(argv[0], "unknown format %s", name);

@@ -16,13 +16,15 @@ struct export
     bool png, force;
     void (*more)(const void *ctx); /* writes more keys of the report in JSON; may be NULL */
     const void *ctx;
+    bool planar; /* the picture is not a map, whatever the file says */
     struct picture picture;
 };
 
 #define EXPORT_OPTIONS                                                                             \
     {"numbers", no_argument, NULL, 'n'}, {"colour", required_argument, NULL, 'o'},                 \
         {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
-        {"field", required_argument, NULL, 'z'},                                                   \
+        {"field", required_argument, NULL, 'z'}, {"geographic", no_argument, NULL, 'G'},           \
+        {"planar", no_argument, NULL, 'P'},                                                        \
     {                                                                                              \
         "force", no_argument, NULL, 'F'                                                            \
     }

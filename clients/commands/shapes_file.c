@@ -6,6 +6,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
+#include "clients/meshes/degrees.h"
 
 int shapes_file_option(struct shapes_file *f, int option, char **argv)
 {
@@ -13,6 +14,8 @@ int shapes_file_option(struct shapes_file *f, int option, char **argv)
         f->form = optarg;
     else if (option == 'F')
         f->force = true;
+    else if (option == 'G')
+        f->geographic = true;
     else if (option == 'v' && options_read_box(optarg, f->box))
         f->has_box = true;
     else if (option == 'v')
@@ -32,6 +35,26 @@ int shapes_file_choose(struct shapes_file *f, const char *command, const char *p
         if (strcmp(f->form, forms[i]) == 0)
             return output_check(path, f->force);
     return options_wrong(command, "unknown format %s; there are geojson, svg and wkt", f->form);
+}
+
+bool shapes_file_project(struct shapes_file *f, double *xy, size_t n)
+{
+    struct degrees d;
+    if (!f->geographic || f->model.n == 0)
+        return true;
+    if (!degrees_choose(&d, f->model.xy, f->model.n)) {
+        output_fault("", "--geographic: there are latitudes beyond 90 degrees");
+        return false;
+    }
+    degrees_project(&d, xy, n);
+    degrees_project(&d, f->box, 2);
+    degrees_project(&d, f->model.xy, f->model.n);
+    return true;
+}
+
+const char *shapes_file_unit(const struct shapes_file *f)
+{
+    return f->geographic ? "km" : "";
 }
 
 bool shapes_file_is_picture(const struct shapes_file *f)

@@ -9,7 +9,7 @@
 
 struct shapes_file {
     const char *path, *form; /* borrows from argv */
-    bool force, has_box;
+    bool force, has_box, geographic;
     double box[4];
     struct shapes shapes; /* owns */
     struct model model;   /* owns; what the picture shows beside the shapes */
@@ -20,6 +20,13 @@ int shapes_file_option(struct shapes_file *f, int option, char **argv);
 
 /* Sets the path, and the format unless an option named it. Returns the exit status. */
 int shapes_file_choose(struct shapes_file *f, const char *command, const char *path);
+
+/* For a picture with --geographic: changes xy[2n], the box and the model to kilometres; returns false, having said why, if they are
+ * not in degrees. */
+bool shapes_file_project(struct shapes_file *f, double *xy, size_t n);
+
+/* The unit of the scale of a picture. */
+const char *shapes_file_unit(const struct shapes_file *f);
 
 bool shapes_file_is_picture(const struct shapes_file *f);
 

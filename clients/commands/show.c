@@ -11,7 +11,9 @@
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/options.h"
+#include "clients/cli/output.h"
 #include "clients/commands/show_relief.h"
+#include "clients/meshes/degrees.h"
 #include "clients/meshes/model.h"
 #include "proto/number.h"
 
@@ -19,7 +21,7 @@ enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };
 
 struct canvas {
     uint32_t columns, lines;
-    bool plain, mesh;
+    bool plain, mesh, geographic;
     const char *field;         /* of heights; NULL: z if there is one */
     unsigned char *dots, *ink; /* own; a byte for each cell */
     double x0, y1, scale;      /* left, upper edge; dots per unit */
@@ -135,10 +137,13 @@ static bool read_size(const char *text, uint32_t *v)
 
 static int read_arguments(struct canvas *v, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"width", required_argument, NULL, 'w'}, {"height", required_argument, NULL, 'h'},
-        {"plain", no_argument, NULL, 'p'},       {"mesh", no_argument, NULL, 'm'},
-        {"field", required_argument, NULL, 'z'}, {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"width", required_argument, NULL, 'w'},
+                                            {"height", required_argument, NULL, 'h'},
+                                            {"plain", no_argument, NULL, 'p'},
+                                            {"mesh", no_argument, NULL, 'm'},
+                                            {"field", required_argument, NULL, 'z'},
+                                            {"geographic", no_argument, NULL, 'G'},
+                                            {NULL, 0, NULL, 0}};
     int option;
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
@@ -154,6 +159,8 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
             v->mesh = true;
         else if (option == 'z')
             v->field = optarg;
+        else if (option == 'G')
+            v->geographic = true;
         else if (option != 'w' && option != 'h')
             return options_unknown(argv[0], argv, option);
         else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
@@ -167,6 +174,14 @@ static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *
     struct model m = {0};
     int status = EXIT_REFUSED;
     enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL, &m);
+    if (r == DELAUNAY_OK && v->geographic) {
+        struct degrees d;
+        if (!degrees_choose(&d, m.xy, m.n)) {
+            model_free(&m);
+            return output_fault("", "--geographic: there are latitudes beyond 90 degrees");
+        }
+        degrees_project(&d, m.xy, m.n);
+    }
     if (r == DELAUNAY_OK) {
         fit(v, &m);
         v->dots = calloc((size_t)v->columns * v->lines, 1);
@@ -225,6 +240,6 @@ int command_show(struct delaunay_client *c, int argc, char **argv)
     if (field == NULL && !v.mesh && finds(c, "FIELDS", set, find_heights) &&
         finds(c, "STAT", set, find_triangles))
         field = "z";
-    return field != NULL ? show_relief(c, set, field, v.columns, v.lines, v.plain)
+    return field != NULL ? show_relief(c, set, field, v.columns, v.lines, v.plain, v.geographic)
                          : show_mesh(c, set, &v);
 }

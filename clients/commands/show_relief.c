@@ -10,6 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/output.h"
+#include "clients/meshes/degrees.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/raster_fetch.h"
 
@@ -109,13 +110,34 @@ static void print_json(const struct screen *s)
     json_finish();
 }
 
+/* Cells of a map of degrees. */
+static enum delaunay_result squeeze(struct delaunay_client *c, const char *set,
+                                    struct raster_request *request, const char **fault)
+{
+    struct degrees d;
+    enum delaunay_result r = raster_bounds(c, set, request->box, fault);
+    if (r != DELAUNAY_OK)
+        return r;
+    request->has_box = true;
+    if (!degrees_choose(&d, request->box, 2)) {
+        *fault = "--geographic: there are latitudes beyond 90 degrees";
+        return DELAUNAY_STOPPED;
+    }
+    request->squeeze = d.x / d.y;
+    return DELAUNAY_OK;
+}
+
 int show_relief(struct delaunay_client *c, const char *set, const char *field, uint32_t columns,
-                uint32_t lines, bool plain)
+                uint32_t lines, bool plain, bool geographic)
 {
     struct raster_request request = {.columns = columns, .most_rows = 2 * lines};
     const char *fault = NULL, *terminal = getenv("COLORTERM");
     struct grid g;
-    enum delaunay_result r = raster_fetch(c, set, field, &request, &g, &fault);
+    enum delaunay_result r = DELAUNAY_OK;
+    if (geographic)
+        r = squeeze(c, set, &request, &fault);
+    if (r == DELAUNAY_OK)
+        r = raster_fetch(c, set, field, &request, &g, &fault);
     if (r != DELAUNAY_OK)
         return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
     struct screen s = {.g = &g};

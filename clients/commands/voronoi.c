@@ -51,8 +51,11 @@ static int draw_cells(void *ctx, FILE *out)
     int field = model_field(&w->file.model, w->field != NULL ? w->field : "z");
     if (field < 0 && w->field != NULL)
         return output_fault(w->field, "the set has no such field");
+    if (!shapes_file_project(&w->file, w->file.shapes.xy, w->file.shapes.corners))
+        return EXIT_REFUSED;
     snprintf(title, sizeof title, "%.100s: Voronoi cells of %zu points", w->set, w->file.shapes.n);
-    return surface_write_cells(out, title, &w->file.shapes, &w->file.model, field)
+    return surface_write_cells(out, title, &w->file.shapes, &w->file.model, field,
+                               shapes_file_unit(&w->file))
                ? EXIT_DONE
                : output_fault("", "out of memory");
 }
@@ -67,11 +70,10 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"field", required_argument, NULL, 'z'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'}, {"viewport", required_argument, NULL, 'v'},
+        {"field", required_argument, NULL, 'z'},  {"force", no_argument, NULL, 'F'},
+        {"geographic", no_argument, NULL, 'G'},   {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

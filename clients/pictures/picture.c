@@ -112,13 +112,18 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     char title[200], part[40] = "";
     double box[4];
     struct svg s;
+    if (e->geographic) {
+        degrees_project(&e->degrees, m->xy, m->n);
+        degrees_project(&e->degrees, e->box, 2);
+    }
     e->shown = count_shown(e, m);
     if (e->shown < m->n)
         snprintf(part, sizeof part, "%zu of ", e->shown);
     snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
              m->n);
     choose_box(e, m, box);
-    svg_begin(&s, out, title, box, e->shown, e->has_box, shades ? &legends[e->colour] : NULL);
+    svg_begin(&s, out, title, box, e->shown, e->has_box, shades ? &legends[e->colour] : NULL,
+              e->geographic ? "km" : "");
     s.numbers = e->numbers;
     if (!draw_triangles(&s, e, m))
         return false;
@@ -129,6 +134,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     cut_points(e, m);
     svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);
     e->unlabelled = s.unlabelled;
+    svg_place(&s, &e->left, &e->top, &e->pixel);
     svg_end(&s);
     return true;
 }

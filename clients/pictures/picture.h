@@ -2,6 +2,7 @@
 #ifndef CLIENTS_PICTURE_H
 #define CLIENTS_PICTURE_H
 
+#include "clients/meshes/degrees.h"
 #include "clients/meshes/model.h"
 
 #include <stdio.h>
@@ -11,13 +12,16 @@ enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE, COLOUR_RELIEF 
 struct picture {
     enum picture_colour colour;
     bool numbers, has_box;
-    double box[4];     /* left, lower, right, upper */
-    size_t shown;      /* picture_write: the points that are in the picture */
-    size_t unlabelled; /* of these, those for whose ids there was no room */
+    double box[4];          /* left, lower, right, upper */
+    bool geographic;        /* places are in degrees: the picture is a map of them, in kilometres */
+    struct degrees degrees; /* for that, chosen by the caller */
+    double left, top, pixel; /* picture_write: where the picture lies (svg_place) */
+    size_t shown;            /* picture_write: the points that are in the picture */
+    size_t unlabelled;       /* of these, those for whose ids there was no room */
 };
 
-/* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. False when out of
- * memory; ferror() reports failed writes. */
+/* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. With
+ * p->geographic latitudes are at most 90 degrees, and p->degrees has been chosen. False when out of memory; ferror() reports failed writes. */
 bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
 
 #endif

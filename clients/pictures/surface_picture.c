@@ -140,7 +140,7 @@ static void model_bounds(const struct model *m, double *box)
 }
 
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
-                            const struct model *m, int field, const double *box)
+                            const struct model *m, int field, const double *box, const char *unit)
 {
     double around[4] = {0, 0, 1, 1};
     size_t levels;
@@ -149,7 +149,7 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     if (level == NULL)
         return false;
     model_bounds(m, around);
-    svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL, NULL);
+    svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL, NULL, unit);
     bool ok = surface_draw_ground(&s, m, field, RELIEF_BOTH);
     draw_lines(&s, lines, level, levels);
     svg_points(&s, NULL, NULL, 0);
@@ -175,14 +175,14 @@ static size_t cut_points(struct model *m, const double *box)
 }
 
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
-                         int field)
+                         int field, const char *unit)
 {
     struct relief r = {.style = RELIEF_HEIGHT};
     double box[4] = {0, 0, 1, 1};
     struct svg s;
     uint32_t place;
     shapes_bounds(cells, box);
-    svg_begin(&s, out, title, box, cells->n, false, NULL);
+    svg_begin(&s, out, title, box, cells->n, false, NULL, unit);
     if (field >= 0)
         fit_to_model(&r, m, field);
     for (size_t i = 0; i < cells->n; i++) {
@@ -201,14 +201,14 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
 /* ---- an alpha shape ---- */
 
 bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
-                         const double *box)
+                         const double *box, const char *unit)
 {
     double around[4] = {0, 0, 1, 1};
     struct svg s;
     model_bounds(m, around);
     if (box != NULL)
         memcpy(around, box, sizeof around);
-    svg_begin(&s, out, title, around, m->n, box != NULL, NULL);
+    svg_begin(&s, out, title, around, m->n, box != NULL, NULL, unit);
     for (size_t i = 0; i < rings->n; i++) {
         const struct ring *outer = &rings->ring[i];
         if (outer->hole)

@@ -11,19 +11,21 @@
 /* Draws every triangle in the colour of its mean height and of its slope. False when out of memory. */
 bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style);
 
+/* unit: of the scale, "" if unknown. */
+
 /* Writes a picture of contour lines; of the ground below them if m has triangles. Each fifth level is heavy if there are
  * more than five. box: NULL or what is shown. False when out of memory. */
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
-                            const struct model *m, int field, const double *box);
+                            const struct model *m, int field, const double *box, const char *unit);
 
 /* Writes a picture of cells and of the points of m; cells have the colours of the heights in m's field, if that is not
  * -1. False when out of memory. */
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
-                         int field);
+                         int field, const char *unit);
 
 /* Writes a picture of an alpha shape, of which rings_place has found the holes, and of the points of m. box: NULL or what is
  * shown. False when out of memory. */
 bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
-                         const double *box);
+                         const double *box, const char *unit);
 
 #endif

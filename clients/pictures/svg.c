@@ -13,6 +13,7 @@
 #define FOOTER 700.0 /* a row below the drawing */
 #define TEXT 320.0   /* height of its letters */
 #define SWATCH 300.0
+#define PIXEL 10.0 /* of a picture that is made of the drawing */
 #define PATH_MAX_ITEMS 500
 #define LABELS_MAX 100
 
@@ -81,14 +82,15 @@ static double scale_length(const struct svg *s)
     return most >= 5 * step ? 5 * step : most >= 2 * step ? 2 * step : step;
 }
 
-static void draw_scale(const struct svg *s)
+static void draw_scale(const struct svg *s, const char *unit)
 {
     double length = scale_length(s), y = s->high + 2 * MARGIN + 0.4 * FOOTER;
     open_path(s, "s", false, 24);
     fprintf(s->out,
             "M%.0f %.0fv120h%.0fv-120\"/>\n"
-            "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%g</text>\n",
-            MARGIN, y - 120, length * s->scale, TEXT, 1.4 * MARGIN + length * s->scale, y, length);
+            "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%g%s%s</text>\n",
+            MARGIN, y - 120, length * s->scale, TEXT, 1.4 * MARGIN + length * s->scale, y, length,
+            unit[0] != '\0' ? " " : "", unit);
 }
 
 static void draw_legend(const struct svg *s, const struct svg_legend *legend)
@@ -121,6 +123,8 @@ static void choose_frame(struct svg *s, bool scale, const struct svg_legend *leg
     s->width = inner + 2 * MARGIN;
     s->left = MARGIN + (inner - s->wide) / 2;
     s->height = s->high + 2 * MARGIN + (scale ? FOOTER : 0) + (legend != NULL ? FOOTER : 0);
+    s->width = ceil(s->width / PIXEL) * PIXEL; /* whole pixels */
+    s->height = ceil(s->height / PIXEL) * PIXEL;
 }
 
 /* What is drawn from here on is cut off at the edges of the box. */
@@ -141,7 +145,7 @@ static void end_clip(const struct svg *s)
 }
 
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
-               const struct svg_legend *legend)
+               const struct svg_legend *legend, const char *unit)
 {
     double side = fmax(box[2] - box[0], box[3] - box[1]);
     double scale = side > 0 ? SIDE / side : 1;
@@ -157,10 +161,9 @@ void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, s
             "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#fff\"/>\n"
             "<g fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\" "
             "font-family=\"sans-serif\">\n",
-            s->width, s->height, ceil(s->width / 10), ceil(s->height / 10), title, s->width,
-            s->height);
+            s->width, s->height, s->width / PIXEL, s->height / PIXEL, title, s->width, s->height);
     if (side > 0)
-        draw_scale(s);
+        draw_scale(s, unit);
     if (legend != NULL)
         draw_legend(s, legend);
     s->clip = clip ? box : NULL;
@@ -417,4 +420,11 @@ void svg_end(struct svg *s)
 {
     path_end(s);
     fputs("</g>\n</svg>\n", s->out);
+}
+
+void svg_place(const struct svg *s, double *x, double *y, double *pixel)
+{
+    *x = s->x0 - s->left / s->scale;
+    *y = s->y1 + MARGIN / s->scale;
+    *pixel = PIXEL / s->scale;
 }

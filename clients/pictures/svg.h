@@ -38,9 +38,9 @@ struct svg_legend {
 
 /* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in
  * which about n points lie. clip: the box (borrowed until svg_end) is smaller than what will be drawn,
- * which is cut off at its edges. legend: NULL if there are no shades. */
+ * which is cut off at its edges. legend: NULL if there are no shades. unit: of the scale, "" if unknown. */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
-               const struct svg_legend *legend);
+               const struct svg_legend *legend, const char *unit);
 
 /* A triangle in shade 0 (dark) .. SVG_SHADES - 1 (light). */
 void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
@@ -71,5 +71,9 @@ void svg_hull_end(struct svg *s);
 void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
 
 void svg_end(struct svg *s);
+
+/* Where the drawing lies, for a picture of one pixel for 10 drawing units, as PNG is made: the place of its upper left corner, and the
+ * side of a pixel. */
+void svg_place(const struct svg *s, double *x, double *y, double *pixel);
 
 #endif

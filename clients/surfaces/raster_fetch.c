@@ -35,7 +35,8 @@ static bool take_corner(void *ctx, const struct delaunay_part *part)
 
 bool raster_plan(const struct raster_request *r, const double *box, struct grid *g)
 {
-    double wide = box[2] - box[0], high = box[3] - box[1], cell = r->cell;
+    double wide = (box[2] - box[0]) * (r->squeeze > 0 ? r->squeeze : 1);
+    double high = box[3] - box[1], cell = r->cell;
     if (cell <= 0)
         cell = r->columns > 0 ? wide / r->columns : fmax(wide, high) / RASTER_USUAL_COLUMNS;
     if (r->most_rows > 0)
@@ -69,7 +70,8 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
 {
     char line[600];
     size_t n = (size_t)snprintf(line, sizeof line, "RASTER %.100s %.100s", set, field);
-    const double box[4] = {g->x0, g->y0, grid_right(g), grid_top(g)};
+    double right = r->squeeze > 0 ? g->x0 + (grid_right(g) - g->x0) / r->squeeze : grid_right(g);
+    const double box[4] = {g->x0, g->y0, right, grid_top(g)};
     for (int i = 0; i < 4; i++)
         n = put(line, n, box[i]);
     n += (size_t)snprintf(line + n, sizeof line - n, " %u %u", g->columns, g->rows);

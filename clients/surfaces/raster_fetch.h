@@ -15,6 +15,7 @@ struct raster_request {
     uint32_t most_rows; /* where it is not 0, cells are larger if there would be more */
     const char *method; /* NULL: linear */
     double max_edge;    /* 0: any */
+    double squeeze;     /* cells are 1 / squeeze as wide as high; 0: as wide */
 };
 
 /* The grid: cells begin at the lower left corner of the box and cover it. DELAUNAY_STOPPED: *fault says why, a static

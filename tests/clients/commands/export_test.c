@@ -119,7 +119,7 @@ TEST(export_png_by_way_of_a_converter)
         got = run(&d, &status, command);
         CHECK_MSG(status == 0, "%s", got);
         check_png(png, run(&d, &status, "export t -"));
-        CHECK_STR(peer_shell(&status, "ls %s", directory), "t.png\n");
+        CHECK_STR(peer_shell(&status, "ls %s", directory), "t.pgw\nt.png\n");
     }
     peer_shell(&status, "rm -r %s", directory);
     daemon_end(&d);

@@ -30,7 +30,7 @@ static char *drawing(const double *xy, size_t n, const uint32_t *tri, size_t tri
     find_box(xy, n, box);
     for (uint32_t i = 0; i < n; i++)
         id[i] = i;
-    svg_begin(&s, out, "title", box, n, false, NULL);
+    svg_begin(&s, out, "title", box, n, false, NULL, "");
     for (size_t i = 0; i < triangles; i++)
         svg_triangle(&s, xy + 2 * tri[3 * i], xy + 2 * tri[3 * i + 1], xy + 2 * tri[3 * i + 2]);
     svg_hull_begin(&s);
@@ -188,7 +188,7 @@ TEST(svg_keeps_labels_scale_and_legend_within_the_frame)
         const double *xy = shapes[i];
         double box[4] = {xy[0], xy[1], xy[4], xy[5]};
         FILE *out = open_memstream(&text, &size);
-        svg_begin(&s, out, "title", box, 4, false, &legend);
+        svg_begin(&s, out, "title", box, 4, false, &legend, "");
         svg_points(&s, xy, id, 4);
         svg_end(&s);
         fclose(out);
@@ -210,7 +210,7 @@ TEST(svg_draws_what_meets_the_box_and_cuts_it_off)
         struct svg s;
         const double *xy = triangles[i];
         FILE *out = open_memstream(&text, &size);
-        svg_begin(&s, out, "title", box, 1, true, NULL);
+        svg_begin(&s, out, "title", box, 1, true, NULL, "");
         svg_triangle(&s, xy, xy + 2, xy + 4);
         svg_hull_begin(&s);
         for (int k = 0; k < 3; k++)
