@@ -6,7 +6,7 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/message.h"
-#include "clients/files/part_file.h"
+#include "clients/cli/part_file.h"
 
 int output_fault(const char *about, const char *what)
 {

@@ -44,6 +44,8 @@ const struct subcommand subcommands[] = {
      "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
      "  -f, --format geojson  every Point and MultiPoint\n"
      "  -f, --format node     Triangle's .node file\n"
+     "  -f, --format gpx      waypoints, routes and tracks, with elevations\n"
+     "  -f, --format las      LAS, and LAZ through pdal or las2txt\n"
      "  -c, --columns X,Y[,Z] columns of a table, by name or by number from 1\n"
      "      --fields          every other column of numbers becomes a field\n"
      "      --skip-bad        leave bad lines out; shows the first ones and counts them\n"
@@ -51,8 +53,10 @@ const struct subcommand subcommands[] = {
      "      --nodata V        the value V of a field means that it is missing\n"
      "      --negate FIELD    change the sign of x, y or a field\n"
      "      --dry-run         show how the file is read, and load nothing; needs no server\n\n"
-     "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node; else the\n"
-     "first character: { is GeoJSON, anything else a table. The headings of a table choose the "
+     "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node .gpx .las "
+     ".laz;\n"
+     "else the first bytes: { is GeoJSON, < GPX, LASF LAS, anything else a table. The headings of "
+     "a table choose the "
      "columns,\n"
      "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
      "refused. Heights (z, height, elevation, ele, ...; the third of three columns) become the "
@@ -60,7 +64,8 @@ const struct subcommand subcommands[] = {
      "z.\n"
      "A column of WKT points is read, too. What is not used, missing or doubtful is named.\n"
      "Compressed files (.gz .bz2 .xz .zst)\n"
-     "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv.\n",
+     "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv; of a zip archive its only file of "
+     "points.\n",
      "--format --columns --fields --skip-bad --skip-lines --nodata --negate --dry-run --help",
      true},
     {"export", command_export, false, true,

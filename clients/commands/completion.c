@@ -10,7 +10,7 @@
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";
-static const char inputs[] = "xy csv geojson node xyz", grids[] = "asc bil png tif",
+static const char inputs[] = "xy csv geojson node xyz gpx las", grids[] = "asc bil png tif",
                   shapes[] = "geojson svg wkt", methods[] = "linear natural laplace nearest",
                   paints[] = "relief light height", colours[] = "quality degree relief";
 static const char valued[] =

@@ -10,7 +10,7 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
-#include "clients/files/part_file.h"
+#include "clients/cli/part_file.h"
 #include "clients/pictures/png_file.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/grid_file.h"

@@ -8,7 +8,7 @@
 #include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
-#include "clients/files/part_file.h"
+#include "clients/cli/part_file.h"
 #include "clients/pictures/film.h"
 #include "proto/number.h"
 

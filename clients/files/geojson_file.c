@@ -6,12 +6,10 @@
 #include "clients/reading/json_scan.h"
 #include "proto/number.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { MOST_PROPERTIES = 256, NO_FIELD = -1 };
 
@@ -406,34 +404,12 @@ bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct
     return ok;
 }
 
-static bool read_all(struct points_file *f, int fd, char **text, size_t *n)
-{
-    size_t cap = 0;
-    ssize_t got = 1;
-    *n = 0;
-    while (got != 0) {
-        if (*n == cap) {
-            cap = cap == 0 ? 1 << 16 : 2 * cap;
-            char *more = realloc(*text, cap);
-            if (more == NULL)
-                return points_file_stop(f, "out of memory");
-            *text = more;
-        }
-        got = read(fd, *text + *n, cap - *n);
-        if (got < 0 && errno != EINTR)
-            return points_file_stop(f, "%s", strerror(errno));
-        if (got > 0)
-            *n += (size_t)got;
-    }
-    return true;
-}
-
 bool geojson_file_read(struct points_file *f, int fd, struct table_fields *t,
                        struct geojson_notes *notes)
 {
     char *text = NULL;
     size_t n;
-    bool ok = read_all(f, fd, &text, &n);
+    bool ok = points_file_read_all(f, fd, &text, &n);
     ok = ok && geojson_text_read(f, text, n, t, notes);
     free(text);
     return ok;

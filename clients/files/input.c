@@ -2,6 +2,8 @@
  * does not consume them. */
 #include "clients/files/input.h"
 
+#include "clients/files/zip_file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <spawn.h>
@@ -83,6 +85,32 @@ static char first_character(const char *text, size_t n)
     return i < n ? text[i] : '\0';
 }
 
+/* Replaces the archive by the file in it. */
+static bool open_member(struct input *in, char *why, size_t room)
+{
+    struct zip_member m;
+    if (!zip_open(in->fd, &m, why, room)) {
+        input_close(in, false, why, room);
+        return false;
+    }
+    if (!in->standard)
+        close(in->fd);
+    in->standard = false;
+    in->fd = m.fd;
+    in->size = 0;
+    memcpy(in->member, m.name, sizeof in->member);
+    return true;
+}
+
+/* What the content begins with. */
+static size_t look(struct input *in, char *head)
+{
+    size_t n = peek(in->fd, head);
+    in->first = first_character(head, n);
+    in->las = n >= 4 && memcmp(head, "LASF", 4) == 0;
+    return n;
+}
+
 bool input_open(struct input *in, const char *path, char *why, size_t room)
 {
     char head[PEEK];
@@ -95,16 +123,21 @@ bool input_open(struct input *in, const char *path, char *why, size_t room)
     }
     if (fstat(in->fd, &st) == 0 && S_ISREG(st.st_mode))
         in->size = (uint64_t)st.st_size;
-    size_t n = peek(in->fd, head);
-    in->first = first_character(head, n);
+    size_t n = look(in, head);
+    if (n >= 4 && memcmp(head, "PK\3\4", 4) == 0) {
+        if (!open_member(in, why, room))
+            return false;
+        n = look(in, head);
+    }
     for (size_t i = 0; i < sizeof converters / sizeof converters[0]; i++) {
         if (n < converters[i].len || memcmp(head, converters[i].magic, converters[i].len) != 0)
             continue;
         in->program = converters[i].argument[0];
         in->size = 0;
-        in->first = '\0';
-        if (convert(in, converters[i].argument))
+        if (convert(in, converters[i].argument)) {
+            look(in, head);
             return true;
+        }
         snprintf(why, room, "to read this file the program %s is needed: %s", in->program,
                  strerror(errno));
         input_close(in, false, head, sizeof head);

@@ -1,5 +1,5 @@
 /* input.h - opens a file, or the standard input, for reading; compressed files and UTF-16 are read through
- * another program. */
+ * another program, archives by zip_file.h. */
 #ifndef CLIENTS_INPUT_H
 #define CLIENTS_INPUT_H
 
@@ -14,6 +14,8 @@ struct input {
     pid_t child;         /* the program that converts, 0 if none does */
     const char *program; /* its name */
     char first;          /* the first non-blank character, 0 if unknown */
+    bool las;            /* it begins as LAS and LAZ do */
+    char member[256];    /* the name of the file in an archive, "" if it is none */
     uint64_t size;       /* bytes to read, 0 if unknown */
 };
 

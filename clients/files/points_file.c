@@ -1,11 +1,13 @@
 /* points_file.c - see points_file.h. */
 #include "clients/files/points_file.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "proto/number.h"
 
@@ -102,6 +104,28 @@ bool points_file_add(struct points_file *f, const char *x, size_t x_len, const c
     if (!proto_read_double(x, x_len, &v[0]) || !proto_read_double(y, y_len, &v[1]))
         return points_file_fault(f, "not a number");
     return points_file_append(f, v[0], v[1]);
+}
+
+bool points_file_read_all(struct points_file *f, int fd, char **text, size_t *n)
+{
+    size_t cap = 0;
+    ssize_t got = 1;
+    *n = 0;
+    while (got != 0) {
+        if (*n == cap) {
+            cap = cap == 0 ? 1 << 16 : 2 * cap;
+            char *more = realloc(*text, cap);
+            if (more == NULL)
+                return points_file_stop(f, "out of memory");
+            *text = more;
+        }
+        got = read(fd, *text + *n, cap - *n);
+        if (got < 0 && errno != EINTR)
+            return points_file_stop(f, "%s", strerror(errno));
+        if (got > 0)
+            *n += (size_t)got;
+    }
+    return true;
 }
 
 void points_file_free(struct points_file *f)

@@ -54,6 +54,9 @@ __attribute__((format(printf, 2, 3))) bool points_file_stop(struct points_file *
 /* Counts what has just failed, the text s[len], as skipped; false if it may not be skipped. */
 bool points_file_skip(struct points_file *f, const char *s, size_t len);
 
+/* Reads all of fd into *text, which must be NULL and is the caller's to free. False with a fault. */
+bool points_file_read_all(struct points_file *f, int fd, char **text, size_t *n);
+
 void points_file_free(struct points_file *f);
 
 #endif

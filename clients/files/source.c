@@ -6,22 +6,33 @@
 #include <strings.h>
 
 #include "clients/files/geojson_file.h"
+#include "clients/files/gpx_file.h"
 #include "clients/files/input.h"
+#include "clients/files/las_file.h"
+#include "clients/files/laz_file.h"
 #include "clients/files/progress.h"
 
 static const struct {
     const char *name;
     enum source_form form;
     bool xyz;
-} endings[] = {{"xy", SOURCE_XY, false},           {"csv", SOURCE_TABLE, false},
-               {"geojson", SOURCE_GEOJSON, false}, {"node", SOURCE_NODE, false},
-               {"xyz", SOURCE_TABLE, true},        {"json", SOURCE_GEOJSON, false},
-               {"ndjson", SOURCE_GEOJSON, false},  {"geojsonl", SOURCE_GEOJSON, false},
-               {"jsonl", SOURCE_GEOJSON, false},   {"pts", SOURCE_TABLE, true}};
+} endings[] = {{"xy", SOURCE_XY, false},
+               {"csv", SOURCE_TABLE, false},
+               {"geojson", SOURCE_GEOJSON, false},
+               {"node", SOURCE_NODE, false},
+               {"xyz", SOURCE_TABLE, true},
+               {"gpx", SOURCE_GPX, false},
+               {"las", SOURCE_LAS, false},
+               {"ndjson", SOURCE_GEOJSON, false},
+               {"geojsonl", SOURCE_GEOJSON, false},
+               {"jsonl", SOURCE_GEOJSON, false},
+               {"pts", SOURCE_TABLE, true},
+               {"json", SOURCE_GEOJSON, false},
+               {"laz", SOURCE_LAS, false}};
 
 bool source_read_form(const char *name, struct source *s)
 {
-    for (size_t i = 0; i < 5; i++) /* the names of formats come first */
+    for (size_t i = 0; i < 7; i++) /* the names of formats come first */
         if (strcmp(endings[i].name, name) == 0) {
             s->form = endings[i].form;
             s->table.wish.xyz = endings[i].xyz;
@@ -51,9 +62,9 @@ static size_t find_ending(const char *path, const char **ending)
 static void guess_form(struct source *s, const struct input *in)
 {
     const char *ending;
-    size_t len = find_ending(s->path, &ending);
-    s->form = SOURCE_TABLE;
-    if (s->table.wish.chosen)
+    size_t len = find_ending(in->member[0] != '\0' ? in->member : s->path, &ending);
+    s->form = in->las ? SOURCE_LAS : SOURCE_TABLE;
+    if (s->table.wish.chosen || in->las)
         return;
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
         if (len == strlen(endings[i].name) && strncasecmp(ending, endings[i].name, len) == 0) {
@@ -63,6 +74,8 @@ static void guess_form(struct source *s, const struct input *in)
         }
     if (in->first == '{' || in->first == '[' || in->first == 0x1E)
         s->form = SOURCE_GEOJSON;
+    else if (in->first == '<')
+        s->form = SOURCE_GPX;
 }
 
 const char *source_name(const struct source *s)
@@ -114,18 +127,70 @@ static bool read_geojson(struct source *s, struct points_file *f, int fd)
     return ok;
 }
 
+static bool read_gpx(struct source *s, struct points_file *f, int fd)
+{
+    struct gpx_notes notes;
+    bool ok = gpx_file_read(f, fd, &s->table.fields, &notes);
+    gpx_describe(&notes, s->table.using, sizeof s->table.using);
+    return ok;
+}
+
+static bool read_las(struct source *s, struct points_file *f, const struct input *in)
+{
+    struct table_fields *t = &s->table.fields;
+    struct las_notes notes;
+    bool compressed, ok;
+    if (!las_is_compressed(f, in->fd, &compressed))
+        return false;
+    if (compressed && (in->member[0] != '\0' || in->child != 0 || in->standard))
+        return points_file_stop(
+            f, "LAZ is read from a file of its own, not from an archive or a pipe");
+    ok = compressed ? laz_file_read(f, s->path, in->fd, t) : las_file_read(f, in->fd, t, &notes);
+    snprintf(s->table.using, sizeof s->table.using, "x y z of the points%s",
+             ok && t->n > 1 ? ", intensity and classification" : "");
+    if (ok && t->n == 1)
+        report_add(&f->report, NOTE_UNUSED,
+                   "not used: intensity, classification, times and others%s",
+                   compressed ? "" : " (--fields keeps intensity and classification)");
+    if (ok && !compressed && notes.withheld > 0)
+        report_add(&f->report, NOTE_DOUBT,
+                   "%ju points are marked as withheld; they are loaded, too",
+                   (uintmax_t)notes.withheld);
+    return ok;
+}
+
+static bool is_table(const struct source *s)
+{
+    return s->form == SOURCE_TABLE || s->form == SOURCE_NODE || s->form == SOURCE_XY;
+}
+
 static bool read_points(struct source *s, struct points_file *f, const struct input *in)
 {
     struct reading r = {.size = in->size};
     s->table.wish.node = s->form == SOURCE_NODE;
     s->table.wish.xy = s->form == SOURCE_XY;
     f->skip_bad = s->skip_bad;
+    if (in->member[0] != '\0')
+        report_add(&f->report, NOTE_READ, "reading %s of the archive", in->member);
     if (s->form == SOURCE_GEOJSON)
         return read_geojson(s, f, in->fd);
+    if (s->form == SOURCE_GPX)
+        return read_gpx(s, f, in->fd);
+    if (s->form == SOURCE_LAS)
+        return read_las(s, f, in);
     progress_start(&r.bar, "reading");
     bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);
     return ok;
+}
+
+bool source_is_geographic(const struct source *s, const struct points_file *f)
+{
+    const struct plan *p = &s->table.plan;
+    bool named = is_table(s) ? p->pair == PAIR_LON_LAT && p->headed
+                             : s->form == SOURCE_GEOJSON || s->form == SOURCE_GPX;
+    struct range x = survey_range(f, 0), y = survey_range(f, 1);
+    return named && x.least >= -360 && x.greatest <= 360 && y.least >= -90 && y.greatest <= 90;
 }
 
 static void show_skipped(const char *name, const struct points_file *f)
@@ -171,8 +236,8 @@ bool source_read(struct source *s, struct points_file *f)
     if (!ok)
         fail(s, f);
     if (ok && s->table.using[0] != '\0')
-        fprintf(stderr, "delaunay: %s: using %s%s\n", name,
-                s->form == SOURCE_GEOJSON ? "" : "columns ", s->table.using);
+        fprintf(stderr, "delaunay: %s: using %s%s\n", name, is_table(s) ? "columns " : "",
+                s->table.using);
     report_print(&f->report, name, stderr);
     if (ok)
         show_skipped(name, f);

@@ -7,7 +7,15 @@
 #include "clients/files/survey.h"
 #include "clients/files/table_file.h"
 
-enum source_form { SOURCE_XY, SOURCE_TABLE, SOURCE_GEOJSON, SOURCE_NODE, SOURCE_GUESS };
+enum source_form {
+    SOURCE_XY,
+    SOURCE_TABLE,
+    SOURCE_GEOJSON,
+    SOURCE_NODE,
+    SOURCE_GPX,
+    SOURCE_LAS, /* LAZ, too */
+    SOURCE_GUESS
+};
 
 struct source {
     const char *path;
@@ -20,6 +28,9 @@ struct source {
 
 /* Reads a format's name. */
 bool source_read_form(const char *name, struct source *s);
+
+/* Whether the headings or the format say that x and y are longitudes and latitudes, and they can be. */
+bool source_is_geographic(const struct source *s, const struct points_file *f);
 
 /* The path, or a name for the standard input. */
 const char *source_name(const struct source *s);

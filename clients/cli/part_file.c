@@ -1,5 +1,5 @@
 /* part_file.c - see part_file.h. */
-#include "clients/files/part_file.h"
+#include "clients/cli/part_file.h"
 
 #include <errno.h>
 #include <string.h>

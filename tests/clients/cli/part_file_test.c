@@ -1,5 +1,5 @@
 /* part_file_test.c - a file that appears when it is complete, and only if all of it was written. */
-#include "clients/files/part_file.h"
+#include "clients/cli/part_file.h"
 
 #include <fcntl.h>
 #include <signal.h>
