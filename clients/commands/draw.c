@@ -78,12 +78,14 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
 static int write_result(struct delaunay_client *c, struct drawing *d)
 {
     char line[40];
-    char show[] = "show", name[] = "points", *words[] = {show, name, NULL};
+    char show[] = "show", name[] = "points", map[] = "--geographic",
+         *words[] = {show, name, d->to.picture.geographic ? map : NULL, NULL};
     snprintf(line, sizeof line, "TRIANGULATE %s", set);
     enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
     if (r != DELAUNAY_OK)
         return command_outcome(c, r);
-    return d->on_terminal ? command_show(c, 2, words) : export_set(c, &d->to, set, d->name);
+    return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)
+                          : export_set(c, &d->to, set, d->name);
 }
 
 static int carry_out(struct drawing *d)
@@ -100,6 +102,8 @@ static int carry_out(struct drawing *d)
         message_print("%s", why);
         return EXIT_NO_CONNECTION;
     }
+    d->to.picture.geographic |=
+        !d->to.planar && source_is_geographic(&d->reading.from, &d->reading.file);
     enum delaunay_result r = reading_send(&d->reading, own.client, set);
     status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
     private_daemon_end(&own);

@@ -144,6 +144,42 @@ TEST(daemon_of_a_killed_draw_ends_and_leaves_no_socket)
     finish();
 }
 
+TEST(draw_makes_a_map_where_the_file_says_that_coordinates_are_degrees)
+{
+    static const struct {
+        const char *name, *text, *options;
+        bool map;
+    } file[] = {{"a.csv", "lon,lat\n0,50\n10,50\n0,70\n", "", true},
+                {"a.csv", "lat,lon\n50,0\n50,10\n70,0\n", "", true},
+                {"a.csv", "x,y\n0,50\n10,50\n0,70\n", "", false},
+                {"a.csv", "x,y\n0,50\n10,50\n0,70\n", "--geographic", true},
+                {"a.csv", "lon,lat\n0,50\n10,50\n0,70\n", "--planar", false},
+                {"a.csv", "lon,lat\n0,5000\n10,50\n0,70\n", "", false},
+                {"a.geojson", "{\"type\":\"MultiPoint\",\"coordinates\":[[0,50],[10,50],[0,70]]}",
+                 "", true},
+                {"a.geojson",
+                 "{\"type\":\"MultiPoint\",\"coordinates\":[[0,5000],[10,5000],[0,7000]]}", "",
+                 false},
+                {"a.gpx",
+                 "<gpx><wpt lat='50' lon='0'/><wpt lat='50' lon='9'/><wpt lat='70' lon='0'/></gpx>",
+                 "", true}};
+    char command[300];
+    int status;
+    cli_begin();
+    for (size_t i = 0; i < sizeof file / sizeof file[0]; i++) {
+        cli_write(file[i].name, file[i].text);
+        snprintf(command, sizeof command, "draw %s - %s", cli_path(file[i].name), file[i].options);
+        const char *out = cli_run(&status, command);
+        CHECK_MSG(status == 0 && (strstr(out, " km</text>") != NULL) == file[i].map, "%zu: %s", i,
+                  out);
+        CHECK((strstr(out, "a map of degrees, true to scale at latitude 60") != NULL) ==
+              file[i].map);
+    }
+    snprintf(command, sizeof command, "draw %s", cli_path("a.gpx"));
+    cli_run_well(command);
+    cli_finish();
+}
+
 TEST(run_keeps_all_columns_of_numbers_on_request)
 {
     char command[300];
