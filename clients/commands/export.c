@@ -131,6 +131,8 @@ static int leave_out_missing(struct export_work *w, size_t missing)
         return output_fault("", "out of memory");
     if (m->n == 0)
         return output_fault(m->field[m->z], "no point has a value of this field");
+    if (before > 0 && m->triangles == 0)
+        return output_fault(m->field[m->z], "no triangle has a height at each of its points");
     fprintf(
         stderr,
         "delaunay: %zu of %zu heights are missing: these points and their %zu triangles are left "

@@ -1,6 +1,5 @@
-/* gpx_file.h - the points of a GPX file [topografix.com/GPX/1/1]: every waypoint (wpt), point of a route (rtept) and of a track
- * (trkpt), in order; x is its longitude, y its latitude, and its elevation (ele) becomes the field z. What is in extensions does
- * not count. */
+/* gpx_file.h - the points of a GPX file [topografix.com/GPX/1/1]: waypoints (wpt), points of routes (rtept) and of tracks (trkpt), in
+ * order. The longitude is x, the latitude y, and the elevation (ele) becomes the field z. Extensions are passed over. */
 #ifndef CLIENTS_GPX_FILE_H
 #define CLIENTS_GPX_FILE_H
 
@@ -19,7 +18,7 @@ bool gpx_file_read(struct points_file *f, int fd, struct table_fields *t, struct
 bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct gpx_notes *notes);
 
-/* How the file was read, for instance "x=lon y=lat z=ele of 2 wpt, 130 trkpt". */
+/* Writes how the file was read, for instance "x=lon y=lat z=ele of 2 wpt, 130 trkpt". */
 void gpx_describe(const struct gpx_notes *notes, char *to, size_t room);
 
 #endif

@@ -102,7 +102,7 @@ static bool open_member(struct input *in, char *why, size_t room)
     return true;
 }
 
-/* What the content begins with. */
+/* Looks at the first bytes of the content. */
 static size_t look(struct input *in, char *head)
 {
     size_t n = peek(in->fd, head);

@@ -1,5 +1,5 @@
-/* las_file.c - see las_file.h. A coordinate is an integer, times a scale, plus an offset. Where the scale is a power of ten, as nearly
- * always, the result is the decimal fraction that is meant, rounded once. */
+/* las_file.c - see las_file.h. A coordinate is an integer, times a scale, plus an offset. Nearly always the scale is a power
+ * of ten: then the result is the decimal fraction that is meant, rounded once. */
 #include "clients/files/las_file.h"
 
 #include <errno.h>

@@ -19,7 +19,7 @@
 
 #define INK "#17324f" /* of texts, points and the scale */
 
-/* What a path looks like, as attributes, which all programs understand; its class is there for style sheets of the reader. */
+/* The look of each class of paths, as attributes, which all programs understand. The class is there for a reader's own style sheet. */
 static const struct {
     const char *class, *fill, *stroke;
 } looks[] = {{"t", "#e9f1fa", "#6d94bf"},

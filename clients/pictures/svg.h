@@ -72,8 +72,8 @@ void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
 
 void svg_end(struct svg *s);
 
-/* Where the drawing lies, for a picture of one pixel for 10 drawing units, as PNG is made: the place of its upper left corner, and the
- * side of a pixel. */
+/* Finds where a picture of the drawing lies that has a pixel for 10 drawing units, as PNG is made: the place of the upper left corner,
+ * and the side of a pixel. */
 void svg_place(const struct svg *s, double *x, double *y, double *pixel);
 
 #endif

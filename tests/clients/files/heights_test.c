@@ -103,6 +103,10 @@ TEST(a_mesh_of_points_without_any_height_is_refused)
     const char *out = cli_run(&status, "export t - -f obj --field empty");
     CHECK_MSG(status == 1 && strstr(out, "empty: no point has a value of this field") != NULL, "%s",
               out);
+    cli_run_well("fset t z 0 nan"); /* two points of each triangle are left */
+    out = cli_run(&status, "export t - -f ply");
+    CHECK_MSG(status == 1 && strstr(out, "z: no triangle has a height at each of its points"), "%s",
+              out);
     cli_finish();
 }
 
