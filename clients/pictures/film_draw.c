@@ -5,11 +5,14 @@
  * viewer may begin anywhere. Without animation an element has its last value. */
 #include "clients/pictures/film.h"
 
+#include "clients/pictures/labels.h"
+
 #include <math.h>
 
 #define SIDE 1000.0 /* of the drawing, in its units */
 #define MARGIN 40.0
 #define LEGEND 90.0
+#define LETTER 20.0 /* height of letters */
 
 #define SEARCH                                                                                     \
     "visibility=\"hidden\" fill=\"#e8871e\" fill-opacity=\".13\" stroke=\"#e8871e\" "              \
@@ -166,6 +169,30 @@ static void draw_edges(const struct film *f)
     }
 }
 
+/* Draws the ids beside their points, smaller where there is little room, and none over another. */
+static void draw_numbers(const struct film *f)
+{
+    struct labels l;
+    struct label_box box;
+    char text[16];
+    if (!labels_init(&l, f->width + 2 * MARGIN, f->height + 2 * MARGIN, 3 * LETTER, f->m->n))
+        return;
+    for (uint32_t i = 0; i < f->m->n; i++) {
+        int n = snprintf(text, sizeof text, "%u", f->m->id[i]);
+        double x = (double)point_x(f, i) + MARGIN, y = (double)point_y(f, i) + MARGIN,
+               size = LETTER;
+        while (size > LETTER / 20 && !labels_place(&l, x, y, 12, 0.6 * size * n, 0.8 * size, &box))
+            size *= 0.7;
+        if (size > LETTER / 20)
+            fprintf(
+                f->out,
+                "<text font-family=\"sans-serif\" font-size=\"%.3g\" fill=\"#17324f\" x=\"%.1f\" "
+                "y=\"%.1f\">%s</text>\n",
+                size, box.x0 - MARGIN, box.y1 - MARGIN, text);
+    }
+    labels_free(&l);
+}
+
 static void draw_points(const struct film *f, bool numbers)
 {
     for (uint32_t i = 0; i < f->m->n; i++) {
@@ -178,10 +205,9 @@ static void draw_points(const struct film *f, bool numbers)
             animate(f, "fill", INK_GRID, i);
             fputs("</circle>\n", f->out);
         }
-        if (numbers)
-            fprintf(f->out, "<text " LETTERS " x=\"%ld\" y=\"%ld\">%u</text>\n", point_x(f, i) + 10,
-                    point_y(f, i) - 10, f->m->id[i]);
     }
+    if (numbers)
+        draw_numbers(f);
 }
 
 /* The part of the circle on the left of a->b: the chord, then the arc back, counterclockwise; a very large one
