@@ -23,8 +23,9 @@ RUN make install PREFIX=/usr DESTDIR=/out
 
 FROM debian:bookworm-slim
 COPY --from=build /out/usr/bin/ /usr/bin/
-RUN useradd --system --no-create-home delaunayd && install -d -o delaunayd -g delaunayd /data
-USER delaunayd
+RUN useradd --system --uid 6374 --user-group --no-create-home delaunayd && install -d -o delaunayd -g delaunayd /data
+# The number, by which Kubernetes (runAsNonRoot) can see that it is not root.
+USER 6374:6374
 VOLUME /data
 EXPOSE 6374
 HEALTHCHECK --interval=10s CMD ["delaunay", "-h", "127.0.0.1", "ping"]

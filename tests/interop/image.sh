@@ -44,11 +44,12 @@ for program in delaunayd delaunay; do
     [ "$(command -v "$program")" = "$scratch/out/usr/bin/$program" ] || bad "$program is not installed"
 done
 
-# The user, who owns the volume, is created before the image switches to it, and is not root.
+# The user, who owns the volume, is created before the image switches to it, by number, and is not root.
 user=$(line 'USER ')
 volume=$(line 'VOLUME ')
-[ "$user" != root ] && [ "$user" != 0 ] || bad "runs as root"
-line "RUN useradd .*$user && install -d -o $user -g $user $volume\$" >/dev/null
+id=${user%%:*}
+[ "$user" = "$id:$id" ] && [[ $id =~ ^[1-9][0-9]*$ ]] || bad "USER $user is no number, or root"
+line "RUN useradd .*--uid $id --user-group .*delaunayd && install -d -o delaunayd -g delaunayd $volume\$" >/dev/null
 [ "$(grep -n '^USER' Dockerfile | cut -d: -f1)" -gt "$(grep -n '^RUN useradd' Dockerfile | cut -d: -f1)" ] || bad "USER too early"
 
 # The entry point, with a directory and a port of the test's; then the health check.
