@@ -12,7 +12,7 @@
 #   make fuzz       parsers, sessions and histories of edits; FUZZ_S=60 runs each for 60 seconds
 #   make interop    compares every reply with CGAL's; conversations through netcat and Redis clients
 #   make same OLD=PATH/delaunayd  compares every reply with an older build's; POINTS=300000 ONLY="wheel tiny"
-#   make mutants    changes the source in small ways and reports what no test notices; N=20 takes a sample
+#   make mutants    changes random lines of the source and reports what no test notices; N=200 SEED=s draws others
 #   make soak       mirrors of a set that is edited a million times, with kills of the daemon, lost connections and pauses
 #   make lint       dependencies, formatting, static analysis; make fmt formats
 #   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients

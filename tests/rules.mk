@@ -125,12 +125,12 @@ bench-durable: all $(O)/tests/bench/durable
 bench-clients: all $(O)/tests/bench/points
 	@TABLES="$(filter files arrays framings,$(TABLES))" tests/bench/clients.sh $(O) $(or $(POINTS),1000000) | tee $(O)/bench-clients.md
 
-# ---- mutants: small changes of the source that a test must notice. M=server/disk/log.c selects those of a file, LIST=disk those of a
-# ---- list, N=20 a sample, SEED=s another one, N=0 none (checks that every entry applies); see tests/mutants/README.md ----
+# ---- mutants: N=60 random changes of single lines, which a test must notice; SEED=s draws other ones, M=server/disk selects files.
+# ---- LIST=syncs the entries of that list, LIST=all of all; N=0 checks that every entry applies; see tests/mutants/README.md ----
 
 .PHONY: mutants
 mutants: $(if $(filter 0,$(N)),,test_binaries)
-	@tests/mutants/mutants.py $(if $(M),--of '$(M)') $(if $(LIST),--list $(LIST)) $(if $(N),--sample $(N)) $(if $(SEED),--seed $(SEED)) $(O)
+	@tests/mutants/mutants.py $(if $(M),--of '$(M)') $(if $(LIST),--list '$(LIST:all=)') $(if $(N),--sample $(N)) $(if $(SEED),--seed $(SEED)) $(O)
 
 # ---- lint ----
 

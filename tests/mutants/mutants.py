@@ -3,9 +3,10 @@
 
     mutants.py [--of FILE] [--list NAME] [--sample N] [--seed S] [--jobs J] BUILD_DIR
 
-README.md beside this file describes the lists, *.txt. Every entry of every list must apply to the source, whichever of
-them are run. BUILD_DIR is the one of make, with everything up to date. The last line counts: N passed (caught), N failed.
-The exit status is 0 if every entry applies and at least 95 % of those that were run are caught.
+Without --list the changes are random ones of single lines (generate.py). README.md beside this file describes the lists, *.txt.
+Every entry of every list must apply to the source, whatever is run. BUILD_DIR is the one of make, with everything up to date.
+The last line counts: N passed (caught), N failed. The exit status is 0 if every entry applies and enough of the changes are
+caught: 95 % of the lists' entries, 85 % of random ones.
 """
 import argparse
 import concurrent.futures
@@ -21,10 +22,12 @@ import tempfile
 import threading
 import time
 
+import generate
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 TREE = os.path.dirname(os.path.dirname(HERE))
 SUITES = ("core", "proto", "server", "clients")
-WANTED = 0.95  # the share that must be caught
+WANTED, WANTED_RANDOM = 0.95, 0.85  # the shares that must be caught
 BUILD_S = 900  # the most a build may take
 INSIDE = "MUTANTS_INSIDE"  # set in the environment of a run that is isolated
 
@@ -233,6 +236,145 @@ def pass_without_mutants(mutants, pristine, build):
     return total
 
 
+# ---- random changes ----
+
+
+SOURCES = ("core/*/*.c", "proto/*.c", "proto/*/*.c", "server/*.c", "server/*/*.c", "clients/*.c", "clients/[a-df-z]*/*.c")
+REACHED_BY = {"core": ("core", "server", "clients"), "proto": ("proto", "server", "clients"), "server": ("server", "clients"),
+              "clients": ("clients",)}
+SUITE_S = 300  # the most a suite may take; a mutant that makes it slower is caught
+
+
+class Line:
+    """A random change of one line."""
+
+    def __init__(self, file, number, old, new):
+        self.file, self.number, self.old, self.new = file, number, old, new
+
+    def __str__(self):
+        return f"{self.file}:{self.number}: {self.old.strip()}  ->  {self.new.strip()}"
+
+
+class Drawn:
+    """Random changes, each once, for all threads."""
+
+    def __init__(self, tree, seed, of):
+        texts = {}
+        for path in sorted(p for pattern in SOURCES for p in glob.glob(os.path.join(tree, pattern))):
+            if of in os.path.relpath(path, tree):
+                texts[os.path.relpath(path, tree)] = read(path)
+        self.changes, self.lock, self.seen = generate.draw(random.Random(seed), texts), threading.Lock(), set()
+
+    def next(self):
+        with self.lock:
+            for change in self.changes:
+                if change not in self.seen:
+                    self.seen.add(change)
+                    return Line(*change)
+
+
+class Workshop:
+    """A copy of the tree in which one change after the other is made, tried and undone."""
+
+    def __init__(self, pristine, build, scratch):
+        self.tree, self.build = os.path.join(tempfile.mkdtemp(dir=scratch), "tree"), build
+        copy_tree(pristine, build, self.tree)
+
+    def run(self, suites, *arguments, limit_s=None):
+        return Run(self.tree, self.build, suites, arguments, limit_s)
+
+    def compile(self, line, text):
+        """The object of the file with this text, without information for debuggers; None: it is not C."""
+        path, target = os.path.join(self.tree, line.file), os.path.join(self.build, line.file[:-1] + "o")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        if self.run(SUITES, target, "CFLAGS=-O2", "EXTRA=-Werror=int-conversion -Werror=incompatible-pointer-types").status:
+            return None
+        with open(os.path.join(self.tree, target), "rb") as f:
+            return f.read()
+
+    def stages(self, line):
+        """(suite, words): first the tests of the same name and room, then all that reach the file."""
+        folder, *room, name = line.file.split("/")
+        yield folder, f"/{name[:-2]}_test. tests/{folder}/{'/'.join(room)}{'/' if room else ''}"
+        for suite in REACHED_BY[folder]:
+            yield suite, ""
+
+    def fails(self, suite, words, limit_s):
+        """(what fails of these tests or None, how many passed). A test that fails by chance does not count."""
+        run = self.run([suite], f"test_{suite}", "T=" + words, "OF_ANY_SUITE=-a", limit_s=limit_s)
+        if run.too_slow:
+            return f"the time limit of {limit_s} s", 0
+        if run.failed:
+            again = self.run([suite], f"test_{suite}", "T=" + run.failed[0], limit_s=limit_s)
+            return self.fails(suite, words, limit_s) if not again.failed and not again.too_slow and limit_s == SUITE_S \
+                and self.flaky(run.failed[0]) else (run.failed[0], run.passed)
+        if run.status:
+            return "make: " + " | ".join(run.output[-2:]), 0
+        return None, run.passed
+
+    def flaky(self, test):
+        """Whether a test has failed by chance before; each may do so once."""
+        known = test in self.chance
+        self.chance.add(test)
+        return not known
+
+    def verdict(self, line):
+        """(whether it is caught, by what or why not); None: it makes no difference, or is not C."""
+        path = os.path.join(self.tree, line.file)
+        old = read(path)
+        lines = old.split("\n")
+        lines[line.number - 1] = line.new
+        self.chance = set()
+        try:
+            before = self.compile(line, old)
+            after = self.compile(line, "\n".join(lines))
+            if after is None or after == before:
+                return None
+            built = self.run(SUITES, "test_binaries")
+            if built.status:
+                return None
+            started, passed = time.monotonic(), 0
+            for suite, words in self.stages(line):
+                what, n = self.fails(suite, words, SUITE_S)
+                if what:
+                    return True, f"{what}, {time.monotonic() - started:.0f} s"
+                passed += n
+            return False, f"{passed} tests pass, {time.monotonic() - started:.0f} s"
+        finally:
+            self.compile(line, old)
+
+
+def try_random(args, pristine, scratch):
+    """Whether each of the random changes is caught, in the order in which that is known, and printed."""
+    drawn, caught, left, lock = Drawn(pristine, args.seed or default_seed(), args.of), [], [args.sample], threading.Lock()
+
+    def work():
+        shop = Workshop(pristine, args.build, scratch)
+        while True:
+            with lock:
+                if left[0] == 0:
+                    return
+                left[0] -= 1
+            outcome = None
+            while outcome is None:
+                line = drawn.next()
+                outcome = shop.verdict(line)
+            with lock:
+                caught.append(outcome[0])
+                print(f"{'caught' if outcome[0] else 'FAIL not caught'}: {line} ({outcome[1]})", flush=True)
+
+    pool = concurrent.futures.ThreadPoolExecutor(args.jobs)
+    try:
+        for done in concurrent.futures.as_completed([pool.submit(work) for _ in range(min(args.jobs, args.sample))]):
+            done.result()
+    finally:
+        for leader in list(Run.leaders):
+            end_session(leader)
+        pool.shutdown(wait=False, cancel_futures=True)
+    return caught
+
+
 # ---- the program ----
 
 
@@ -245,9 +387,9 @@ def default_seed():
 def arguments():
     p = argparse.ArgumentParser(description="which small changes of the source does no test notice?")
     p.add_argument("build", metavar="BUILD_DIR")
-    p.add_argument("--of", default="", help="only the mutants whose file and sentence, as they are printed, contain this")
-    p.add_argument("--list", default="", help="only the mutants of lists whose name contains this")
-    p.add_argument("--sample", type=int, help="only so many, drawn at random; 0: none, which checks the lists")
+    p.add_argument("--of", default="", help="only changes of files, or entries of lists as they are printed, that contain this")
+    p.add_argument("--list", help="the entries of lists whose name contains this, instead of random changes")
+    p.add_argument("--sample", type=int, help="so many (60 random ones, or all entries); 0: none, which checks the lists")
     p.add_argument("--seed", help="what the sample is drawn from (default: the commit)")
     p.add_argument("--jobs", type=int, default=os.cpu_count())
     return p.parse_args()
@@ -298,14 +440,21 @@ def main():
     mutants = [m for path in sorted(glob.glob(os.path.join(HERE, "*.txt"))) for m in read_list(path)]
     usable(mutants)
     print(f"{len(mutants)} entries apply, {sum(1 for m in mutants if m.equivalent)} of them are equivalent")
-    chosen = selection(mutants, args)
+    wanted = WANTED if args.list is not None else WANTED_RANDOM
     with tempfile.TemporaryDirectory(prefix="mutants-") as scratch:
         pristine = os.path.join(scratch, "tree")
         copy_tree(TREE, args.build, pristine)
-        limit_s = 30 + 3 * pass_without_mutants(chosen, pristine, args.build)
-        caught = verdicts(chosen, pristine, args, limit_s)
+        if args.list is not None:
+            chosen = selection(mutants, args)
+            limit_s = 30 + 3 * pass_without_mutants(chosen, pristine, args.build)
+            caught = verdicts(chosen, pristine, args, limit_s)
+        else:
+            args.sample = 60 if args.sample is None else args.sample
+            args.seed = args.seed or default_seed()
+            print(f"{args.sample} random changes, seed {args.seed}")
+            caught = try_random(args, pristine, scratch)
     print(f"{sum(caught)} passed, {len(caught) - sum(caught)} failed")
-    return 0 if sum(caught) >= WANTED * len(caught) else 1
+    return 0 if sum(caught) >= wanted * len(caught) else 1
 
 
 if __name__ == "__main__":
