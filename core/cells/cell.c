@@ -19,6 +19,12 @@ void dt_cell_clear(struct dt_cell_work *w)
     *w = (struct dt_cell_work){.stop = w->stop};
 }
 
+size_t dt_cell_memory(const struct dt_cell_work *w)
+{
+    return 3 * (size_t)w->ring_cap * sizeof *w->ring +
+           w->cap * (sizeof *w->polygon + sizeof *w->corner + sizeof *w->other);
+}
+
 bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
 {
     if (w->corner != NULL && degree <= w->ring_cap)

@@ -51,6 +51,8 @@ enum {
 
 void dt_cell_clear(struct dt_cell_work *w);
 
+size_t dt_cell_memory(const struct dt_cell_work *w);
+
 /* Makes room for the ring. False: out of memory. */
 bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree);
 

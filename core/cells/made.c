@@ -47,6 +47,7 @@ struct dt_cells_made {
     struct dt_point *corner; /* owns cap, in the order of memory; of areas, of the last cells */
     uint32_t ids, cells;     /* cells: how many there will be */
     size_t corners, cap;
+    bool whole; /* all have been made */
     /* while they are made */
     uint32_t vertex;              /* the next one */
     struct circumcentres *centre; /* owns */
@@ -105,7 +106,9 @@ void dt_cells_made_free(struct dt_cells_made *m)
 size_t dt_cells_made_memory(const struct dt_cells_made *m)
 {
     size_t of_id = m->areas ? sizeof *m->area : sizeof *m->cell;
-    return sizeof *m + sizeof *m->centre + m->ids * of_id + m->cap * sizeof *m->corner;
+    return sizeof *m + (m->whole ? 0 : sizeof *m->centre) + dt_cell_memory(&m->work) +
+           dt_array_bytes(m->ids, of_id) +
+           (m->whole && m->areas ? 0 : dt_array_bytes(m->cap, sizeof *m->corner));
 }
 
 uint64_t dt_cells_made_corners(const struct dt_cells_made *m)
@@ -300,6 +303,19 @@ static enum dt_status make_some(const struct dt *t, struct dt_cells_made *m, uin
     return DT_OK;
 }
 
+/* Frees what only the making needs: of areas, the corners too. */
+static void end_making(struct dt_cells_made *m)
+{
+    m->whole = true;
+    dt_cell_clear(&m->work);
+    free(m->centre);
+    m->centre = NULL;
+    if (m->areas)
+        dt_array_free(m->corner);
+    if (m->areas)
+        m->corner = NULL;
+}
+
 enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
                              const struct dt_options *opt, uint32_t points, bool *done)
 {
@@ -310,6 +326,8 @@ enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
     *done = m->vertex >= t->points.end;
     if (s == DT_OK && *done && m->pending > 0)
         compute_areas(m);
+    if (s == DT_OK && *done)
+        end_making(m);
     return dt_stop_status(&stop) != DT_OK ? dt_stop_status(&stop) : s;
 }
 

@@ -63,6 +63,12 @@ void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, s
     return larger;
 }
 
+size_t dt_array_bytes(size_t n, size_t size)
+{
+    size_t bytes = n * size + HEADER;
+    return bytes >= LARGE ? dt_huge_pages(bytes) : bytes;
+}
+
 void dt_array_free(void *p)
 {
     if (p == NULL)

@@ -41,6 +41,9 @@ static inline void *dt_array_grow(void *p, size_t used, size_t n, size_t size)
 /* Nothing for NULL. */
 void dt_array_free(void *p);
 
+/* The bytes that an array of n elements takes, of whole huge pages if it is large. */
+size_t dt_array_bytes(size_t n, size_t size);
+
 /* The capacity to grow to so that it holds `need` items and appending costs amortised constant
  * time; at most `limit`. */
 size_t dt_array_room(size_t cap, size_t need, size_t limit);

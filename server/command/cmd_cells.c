@@ -134,7 +134,9 @@ static bool make_cells(struct cells_job *j)
         return false;
     bool ok = reservation_resize(&j->job.memory, dt_cells_made_memory(made));
     for (uint64_t n = CELLS_MADE; ok && !done; n += CELLS_MADE) {
-        ok = make_some(j, made, &done) && pause_job(&j->job) == DT_OK;
+        ok = make_some(j, made, &done) &&
+             reservation_resize(&j->job.memory, dt_cells_made_memory(made)) &&
+             pause_job(&j->job) == DT_OK;
         atomic_store(&j->job.progress, (unsigned)(n < all ? n * 100 / all : 99));
     }
     if (!ok)
