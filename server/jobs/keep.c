@@ -2,6 +2,7 @@
 #include "server/jobs/keep.h"
 
 #include "server/jobs/job.h"
+#include "server/system/machine.h"
 
 enum {
     IDLE_TICKS = 10,       /* seconds without use after which the cache is emptied */
@@ -48,6 +49,26 @@ static void release(struct server *s, const struct dt_pages_summary *now, bool i
     r->uses = now->uses;
     s->releasing = true;
     job_aside(s, &r->job);
+}
+
+/* ---- the heap ---- */
+
+static void run_trim(struct job *j)
+{
+    (void)j;
+    budget_trim_heap();
+}
+
+/* Small blocks that are free stay in malloc's heap, and no reservation counts them. */
+static void trim_if_large(struct server *s)
+{
+    struct job *j = NULL;
+    if (!s->releasing && machine_resident() > s->config->max_memory)
+        j = job_new(sizeof *j, run_trim, released);
+    if (j == NULL)
+        return;
+    s->releasing = true;
+    job_aside(s, j);
 }
 
 /* ---- prefaulting ---- */
@@ -119,4 +140,5 @@ void keep_tick(struct server *s)
     s->uses = now.uses;
     if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
         release(s, &now, true, 0);
+    trim_if_large(s);
 }

@@ -121,7 +121,7 @@ void reservation_move(struct reservation *to, struct reservation *from)
 }
 
 /* Only glibc keeps freed memory until it is asked to return it. */
-static void trim_heap(void)
+void budget_trim_heap(void)
 {
 #ifdef __GLIBC__
     malloc_trim(0);
@@ -134,5 +134,5 @@ void reservation_trim_heap(const struct reservation *r)
         return;
     size_t resident = machine_resident(), limit = *r->budget->limit;
     if (resident > limit || r->bytes > limit - resident)
-        trim_heap();
+        budget_trim_heap();
 }

@@ -53,7 +53,7 @@ unsigned machine_descriptors(void)
 void machine_return_blocks(void)
 {
 #ifdef __GLIBC__
-    enum { BLOCK = 64 * 1024, HEAP_END = 1024 * 1024 };
+    enum { BLOCK = 32 * 1024, HEAP_END = 512 * 1024 };
     mallopt(M_MMAP_THRESHOLD, BLOCK);
     mallopt(M_TRIM_THRESHOLD, HEAP_END);
 #endif
