@@ -477,7 +477,8 @@ static bool is_made(const struct stream *st)
     return st->used > 0 && p->job == NULL && !p->part.surface.passed;
 }
 
-/* Sends the text of the piece, as much of it as there is room for up to `most`, or, in a conversion to RESP, whole rows. */
+/* Sends the text of the piece: all of it if it is of the usual size, else as much as there is room for up to `most`. A conversion to
+ * RESP needs whole rows. */
 static enum dt_status send_text(const struct server *s, const struct stream *st, struct piece *p,
                                 struct buf *out, size_t most)
 {
@@ -486,7 +487,7 @@ static enum dt_status send_text(const struct server *s, const struct stream *st,
     bool whole = out == &s->lines && !st->rows.binary;
     if (whole && n > 2 * PIECE && !budget_fits(&s->budget, BUDGET_REPLIES, CONVERTED * n))
         return DT_NOMEM;
-    n = whole || n < room ? n : room;
+    n = whole || n <= PIECE || n < room ? n : room;
     buf_append(out, buf_head(&p->text), n); /* copied, so that the memory of a piece stays small */
     buf_consume(&p->text, n);
     return out->failed ? DT_NOMEM : DT_OK;

@@ -166,7 +166,7 @@ TEST_TIMEOUT(large_replies_survive_failed_allocations, 60)
 
 /* ---- how much is sent at once ---- */
 
-/* Two of four pieces of about 24 KB are sent, and most of the third. */
+/* Three of four pieces of about 24 KB are sent. */
 TEST(finished_pieces_are_sent_a_few_at_a_time)
 {
     enum { POINTS = 21000, PIECE = 64 * 1024 };
@@ -183,7 +183,7 @@ TEST(finished_pieces_are_sent_a_few_at_a_time)
     collect_all(&l);
     buf_consume(&l.out, buf_len(&l.out));
     stream_refill(&l.server, &a);
-    CHECK_MSG(buf_len(&l.out) == PIECE, "%zu", buf_len(&l.out));
+    CHECK_MSG(buf_len(&l.out) > PIECE && buf_len(&l.out) < PIECE * 5 / 4, "%zu", buf_len(&l.out));
     stream_free(&l.server, a.stream);
     collect_all(&l);
     free(text);
