@@ -123,7 +123,7 @@ static enum assembled begin(struct assembly *s, const struct record *r)
     if (s->begun)
         return ASSEMBLY_INVALID;
     assembly_clear(s);
-    s->change = change_of(CHANGE_ADD, &set);
+    change_init(&s->change, CHANGE_ADD, &set);
     s->change.first = r->first;
     s->change.pages = s->pages;
     s->begun = true;
@@ -140,8 +140,8 @@ static enum assembled end(struct assembly *s, const struct record *r, struct cha
     if (how != ASSEMBLY_DONE)
         return how;
     *c = s->change;
-    s->change = (struct change){0};
-    assembly_clear(s);
+    buf_free(&s->values);
+    *s = (struct assembly){.pages = s->pages, .memory = s->memory};
     return ASSEMBLY_DONE;
 }
 

@@ -17,8 +17,8 @@ struct assembly {
 };
 
 enum assembled {
-    ASSEMBLY_MORE,   /* the record belongs to it, and there are more to come */
-    ASSEMBLY_DONE,   /* it was the last one: *c is the change, which the caller owns */
+    ASSEMBLY_MORE, /* the record belongs to it, and there are more to come */
+    ASSEMBLY_DONE, /* it was the last one: *c is the change, which the caller owns, and `memory` is still reserved for it */
     ASSEMBLY_ENDED,  /* it was the last one of a LOAD that is not wanted */
     ASSEMBLY_NOMEM,  /* nothing has changed: the same record may come again */
     ASSEMBLY_INVALID /* the record cannot follow */

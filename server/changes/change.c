@@ -41,7 +41,11 @@ static enum dt_status set_runs(struct dt *dt, struct change *c, const struct dt_
 /* A LOAD without points sets values that are too many for one record. */
 static enum dt_status add_and_set(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
-    enum dt_status status = c->n == 0 ? DT_OK : dt_add_many(dt, c->points, c->n, opt, &c->added);
+    enum dt_status status = DT_OK;
+    if (c->n > 0)
+        status = dt_add_many(dt, c->points, c->n, opt, &c->added);
+    else
+        c->added.first = dt_next_id(dt);
     return status == DT_OK ? set_runs(dt, c, opt) : status;
 }
 
@@ -151,9 +155,24 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
 
 /* ---- their life ---- */
 
-struct change change_of(enum change_code code, const struct word *set)
+void change_init(struct change *c, enum change_code code, const struct word *set)
 {
-    return (struct change){.kind = &change_kinds[code], .set = name_of(set->text, set->len)};
+    *c = (struct change){.kind = &change_kinds[code]};
+    c->set.len = set->len;
+    memcpy(c->set.text, set->text, set->len);
+}
+
+void change_set_rows(struct change *c, double *rows)
+{
+    if (c->columns != NULL)
+        c->rows = rows;
+    else
+        c->points = (struct dt_point *)(void *)rows;
+}
+
+double change_tolerance(const struct change *c)
+{
+    return (c->kind->flags & CHANGE_NEW) != 0 ? c->a : 0;
 }
 
 void change_clear(struct change *c)

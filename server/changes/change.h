@@ -77,8 +77,14 @@ struct change_kind {
 
 extern const struct change_kind change_kinds[CHANGE_KINDS];
 
-/* A change of the set, with everything else 0. */
-struct change change_of(enum change_code code, const struct word *set);
+/* Makes it a change of the set, with everything else 0. */
+void change_init(struct change *c, enum change_code code, const struct word *set);
+
+/* Gives it the n points, from dt_pages_grow, each followed by the values of the columns, if there are any. */
+void change_set_rows(struct change *c, double *rows);
+
+/* The coincidence tolerance of the set that it creates, if it creates one. */
+double change_tolerance(const struct change *c);
 
 /* Frees what it owns. */
 void change_clear(struct change *c);

@@ -2,7 +2,7 @@
 #include "server/command/command.h"
 
 #include "server/jobs/job.h"
-#include "server/jobs/journal.h"
+#include "server/jobs/submit.h"
 #include "server/ops/cost.h"
 #include "server/system/loop.h"
 
@@ -65,7 +65,8 @@ static void clear_build(struct job *j)
 
 static void record_triangulate(struct server *s, struct job *j)
 {
-    journal_triangulate(s, j->set);
+    if (!j->set->triangulated)
+        submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
 }
 
 static void answer_triangulation(struct answer *a, const struct dataset *set, double ms)
@@ -118,15 +119,11 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
     return same && job_join(s, a, j);
 }
 
-void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
-                     struct answer *a)
+void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
+                 bool rebuild)
 {
-    enum dt_method method;
     const struct dt_summary *sum = &set->current->sum;
-    if (!read_method(a, q, &method))
-        return;
-    bool named = q->n > 2; /* METHOD: rebuilt even if it is current */
-    if (!named && sum->triangulated && !version_is_stale(set->current)) {
+    if (!rebuild && sum->triangulated && !version_is_stale(set->current)) {
         answer_triangulation(a, set, 0);
         return;
     }
@@ -144,7 +141,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     b->job.record = record_triangulate;
     b->job.what = "triangulating";
     b->job.options.method = method;
-    b->job.options.rebuild = named;
+    b->job.options.rebuild = rebuild;
     /* Readers of the points of a large set do not wait: it is built beside the set, or a copy is triangulated. */
     if (large && s->workers != NULL && dt_build_suits(set->current->dt, &b->job.options)) {
         b->job.run = run_build;
@@ -154,6 +151,14 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     } else {
         job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
     }
+}
+
+void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    enum dt_method method;
+    if (read_method(a, q, &method))
+        triangulate(s, a, set, method, q->n > 2); /* METHOD: rebuilt even if it is current */
 }
 
 /* ---- CHECK ----

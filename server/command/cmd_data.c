@@ -4,10 +4,10 @@
 
 #include "proto/number.h"
 #include "server/clients/clients.h"
-#include "server/jobs/edit.h"
-#include "server/jobs/journal.h"
+#include "server/jobs/durable.h"
 #include "server/jobs/listing.h"
 #include "server/jobs/stream.h"
+#include "server/jobs/submit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listi
     do
         *at = registry_scan(&s->sets, (size_t)*at, add_row, rows);
     while (*at != 0 && rows->n < most);
-    rows->shown = journal_of_all(s);
+    rows->shown = durable_last_lsn(s);
     return *at != 0;
 }
 
@@ -48,20 +48,15 @@ void cmd_sets(struct server *s, struct dataset *set, const struct request *q, st
     listing_answer(s, a, list_sets, true, 0, 0, s->sets.sets * ROW_BYTES);
 }
 
-/* How a set is to be created. */
-struct making {
-    double tolerance;
-    bool temporary;
-};
-
-static bool read_making(struct answer *a, const struct request *q, struct making *m)
+static bool read_making(struct server *s, struct answer *a, const struct request *q,
+                        struct submission *x)
 {
-    *m = (struct making){0};
+    struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
     for (size_t i = 2; i < q->n; i++) {
         if (word_is(&q->word[i], "TEMPORARY")) {
-            m->temporary = true;
+            x->temporary = who != NULL ? &who->temporary : NULL;
         } else if (word_is(&q->word[i], "TOL") && i + 1 < q->n) {
-            if (!read_length(a, &q->word[++i], "tolerance", &m->tolerance))
+            if (!read_length(a, &q->word[++i], "tolerance", &x->change.a))
                 return false;
         } else {
             answer_usage(a, q);
@@ -73,35 +68,23 @@ static bool read_making(struct answer *a, const struct request *q, struct making
 
 void cmd_create(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    struct making m;
-    struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
-    if (!read_making(a, q, &m))
+    struct submission *x = submission_new(s, a, CHANGE_CREATE, &q->word[1]);
+    bool good = x != NULL && read_making(s, a, q, x);
+    if (good && set == NULL) {
+        submit(s, a, NULL, x);
         return;
-    if (set != NULL) {
+    }
+    if (good)
         reply_err(a->out, ERR_EXISTS, "the set %s already exists", set->name);
-        return;
-    }
-    set = edit_create(s, a, &q->word[1], m.tolerance);
-    if (set == NULL)
-        return;
-    if (m.temporary && who != NULL && !dataset_make_temporary(set, &who->temporary)) {
-        registry_drop(&s->sets, set);
-        answer_out_of_memory(a);
-        return;
-    }
-    set->born = true;
-    journal_create(s, set, m.tolerance);
-    a->lsn = journal_of(s, set);
-    answer_changed(a, set->version);
+    if (x != NULL)
+        job_free(&x->job);
 }
 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)q;
-    journal_drop(s, set);
-    a->lsn = journal_of(s, NULL);
-    registry_drop(&s->sets, set);
-    answer_ok(a);
+    struct submission *x = submission_new(s, a, CHANGE_DROP, &q->word[1]);
+    if (x != NULL)
+        submit(s, a, set, x);
 }
 
 void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -136,7 +119,7 @@ void cmd_expire(struct server *s, struct dataset *set, const struct request *q, 
         reply_err(a->out, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
     } else {
         expire_after(s, set, seconds);
-        a->lsn = journal_of(s, set);
+        a->lsn = durable_lsn(s, set);
         answer_changed(a, set->version);
     }
 }
@@ -156,7 +139,7 @@ void cmd_persist(struct server *s, struct dataset *set, const struct request *q,
     (void)q;
     if (changed)
         expire_never(s, set);
-    a->lsn = journal_of(s, set);
+    a->lsn = durable_lsn(s, set);
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "changed", changed);
     answer_version(a, set->version);
@@ -183,47 +166,64 @@ static double *read_rows(struct server *s, struct answer *a, const struct reques
     return NULL;
 }
 
-static void add(struct server *s, struct dataset *set, const struct request *q, struct answer *a,
-                size_t at, struct arrival *points)
+/* Points, and the values of fields that are named before them. */
+static bool read_points(struct server *s, struct dataset *set, const struct request *q,
+                        struct answer *a, struct change *c)
 {
-    size_t columns = points->values == NULL ? 0 : points->values->count;
-    size_t width = 2 + columns;
-    points->n = (q->n - at) / width;
-    if ((q->n - at) % width != 0 || points->n == 0)
+    bool fields = word_is(&q->word[2], "FIELDS");
+    if (fields && (c->columns = read_field_names(a, set, &q->word[3])) == NULL)
+        return false;
+    size_t at = fields ? 4 : 2, width = 2 + (fields ? c->columns->count : 0);
+    c->first = CHANGE_ANY;
+    c->n = (uint32_t)((q->n - at) / width);
+    if ((q->n - at) % width != 0 || c->n == 0) {
         reply_err(a->out, ERR_SYNTAX,
-                  columns == 0 ? "odd number of coordinates" : "a point without all of its values");
-    else if ((points->rows = read_rows(s, a, q, at, points->n, width)) == NULL)
-        ;
-    else if (edit_may_add(s, a, set, points->n, columns, &points->memory)) {
-        edit_add(s, a, &q->word[1], points);
-        return;
+                  fields ? "a point without all of its values" : "odd number of coordinates");
+        return false;
     }
-    dt_pages_release(points->rows);
-    columns_free(points->values);
+    double *rows = read_rows(s, a, q, at, c->n, width);
+    if (rows != NULL)
+        change_set_rows(c, rows);
+    return rows != NULL;
 }
 
 void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    struct arrival points = {.n = 0};
-    bool fields = word_is(&q->word[2], "FIELDS");
-    if (fields && (points.values = read_field_names(a, set, &q->word[3])) == NULL)
+    struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
+    if (x == NULL)
         return;
-    add(s, set, q, a, fields ? 4 : 2, &points);
+    if (read_points(s, set, q, a, &x->change) && submit_reserve(s, a, set, x))
+        submit(s, a, set, x);
+    else
+        job_free(&x->job);
 }
 
 void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    uint32_t *ids = read_ids(a, &q->word[2], q->n - 2);
-    if (ids != NULL)
-        edit_delete(s, a, set, ids, q->n - 2);
+    struct submission *x = submission_new(s, a, CHANGE_DELETE, &q->word[1]);
+    if (x == NULL)
+        return;
+    x->change.n = (uint32_t)(q->n - 2);
+    x->change.ids = read_ids(a, &q->word[2], q->n - 2);
+    if (x->change.ids != NULL)
+        submit(s, a, set, x);
+    else
+        job_free(&x->job);
 }
 
 void cmd_move(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    uint32_t id;
+    struct submission *x = submission_new(s, a, CHANGE_MOVE, &q->word[1]);
     struct dt_point to;
-    if (read_id(a, &q->word[2], &id) && read_point(a, &q->word[3], &to))
-        edit_move(s, a, set, id, to);
+    if (x == NULL)
+        return;
+    if (!read_id(a, &q->word[2], &x->change.first) || !read_point(a, &q->word[3], &to)) {
+        job_free(&x->job);
+        return;
+    }
+    x->change.a = to.x;
+    x->change.b = to.y;
+    submit(s, a, set, x);
 }
 
 void cmd_get(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -3,9 +3,9 @@
 
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
-#include "server/jobs/edit.h"
 #include "server/jobs/job.h"
 #include "server/jobs/stream.h"
+#include "server/jobs/submit.h"
 #include "server/ops/cost.h"
 
 #include <math.h>
@@ -144,28 +144,35 @@ bool check_field_names(struct answer *a, const struct word *names)
     return false;
 }
 
-void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+static bool read_pairs(struct answer *a, const struct request *q, struct change *c)
 {
-    size_t n = (q->n - 3) / 2;
     if (q->n % 2 == 0) {
         reply_err(a->out, ERR_SYNTAX, "an id without a value");
-        return;
+        return false;
     }
     if (!read_field_name(a, &q->word[2]))
-        return;
-    struct record_value *v = malloc(n * sizeof *v);
-    if (v == NULL) {
+        return false;
+    c->field = name_of(q->word[2].text, q->word[2].len);
+    c->n = (uint32_t)((q->n - 3) / 2);
+    c->pairs = malloc(c->n * sizeof *c->pairs);
+    if (c->pairs == NULL)
         answer_out_of_memory(a);
+    bool good = c->pairs != NULL;
+    for (size_t i = 0; i < c->n && good; i++)
+        good = read_id(a, &q->word[3 + 2 * i], &c->pairs[i].id) &&
+               read_value(a, &q->word[4 + 2 * i], &c->pairs[i].value);
+    return good;
+}
+
+void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct submission *x = submission_new(s, a, CHANGE_SET, &q->word[1]);
+    if (x == NULL)
         return;
-    }
-    bool good = true;
-    for (size_t i = 0; i < n && good; i++)
-        good = read_id(a, &q->word[3 + 2 * i], &v[i].id) &&
-               read_value(a, &q->word[4 + 2 * i], &v[i].value);
-    if (good)
-        edit_set_values(s, a, set, &q->word[2], v, n);
+    if (read_pairs(a, q, &x->change) && submit_reserve(s, a, set, x))
+        submit(s, a, set, x);
     else
-        free(v);
+        job_free(&x->job);
 }
 
 /* The rows `id value` of n ids; NULL: the ERR line has been written. */
@@ -254,6 +261,11 @@ void cmd_fields(struct server *s, struct dataset *set, const struct request *q, 
 
 void cmd_fdrop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    if (find_field(a, set, &q->word[2]) != NULL)
-        edit_drop_field(s, a, set, &q->word[2]);
+    const struct word *field = &q->word[2];
+    struct submission *x =
+        find_field(a, set, field) == NULL ? NULL : submission_new(s, a, CHANGE_FDROP, &q->word[1]);
+    if (x == NULL)
+        return;
+    x->change.field = name_of(field->text, field->len);
+    submit(s, a, set, x);
 }

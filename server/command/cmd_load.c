@@ -2,36 +2,47 @@
 #include "server/command/command.h"
 
 #include "server/command/load.h"
-#include "server/jobs/edit.h"
-
-#include <stdlib.h>
+#include "server/jobs/submit.h"
 
 /* Adds the points, if there is memory for them; else they stay. */
 void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct load *l = a->body;
-    struct arrival points = {.n = l->body.n};
+    struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
     struct word names = load_field_names(q);
-    if (names.len > 0 && (points.values = read_field_names(a, set, &names)) == NULL)
+    if (x == NULL)
         return;
-    size_t columns = points.values == NULL ? 0 : points.values->count;
-    if (!edit_may_add(s, a, set, points.n, columns, &points.memory)) {
-        columns_free(points.values);
+    x->change.first = CHANGE_ANY;
+    x->change.n = (uint32_t)l->body.n;
+    if ((names.len > 0 && (x->change.columns = read_field_names(a, set, &names)) == NULL) ||
+        !submit_reserve(s, a, set, x)) {
+        job_free(&x->job);
         return;
     }
-    points.expected = load_hand_on_expected(s, l);
-    points.rows = load_take(l, &points.memory);
-    edit_add(s, a, &q->word[1], &points);
+    x->expected = load_hand_on_expected(s, l);
+    change_set_rows(&x->change, load_take(l, &x->job.memory));
+    submit(s, a, set, x);
 }
 
 void cmd_fsetb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct load *l = a->body;
-    struct reservation memory;
+    struct submission *x = submission_new(s, a, CHANGE_RUN, &q->word[1]);
     uint32_t first;
-    if (!read_field_name(a, &q->word[2]) || !read_id(a, &q->word[3], &first) ||
-        !edit_may_set_run(s, a, l->body.n, &memory))
+    if (x == NULL)
         return;
-    size_t n = l->body.n;
-    edit_set_run(s, a, set, &q->word[2], first, load_take(l, &memory), n, &memory);
+    x->change.n = (uint32_t)l->body.n;
+    struct columns *v = x->change.columns = columns_new(1);
+    if (v == NULL)
+        answer_out_of_memory(a);
+    if (v == NULL || !read_field_name(a, &q->word[2]) || !read_id(a, &q->word[3], &first) ||
+        !submit_reserve(s, a, set, x)) {
+        job_free(&x->job);
+        return;
+    }
+    v->first = first;
+    v->n = x->change.n;
+    v->field[0] = name_of(q->word[2].text, q->word[2].len);
+    v->v = load_take(l, &x->job.memory);
+    submit(s, a, set, x);
 }

@@ -7,7 +7,6 @@
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/jobs/journal.h"
 #include "server/jobs/rebuild.h"
 #include "server/jobs/renew.h"
 #include "server/jobs/stream.h"
@@ -203,9 +202,9 @@ static void note_changes(const struct server *s, struct answer *a, const struct 
                          const struct dataset *set)
 {
     if ((c->flags & CMD_WRITE) != 0)
-        a->lsn = journal_of(s, set);
+        a->lsn = durable_lsn(s, set);
     else
-        a->shown = journal_of(s, set);
+        a->shown = durable_lsn(s, set);
 }
 
 /* Finds the set of the request: *set, NULL if there is none. */

@@ -151,6 +151,10 @@ command_handler cmd_fields, cmd_fset, cmd_fsetb, cmd_fget, cmd_fdrop;           
 command_handler cmd_load;                                                        /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 
+/* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */
+void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
+                 bool rebuild);
+
 /* Whether a TRIANGULATE of a set with a writer is done with: it waits for the result of a job that does the same, or
  * its ERR line has been written. */
 bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,

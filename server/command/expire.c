@@ -2,7 +2,7 @@
 #include "server/command/expire.h"
 
 #include "server/jobs/durable.h"
-#include "server/jobs/journal.h"
+#include "server/jobs/submit.h"
 
 #include <time.h>
 
@@ -27,21 +27,19 @@ bool expire_drop_if_due(struct server *s, struct dataset *set)
 {
     if (!expire_is_due(set) || !can_be_dropped(s, set))
         return false;
-    journal_drop(s, set);
-    registry_drop(&s->sets, set);
+    submit_at_once(s, set, CHANGE_DROP, 0);
     return true;
 }
 
 void expire_after(struct server *s, struct dataset *set, double seconds)
 {
-    registry_expire(&s->sets, set, expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
-    journal_expire(s, set);
+    int64_t at_ms = expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0);
+    submit_at_once(s, set, CHANGE_EXPIRE, (double)at_ms);
 }
 
 void expire_never(struct server *s, struct dataset *set)
 {
-    registry_expire(&s->sets, set, 0);
-    journal_expire(s, set);
+    submit_at_once(s, set, CHANGE_EXPIRE, 0);
 }
 
 double expire_seconds_left(const struct dataset *set)

@@ -53,7 +53,7 @@ static struct dataset *find(struct replay *p, const struct record *r)
 static const char *create(struct replay *p, const struct change *c, struct dataset **set)
 {
     struct word name = name_word(&c->set);
-    *set = registry_create(&p->sets, &name, c->a);
+    *set = registry_create(&p->sets, &name, change_tolerance(c));
     if (*set == NULL)
         return fail_memory(p);
     (*set)->born = true;

@@ -1,16 +1,11 @@
 /* apply.c - see apply.h. */
 #include "server/follow/apply.h"
 
-#include "core/delaunay_fields.h"
 #include "server/command/command.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/edit.h"
-#include "server/jobs/job.h"
-#include "server/jobs/journal.h"
 
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void on_wake(struct waiter *w)
@@ -21,35 +16,31 @@ static void on_wake(struct waiter *w)
 
 void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p))
 {
-    *p = (struct apply){
-        .server = s, .resume = resume, .memory = server_reservation(s, BUDGET_LOADS)};
+    *p = (struct apply){.server = s, .resume = resume};
+    p->load.pages = s->pages;
+    p->load.memory = server_reservation(s, BUDGET_LOADS);
     p->waiter.wake = on_wake;
     p->waiter.writes = true;
 }
 
-static void drop_load(struct apply *p)
+static void forget_next(struct apply *p)
 {
-    p->in_load = false;
-    dt_pages_release(p->points);
-    columns_free(p->columns);
-    buf_free(&p->values);
-    p->points = NULL;
-    p->columns = NULL;
-    p->n = p->cap = 0;
-    p->values_n = 0;
-    reservation_set(&p->memory, 0);
+    if (p->next != NULL)
+        job_free(&p->next->job);
+    p->next = NULL;
 }
 
 void apply_clear(struct apply *p)
 {
     wait_served(&p->waiter);
-    drop_load(p);
+    assembly_clear(&p->load);
+    forget_next(p);
     buf_free(&p->out);
 }
 
 bool apply_in_load(const struct apply *p)
 {
-    return p->in_load;
+    return p->load.begun;
 }
 
 /* ---- answers ---- */
@@ -76,12 +67,6 @@ static struct answer answer_of(struct apply *p)
                            .of_leader = true};
 }
 
-static bool begins_with(const struct buf *b, const char *text)
-{
-    size_t n = strlen(text);
-    return buf_len(b) >= n && memcmp(buf_head(b), text, n) == 0;
-}
-
 /* What the answer of an edit means. */
 static enum applied outcome(struct apply *p, const struct answer *a)
 {
@@ -95,14 +80,13 @@ static enum applied outcome(struct apply *p, const struct answer *a)
     default:
         break;
     }
-    if (!a->out->failed && begins_with(a->out, "OK"))
-        return APPLY_DONE;
-    if (a->out->failed || buf_len(a->out) < strlen("ERR "))
+    if (a->out->failed)
         return short_of_memory(p);
-    bool later = begins_with(a->out, "ERR NOMEM") || begins_with(a->out, "ERR BUSY");
-    const char *line = buf_head(a->out) + strlen("ERR ");
-    snprintf(p->why, sizeof p->why, "%.*s", (int)strcspn(line, "\n"), line);
-    return later ? APPLY_LATER : APPLY_FAILED;
+    if (!a->refused)
+        return APPLY_DONE;
+    size_t n = buf_len(a->out), prefix = strlen("ERR ");
+    snprintf(p->why, sizeof p->why, "%.*s", (int)(n - prefix - 1), buf_head(a->out) + prefix);
+    return a->code == ERR_NOMEM || a->code == ERR_BUSY ? APPLY_LATER : APPLY_FAILED;
 }
 
 void apply_job_done(struct apply *p, struct job *j)
@@ -119,305 +103,115 @@ enum applied apply_result(struct apply *p)
     return p->job;
 }
 
-/* ---- loads ---- */
-
-/* The points and values of a load that has not ended. */
-static bool reserve_load(struct apply *p, size_t points, size_t values)
-{
-    return reservation_resize(&p->memory, points * sizeof *p->points + values * sizeof(double));
-}
-
-static bool take_points(struct apply *p, const struct record *r)
-{
-    size_t want = p->n + r->n;
-    if (r->n == 0) /* there may be no array */
-        return true;
-    if (want > p->cap) {
-        size_t cap = want > 2 * p->cap ? want : 2 * p->cap;
-        struct dt_point *larger = NULL;
-        if (reserve_load(p, cap, buf_len(&p->values) / sizeof(double)))
-            larger = dt_pages_grow(p->server->pages, p->points, p->n * sizeof *larger,
-                                   cap * sizeof *larger);
-        if (larger == NULL)
-            return false;
-        p->points = larger;
-        p->cap = cap;
-    }
-    record_points(r, &p->points[p->n].x);
-    p->n += r->n;
-    return true;
-}
-
-/* Another column begins. */
-static bool add_column(struct apply *p, const struct record *r)
-{
-    size_t before = p->columns == NULL ? 0 : p->columns->count;
-    struct columns *v = before == DT_MAX_FIELDS ? NULL : columns_new(before + 1);
-    if (v == NULL)
-        return false;
-    if (before > 0)
-        memcpy(v->field, p->columns->field, before * sizeof v->field[0]);
-    v->field[before].len = r->field_len;
-    memcpy(v->field[before].text, r->field, r->field_len);
-    columns_free(p->columns);
-    p->columns = v;
-    return true;
-}
-
-static bool continues_column(const struct apply *p, const struct record *r)
-{
-    const struct columns *v = p->columns;
-    const struct name *last = v == NULL ? NULL : &v->field[v->count - 1];
-    return last != NULL && last->len == r->field_len &&
-           memcmp(last->text, r->field, r->field_len) == 0;
-}
-
-static bool take_values(struct apply *p, const struct record *r)
-{
-    if (p->columns == NULL)
-        p->values_first = r->first;
-    if (!reserve_load(p, p->cap, buf_len(&p->values) / sizeof(double) + r->n))
-        return false;
-    if (!continues_column(p, r) && !add_column(p, r))
-        return false;
-    char *to = buf_reserve(&p->values, r->n * sizeof(double) + 1);
-    if (to == NULL)
-        return false;
-    for (uint32_t i = 0; i < r->n; i++) {
-        double v;
-        record_values(&(struct record){.items = (const char *)r->items + i * sizeof v, .n = 1}, &v);
-        memcpy(to + i * sizeof v, &v, sizeof v);
-    }
-    buf_commit(&p->values, r->n * sizeof(double));
-    if (p->columns->count == 1)
-        p->values_n += r->n;
-    return true;
-}
-
-/* The columns, as the edit takes them: their values in one array of their own. */
-static bool fill_columns(struct apply *p)
-{
-    struct columns *v = p->columns;
-    size_t bytes = buf_len(&p->values);
-    if (v == NULL)
-        return true;
-    v->v = dt_pages_grow(p->server->pages, NULL, 0, bytes + 1);
-    if (v->v == NULL)
-        return false;
-    if (bytes > 0)
-        memcpy(v->v, buf_head(&p->values), bytes);
-    v->first = p->values_first;
-    v->n = p->values_n;
-    return true;
-}
-
 /* ---- records ---- */
 
-static enum applied add_points(struct apply *p, const struct record *r, struct dataset *set)
+/* A change of the set becomes the next one. */
+static enum applied begin_next(struct apply *p, const struct record *r)
 {
     struct answer a = answer_of(p);
     struct word name = {r->name, r->name_len};
-    size_t columns = p->columns == NULL ? 0 : p->columns->count;
-    struct arrival points = {.n = p->n};
-    uint32_t next = set == NULL ? 0 : dt_next_id(set->current->dt);
-    if (next != p->first)
-        return fail(p, "its first id is not the next one here");
-    if (!edit_may_add(p->server, &a, set, p->n, columns, &points.memory))
-        return outcome(p, &a);
-    if (!fill_columns(p)) {
-        reservation_set(&points.memory, 0);
-        return short_of_memory(p);
-    }
-    points.rows = (double *)p->points;
-    points.values = p->columns;
-    p->points = NULL;
-    p->columns = NULL;
-    edit_add(p->server, &a, &name, &points);
-    drop_load(p);
+    p->next = submission_new(p->server, &a, CHANGE_ADD, &name);
     return outcome(p, &a);
 }
 
-static enum applied set_loaded_values(struct apply *p, struct dataset *set)
+/* Reads a record of a LOAD, which is the next change with the last one. */
+static enum applied read_part(struct apply *p, const struct record *r)
 {
-    struct answer a = answer_of(p);
-    struct reservation memory;
-    if (set == NULL)
-        return fail(p, "there is no such set");
-    if (!edit_may_set_run(p->server, &a, p->values_n, &memory))
-        return outcome(p, &a);
-    if (!fill_columns(p)) {
-        reservation_set(&memory, 0);
-        return short_of_memory(p);
-    }
-    struct columns *v = p->columns;
-    struct word field = {v->field[0].text, v->field[0].len};
-    double *values = v->v;
-    v->v = NULL;
-    edit_set_run(p->server, &a, set, &field, v->first, values, v->n, &memory);
-    drop_load(p);
-    return outcome(p, &a);
-}
-
-static enum applied apply_load(struct apply *p, const struct record *r, struct dataset *set)
-{
-    bool good = true;
-    switch (r->type) {
-    case RECORD_LOAD:
-        drop_load(p);
-        p->skip_load = false;
-        p->in_load = true;
-        p->first = r->first;
+    struct change c;
+    enum applied how;
+    switch (assembly_take(&p->load, r, &c)) {
+    case ASSEMBLY_DONE:
+        how = begin_next(p, r);
+        if (p->next != NULL)
+            p->next->change = c;
+        else
+            change_clear(&c);
+        return how;
+    case ASSEMBLY_MORE:
+    case ASSEMBLY_ENDED:
         return APPLY_DONE;
-    case RECORD_CHUNK:
-        good = take_points(p, r);
+    case ASSEMBLY_NOMEM:
+        return short_of_memory(p);
+    case ASSEMBLY_INVALID:
         break;
-    case RECORD_VALUES:
-        good = take_values(p, r);
-        break;
-    default:
-        if (r->n == 0 && p->values_n > 0)
-            return set_loaded_values(p, set);
-        return r->n == p->n ? add_points(p, r, set) : fail(p, "points of a load are missing");
     }
-    return good ? APPLY_DONE : short_of_memory(p);
+    return fail(p, "the records of a load do not fit each other");
 }
 
-static enum applied apply_add(struct apply *p, const struct record *r, struct dataset *set)
+/* Reads a record, which may be the next change. */
+static enum applied read_record(struct apply *p, const struct record *r)
 {
-    if (p->n == 0 && !take_points(p, r)) /* it may be a second attempt */
-        return short_of_memory(p);
-    p->first = r->first;
-    return add_points(p, r, set);
+    if (change_is_part(r))
+        return read_part(p, r);
+    if (p->load.begun)
+        return fail(p, "a load is not complete");
+    enum applied how = begin_next(p, r);
+    if (p->next == NULL)
+        return how;
+    enum dt_status status = change_decode(&p->next->change, r, p->server->pages);
+    if (status == DT_OK)
+        return APPLY_DONE;
+    forget_next(p);
+    return status == DT_NOMEM ? short_of_memory(p) : fail(p, "it is not a record of a log");
 }
 
-static enum applied apply_create(struct apply *p, const struct record *r, struct dataset *set)
-{
-    struct answer a = answer_of(p);
-    struct word name = {r->name, r->name_len};
-    if (set != NULL)
-        return fail(p, "the set exists already");
-    set = edit_create(p->server, &a, &name, r->a);
-    if (set == NULL)
-        return outcome(p, &a);
-    set->born = true;
-    journal_create(p->server, set, r->a);
-    return APPLY_DONE;
-}
-
-static enum applied apply_delete(struct apply *p, const struct record *r, struct dataset *set)
+static enum applied triangulate_set(struct apply *p, struct dataset *set)
 {
     struct answer a = answer_of(p);
-    uint32_t *ids = malloc((r->n + 1) * sizeof *ids);
-    if (ids == NULL)
-        return short_of_memory(p);
-    record_ids(r, ids);
-    edit_delete(p->server, &a, set, ids, r->n);
-    return outcome(p, &a);
-}
-
-static enum applied apply_fset(struct apply *p, const struct record *r, struct dataset *set)
-{
-    struct answer a = answer_of(p);
-    struct word field = {r->field, r->field_len};
-    struct record_value *v = malloc((r->n + 1) * sizeof *v);
-    if (v == NULL)
-        return short_of_memory(p);
-    for (uint32_t i = 0; i < r->n; i++)
-        record_value_at(r, i, &v[i]);
-    edit_set_values(p->server, &a, set, &field, v, r->n);
-    return outcome(p, &a);
-}
-
-static enum applied apply_values(struct apply *p, const struct record *r, struct dataset *set)
-{
-    struct answer a = answer_of(p);
-    struct word field = {r->field, r->field_len};
-    struct reservation memory;
-    if (!edit_may_set_run(p->server, &a, r->n, &memory))
-        return outcome(p, &a);
-    double *v = dt_pages_grow(p->server->pages, NULL, 0, r->n * sizeof *v + 1);
-    if (v == NULL) {
-        reservation_set(&memory, 0);
-        return short_of_memory(p);
-    }
-    record_values(r, v);
-    edit_set_run(p->server, &a, set, &field, r->first, v, r->n, &memory);
-    return outcome(p, &a);
-}
-
-static enum applied apply_triangulate(struct apply *p, const struct record *r, struct dataset *set)
-{
-    struct answer a = answer_of(p);
-    struct word words[] = {{"TRIANGULATE", 11}, {r->name, r->name_len}};
-    struct request q = {.word = words, .n = 2};
-    cmd_triangulate(p->server, set, &q, &a);
+    triangulate(p->server, &a, set, DT_AUTO, false);
     enum applied how = outcome(p, &a);
-    if (how == APPLY_DONE)
-        journal_triangulate(p->server, set); /* unless it has been recorded */
+    if (how == APPLY_DONE && !set->triangulated) /* it needed no job */
+        submit_at_once(p->server, set, CHANGE_TRIANGULATE, 0);
     return how;
 }
 
-/* A record about a set that must exist. */
-static enum applied apply_existing(struct apply *p, const struct record *r, struct dataset *set)
+static enum applied submit_next(struct apply *p, struct dataset *set)
 {
-    struct server *s = p->server;
     struct answer a = answer_of(p);
-    struct word field = {r->field, r->field_len};
-    if (set == NULL)
-        return fail(p, "there is no such set");
-    switch (r->type) {
-    case RECORD_DROP:
-        journal_drop(s, set);
-        registry_drop(&s->sets, set);
-        return APPLY_DONE;
-    case RECORD_EXPIRE:
-        registry_expire(&s->sets, set, (int64_t)r->a);
-        journal_expire(s, set);
-        return APPLY_DONE;
-    case RECORD_DELETE:
-        return apply_delete(p, r, set);
-    case RECORD_MOVE:
-        edit_move(s, &a, set, r->first, (struct dt_point){r->a, r->b});
+    struct submission *x = p->next;
+    if (!submit_reserve(p->server, &a, set, x))
         return outcome(p, &a);
-    case RECORD_FSET:
-        return apply_fset(p, r, set);
-    case RECORD_VALUES:
-        return apply_values(p, r, set);
-    case RECORD_FDROP:
-        edit_drop_field(s, &a, set, &field);
-        return outcome(p, &a);
-    case RECORD_TRIANGULATE:
-        return apply_triangulate(p, r, set);
-    default:
-        return fail(p, "it is not a record of a log");
-    }
+    reservation_move(&x->job.memory, &p->load.memory);
+    p->next = NULL;
+    submit(p->server, &a, set, x);
+    return outcome(p, &a);
 }
 
-static bool is_of_load(const struct record *r)
+static enum applied carry_out(struct apply *p, struct dataset *set)
 {
-    return r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED ||
-           (r->type == RECORD_VALUES && r->name_len == 0);
-}
-
-static enum applied apply_to(struct apply *p, const struct record *r, struct dataset *set)
-{
-    if (p->in_load != (is_of_load(r) && r->type != RECORD_LOAD))
-        return fail(p, "a load is not complete");
-    if (is_of_load(r))
-        return apply_load(p, r, set);
-    if (r->type == RECORD_ADD)
-        return apply_add(p, r, set);
-    return r->type == RECORD_CREATE ? apply_create(p, r, set) : apply_existing(p, r, set);
+    const struct change *c = &p->next->change;
+    const char *why = change_contradiction(c, set);
+    enum applied how;
+    if (why != NULL)
+        how = fail(p, why);
+    else if (c->kind == &change_kinds[CHANGE_TRIANGULATE])
+        how = triangulate_set(p, set);
+    else
+        how = submit_next(p, set);
+    if (how != APPLY_WAIT)
+        forget_next(p);
+    return how;
 }
 
 /* Whether the set has the change already, or there is none. */
-static bool is_known(struct apply *p, const struct record *r, const struct dataset *set)
+static bool is_known(const struct apply *p, const struct record *r, const struct dataset *set)
 {
     if (r->type == RECORD_CLOSE)
         return true;
-    if (p->in_load)
-        return p->skip_load;
-    return set != NULL && r->lsn <= set->current->lsn;
+    if (p->load.begun)
+        return p->load.skips;
+    return p->next == NULL && set != NULL && r->lsn <= set->current->lsn;
+}
+
+/* Only the log lacks the record. */
+static enum applied copy_record(struct apply *p, const struct record *r, const char *bytes,
+                                size_t n)
+{
+    enum applied how = change_is_part(r) ? read_part(p, r) : APPLY_DONE;
+    p->load.skips = p->load.begun;
+    if (how == APPLY_DONE)
+        log_append_copy(durable_log(p->server), bytes, n);
+    return how;
 }
 
 enum applied apply_record(struct apply *p, const struct record *r, const char *bytes, size_t n)
@@ -428,12 +222,11 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
         return fail(p, "its set has an impossible name");
     if (r->name_len > 0)
         set = registry_find(&p->server->sets, &name);
-    if (is_known(p, r, set)) {
-        p->skip_load = p->in_load || r->type == RECORD_LOAD;
-        p->in_load = p->skip_load && r->type != RECORD_LOADED;
-        log_append_copy(durable_log(p->server), bytes, n);
-        return APPLY_DONE;
-    }
+    if (is_known(p, r, set))
+        return copy_record(p, r, bytes, n);
+    enum applied how = p->next != NULL ? APPLY_DONE : read_record(p, r);
+    if (how != APPLY_DONE || p->next == NULL)
+        return how;
     if (set != NULL && !dataset_admits(set, true, wait_turn(&p->waiter))) {
         p->waiter.writes = true;
         wait_enter(&set->queue, &p->waiter);
@@ -443,7 +236,7 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
         registry_drop(&p->server->sets, set);
         set = NULL;
     }
-    enum applied how = apply_to(p, r, set);
+    how = carry_out(p, set);
     if (how != APPLY_WAIT)
         wait_served(&p->waiter);
     return how;

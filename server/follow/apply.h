@@ -4,7 +4,8 @@
 #define SERVER_APPLY_H
 
 #include "proto/records/record.h"
-#include "server/jobs/server.h"
+#include "server/changes/assembly.h"
+#include "server/jobs/submit.h"
 
 /* The owner of its jobs, instead of the id of a connection. */
 #define APPLY_OWNER UINT64_MAX
@@ -24,17 +25,9 @@ struct apply {
     /* private */
     struct buf out;
     struct waiter waiter;
-    enum applied job; /* how the last job has ended */
-    /* a LOAD that is not complete */
-    bool in_load;
-    bool skip_load; /* the sets have it already */
-    uint32_t first;
-    struct dt_point *points; /* owns */
-    size_t n, cap;
-    struct reservation memory;       /* of the points and values */
-    struct buf values;               /* owns: doubles, column after column */
-    struct columns *columns;         /* owns: their names */
-    uint32_t values_first, values_n; /* of the first column */
+    enum applied job;        /* how the last job has ended */
+    struct assembly load;    /* a LOAD that is not complete; skipped if the sets have it already */
+    struct submission *next; /* owns: has been read and not been carried out; NULL: none */
 };
 
 void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p));

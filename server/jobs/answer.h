@@ -46,6 +46,8 @@ struct answer {
     bool of_leader;    /* a change of the leader: limits of this daemon on counts do not hold */
     struct load *body; /* borrows: the complete body of the request; NULL: none, or not yet */
     const struct wait_queue *turn; /* the queue that has called the request; NULL: none */
+    bool refused;                  /* there is an ERR line (answer_err), of this code */
+    enum reply_code code;
     enum answer_next next;
     bool wait_writes; /* ANSWER_WAIT for a set: until it has no writer, else until it can be read */
     union {
@@ -58,6 +60,10 @@ struct answer {
         struct load *load; /* ANSWER_BODY: moves to the caller */
     };
 };
+
+/* Writes an ERR line, which is the whole reply, and notes its code. */
+__attribute__((format(printf, 3, 4))) void answer_err(struct answer *a, enum reply_code code,
+                                                      const char *format, ...);
 
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);

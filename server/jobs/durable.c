@@ -55,6 +55,17 @@ struct log *durable_log(const struct server *s)
     return is_running(s->durable) ? s->durable->log : NULL;
 }
 
+uint64_t durable_lsn(const struct server *s, const struct dataset *set)
+{
+    return set != NULL ? set->current->lsn : s->dropped;
+}
+
+uint64_t durable_last_lsn(const struct server *s)
+{
+    const struct log *log = durable_log(s);
+    return log != NULL ? log_last(log) : 0;
+}
+
 /* ---- reading, on a thread of its own ---- */
 
 static void *read_directory(void *arg)

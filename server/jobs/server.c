@@ -19,9 +19,9 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
 void server_refuse(const struct server *s, struct answer *a, size_t bytes)
 {
     if (budget_could_fit(&s->budget, bytes))
-        reply_err(a->out, ERR_BUSY, "not enough free memory at the moment; try again");
+        answer_err(a, ERR_BUSY, "not enough free memory at the moment; try again");
     else
-        reply_err(a->out, ERR_NOMEM, "not enough memory (--max-memory)");
+        answer_err(a, ERR_NOMEM, "not enough memory (--max-memory)");
 }
 
 void server_memory_freed(struct server *s)

@@ -5,7 +5,6 @@
 #include "proto/resp.h"
 #include "server/command/expire.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/journal.h"
 #include "server/redis/glob.h"
 #include "server/redis/redis_reply.h"
 
@@ -22,7 +21,7 @@ bool redis_sees_sets(struct server *s, struct answer *a)
     struct answer plain = *a;
     plain.out = &t.lines;
     if (durable_loaded(s, &plain)) {
-        a->shown = journal_of_all(s);
+        a->shown = durable_last_lsn(s);
         return true;
     }
     if (line_reply_split(&t, a, ""))
@@ -194,7 +193,7 @@ static bool list_names(struct server *s, uint64_t *at, uint64_t end, struct list
     do
         *at = registry_scan(&s->sets, (size_t)*at, add_name, rows);
     while (*at != 0 && --left > 0);
-    rows->shown = journal_of_all(s);
+    rows->shown = durable_last_lsn(s);
     return *at != 0;
 }
 

@@ -1,7 +1,7 @@
 /* feed.c - see feed.h. */
 #include "server/watch/feed.h"
 
-#include "server/jobs/journal.h"
+#include "server/jobs/durable.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -170,7 +170,7 @@ static struct event event_for(struct server *s, struct feed *f, bool to_all)
                           .keep_known = !to_all || f->late > 0,
                           .ids = f->of->ids,
                           .line = feed_line(f->of),
-                          .lsn = journal_of(s, f->of->set)};
+                          .lsn = durable_lsn(s, f->of->set)};
 }
 
 static void send_event(struct server *s, const struct watcher *w, struct event *e)

@@ -55,7 +55,7 @@ TEST_TIMEOUT(difference_of_digests_is_dealt_with_when_no_worker_has_a_record, 60
 {
     struct false_leader l = false_leader_new();
     struct node f = follower_of(&l);
-    struct record odd = {.type = RECORD_EXPIRE, .name = "t", .name_len = 1, .a = 4e12, .first = 5};
+    struct record odd = {.type = RECORD_EXPIRE, .name = "t", .name_len = 1, .a = 4e12, .flags = 4};
     struct record triangulate = {.type = RECORD_TRIANGULATE, .name = "t", .name_len = 1};
     false_leader_accept(&l, "no");
     false_leader_snapshot(&l, 10);

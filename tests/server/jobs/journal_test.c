@@ -1,6 +1,6 @@
 /* journal_test.c - what edits write to the log is what a restart restores, in whatever order requests
  * wait. A server with a data directory, in this process. */
-#include "server/jobs/journal.h"
+#include "server/jobs/submit.h"
 
 #include "server/command/command.h"
 #include "server/disk/recover.h"

@@ -1,0 +1,301 @@
+/* submit.c - see submit.h. */
+#include "server/jobs/submit.h"
+
+#include "core/delaunay_fields.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/keep.h"
+#include "server/jobs/renew.h"
+#include "server/ops/cost.h"
+#include "server/ops/limits.h"
+
+#include <stdlib.h>
+
+/* ---- the log ---- */
+
+/* Appends a change that needs several records. Its points and values move to the log. */
+static uint64_t append_long(struct log *log, const struct dataset *set, struct change *c)
+{
+    bool points = c->kind->items == ITEMS_POINTS; /* otherwise a LOAD of no points */
+    struct record r = {.name = set->name,
+                       .name_len = set->name_len,
+                       .first = points ? c->first : dt_next_id(set->current->dt),
+                       .n = points ? c->n : 0};
+    uint64_t lsn = log_append_values(log, &r, (double *)c->points, c->columns);
+    c->points = NULL;
+    c->columns = NULL;
+    return lsn;
+}
+
+/* The lsn of the change; 0: there is no log, or the set is not in it. */
+static uint64_t append(struct server *s, const struct dataset *set, struct change *c)
+{
+    struct log *log = set->temporary ? NULL : durable_log(s);
+    if (log == NULL)
+        return 0;
+    struct record r = change_encode(c);
+    uint64_t lsn = change_is_long(c) ? append_long(log, set, c) : log_append(log, &r);
+    reservation_set(&s->queued, log_queued(log));
+    return lsn;
+}
+
+/* The change has been applied to the set, which has a new version. */
+static void commit(struct server *s, struct dataset *set, struct change *c)
+{
+    if (c->kind->note != NULL)
+        c->kind->note(&s->sets, set, c);
+    set->current->lsn = append(s, set, c);
+    registry_set_version(&s->sets, set, registry_version(&s->sets, set->current->lsn));
+}
+
+/* A snapshot that pins the set now does not have its DROP, so the lsn is not the set's. */
+static void drop(struct server *s, struct dataset *set, struct change *c)
+{
+    uint64_t lsn = append(s, set, c);
+    if (!set->temporary)
+        s->dropped = lsn;
+    registry_drop(&s->sets, set);
+}
+
+void submit_at_once(struct server *s, struct dataset *set, enum change_code code, double a)
+{
+    struct change c;
+    change_init(&c, code, &(struct word){set->name, set->name_len});
+    c.a = a;
+    if (code == CHANGE_DROP)
+        drop(s, set, &c);
+    else
+        commit(s, set, &c);
+}
+
+/* ---- memory ---- */
+
+enum {
+    BYTES_PER_POINT = 104, /* of memory for an added point */
+    BYTES_PER_PAGE = DT_FIELD_PAGE * sizeof(double) + 128
+};
+
+/* Peak memory to add n points to a set, NULL for a new one; if the triangulation is left for later, that
+ * includes it. */
+static size_t memory_to_add(const struct server *s, const struct dataset *set, size_t n)
+{
+    struct dt_options options = job_options(s);
+    if (cost_at_once(COST_EDIT, n) || set == NULL)
+        return n * BYTES_PER_POINT;
+    return dt_add_memory(set->current->dt, n, &options);
+}
+
+/* The most that the values of n ids that follow each other take. */
+static size_t memory_of_run(size_t n)
+{
+    return n == 0 ? 0 : (n / DT_FIELD_PAGE + 2) * BYTES_PER_PAGE;
+}
+
+/* The same for values that come with points; and they are copied from their rows, with the points. */
+static size_t memory_of_columns(size_t n, size_t columns)
+{
+    return columns == 0 ? 0 : columns * memory_of_run(n) + n * (2 + columns) * sizeof(double);
+}
+
+/* The most that n values of a set can take: each a page. */
+static size_t memory_of_pairs(const struct dataset *set, size_t n)
+{
+    size_t pages = dt_next_id(set->current->dt) / DT_FIELD_PAGE + 1;
+    return (n < pages ? n : pages) * BYTES_PER_PAGE;
+}
+
+static bool fits(struct server *s, struct answer *a, size_t bytes)
+{
+    if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
+        return true;
+    server_refuse(s, a, bytes);
+    return false;
+}
+
+static bool reserve_points(struct server *s, struct answer *a, const struct dataset *set,
+                           struct submission *x)
+{
+    size_t n = x->change.n, columns = x->change.columns == NULL ? 0 : x->change.columns->count;
+    uint32_t points = set != NULL ? set->current->sum.points : 0;
+    uint32_t most = a->of_leader ? DT_MAX_POINTS : s->config->max_points;
+    if (points > most || n > most - points) {
+        answer_err(a, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
+        return false;
+    }
+    size_t bytes = memory_to_add(s, set, n) + memory_of_columns(n, columns);
+    return cost_at_once(COST_EDIT, n) ? fits(s, a, bytes)
+                                      : server_reserve(s, a, &x->job.memory, bytes);
+}
+
+bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
+                    struct submission *x)
+{
+    x->job.memory = server_reservation(s, BUDGET_EDITS);
+    switch (x->change.kind->items) {
+    case ITEMS_POINTS:
+        return reserve_points(s, a, set, x);
+    case ITEMS_PAIRS:
+        return fits(s, a, memory_of_pairs(set, x->change.n));
+    case ITEMS_COLUMN:
+        return server_reserve(s, a, &x->job.memory, memory_of_run(x->change.n));
+    case ITEMS_NONE:
+    case ITEMS_IDS:
+        break;
+    }
+    return true;
+}
+
+/* ---- new sets ---- */
+
+/* A new, empty, unborn set; NULL: the ERR line has been written. */
+static struct dataset *create(struct server *s, struct answer *a, struct submission *x)
+{
+    struct word name = name_word(&x->change.set);
+    if (s->sets.sets >= LIMIT_SETS && !a->of_leader) {
+        answer_err(a, ERR_TOOBIG, "a server holds at most %d sets", LIMIT_SETS);
+        return NULL;
+    }
+    struct dataset *set = registry_create(&s->sets, &name, change_tolerance(&x->change));
+    if (set != NULL && x->temporary != NULL && !dataset_make_temporary(set, x->temporary)) {
+        registry_drop(&s->sets, set);
+        set = NULL;
+    }
+    if (set == NULL)
+        answer_out_of_memory(a);
+    return set;
+}
+
+/* ---- edits, which are jobs ---- */
+
+static struct change *change_of_job(struct job *j)
+{
+    return &((struct submission *)j)->change;
+}
+
+static void run(struct job *j)
+{
+    struct change *c = change_of_job(j);
+    j->status = c->kind->edit(j->dt, c, &j->options);
+}
+
+static void clear(struct job *j)
+{
+    struct submission *x = (struct submission *)j;
+    change_clear(&x->change);
+    if (x->expected > 0)
+        keep_expect(x->server, 0, x->expected);
+}
+
+static void record(struct server *s, struct job *j)
+{
+    struct change *c = change_of_job(j);
+    if ((c->kind->flags & CHANGE_GROWS) != 0)
+        c->first = c->added.first;
+    commit(s, j->set, c);
+}
+
+/* What the status line says of a change that has been carried out. */
+static void answer_facts(struct answer *a, const struct change *c)
+{
+    reply_ok(a->out, 0);
+    if ((c->kind->flags & CHANGE_GROWS) != 0) {
+        reply_key_u64(a->out, "first", c->added.first);
+        reply_key_u64(a->out, "added", c->added.added);
+        reply_key_u64(a->out, "coincident", c->added.coincident);
+    } else if (c->kind->items == ITEMS_IDS) {
+        reply_key_u64(a->out, "deleted", c->deleted);
+    }
+}
+
+static void done(struct server *s, struct job *j, struct answer *a)
+{
+    const struct change *c = change_of_job(j);
+    bool values = c->kind->items == ITEMS_PAIRS || c->kind->items == ITEMS_COLUMN;
+    if (j->status == DT_NOPOINT) {
+        answer_err(a, ERR_NOPOINT, "there is no point %u%s", c->missing, c->kind->undone);
+    } else if (j->status == DT_TOOBIG && values) {
+        answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+    } else if (j->status != DT_OK) {
+        answer_status(a, j->status);
+    } else {
+        answer_facts(a, c);
+        answer_version(a, j->set->version);
+        renew_if_due(s, j->set);
+    }
+}
+
+/* How the job is to be carried out. */
+static unsigned weight_of(const struct dataset *set, const struct change *c)
+{
+    enum { VALUES_AT_ONCE = 4096 };
+    switch (c->kind->items) {
+    case ITEMS_POINTS:
+    case ITEMS_IDS:
+        return cost_at_once(COST_EDIT, c->n) ? 0 : JOB_HEAVY;
+    case ITEMS_COLUMN:
+        return c->n <= VALUES_AT_ONCE ? 0 : JOB_HEAVY | JOB_BRIEF;
+    case ITEMS_PAIRS:
+        return 0;
+    case ITEMS_NONE:
+        break;
+    }
+    size_t kib = dt_next_id(set->current->dt) / (1024 / sizeof(double)); /* of a field, at most */
+    bool frees = c->kind == &change_kinds[CHANGE_FDROP];
+    return frees && !cost_at_once(COST_FREE, kib) ? JOB_HEAVY | JOB_BRIEF : 0;
+}
+
+/* Points that it adds, deletes or moves. */
+static size_t points_of(const struct change *c)
+{
+    if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS)
+        return c->n;
+    return c->kind == &change_kinds[CHANGE_MOVE];
+}
+
+/* ---- all changes ---- */
+
+struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
+                                  const struct word *set)
+{
+    struct submission *x = job_new(sizeof *x, run, done);
+    if (x == NULL) {
+        answer_out_of_memory(a);
+        return NULL;
+    }
+    change_init(&x->change, code, set);
+    x->change.pages = s->pages;
+    x->job.clear = clear;
+    x->job.record = record;
+    x->server = s;
+    return x;
+}
+
+static void answer_at_once(struct server *s, struct answer *a, struct dataset *set,
+                           struct change *c)
+{
+    if (c->kind == &change_kinds[CHANGE_DROP]) {
+        drop(s, set, c);
+        a->lsn = durable_lsn(s, NULL);
+        answer_ok(a);
+        return;
+    }
+    set->born = true;
+    commit(s, set, c);
+    a->lsn = durable_lsn(s, set);
+    answer_changed(a, set->version);
+}
+
+void submit(struct server *s, struct answer *a, struct dataset *set, struct submission *x)
+{
+    const struct change *c = &x->change;
+    if (set == NULL)
+        set = create(s, a, x);
+    if (set != NULL && c->kind->edit != NULL) {
+        x->job.what = c->kind->what;
+        x->job.changes = points_of(c);
+        job_write(s, a, &x->job, set, weight_of(set, c));
+        return;
+    }
+    if (set != NULL)
+        answer_at_once(s, a, set, &x->change);
+    job_free(&x->job);
+}

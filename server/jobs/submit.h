@@ -1,0 +1,37 @@
+/* submit.h - carries out changes (changes/change.h): applies each to its set, appends it to the log, and answers. Commands and
+ * followers use it; on the I/O thread. */
+#ifndef SERVER_SUBMIT_H
+#define SERVER_SUBMIT_H
+
+#include "server/changes/change.h"
+#include "server/jobs/job.h"
+
+/* A change on its way: a job, if it edits points or values. */
+struct submission {
+    struct job job;
+    struct change change;  /* owns */
+    size_t expected;       /* bytes that are prepared for it (keep.h), until it ends */
+    struct server *server; /* borrows */
+    struct temporaries *
+        *temporary; /* CHANGE_CREATE: the new set is one of these; NULL: it is not temporary */
+};
+
+/* A change of the set of that name, with everything else 0. It moves to submit, or is freed by job_free(&x->job). NULL: out of
+ * memory, which is the answer. */
+struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
+                                  const struct word *set);
+
+/* Whether the change of the set, NULL for a new one, is within the limits, and there is memory for it, which the job has
+ * then. Of what the change will own, only its size need be there: n, and the number of columns. False: the ERR line has been
+ * written, or the request waits. */
+bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
+                    struct submission *x);
+
+/* Carries out a change of the set, which must have no writer; NULL: there is none yet. Answers `OK 0`, the facts of the kind of
+ * change, and the version. */
+void submit(struct server *s, struct answer *a, struct dataset *set, struct submission *x);
+
+/* Carries out a change that needs no job and no answer: of a kind without `edit`. A set that is dropped is freed. */
+void submit_at_once(struct server *s, struct dataset *set, enum change_code code, double a);
+
+#endif
