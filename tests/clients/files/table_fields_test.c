@@ -46,6 +46,7 @@ static void check_fields(const char *ending, const char *columns, enum which whi
                               f.value[i]);
     CHECK_STR(got, want);
     points_file_free(&f);
+    source_free(&s);
 }
 
 TEST(the_third_column_of_an_xyz_file_is_z)
@@ -100,6 +101,7 @@ TEST(values_that_are_not_numbers_are_missing_and_counted)
     CHECK(isnan(f.value[1]) && isnan(f.value[2]) && isnan(f.value[3]));
     CHECK(s.table.fields.missing[0] == 3);
     points_file_free(&f);
+    source_free(&s);
 }
 
 TEST(columns_that_become_fields_are_reported)
@@ -120,6 +122,7 @@ TEST(columns_that_become_fields_are_reported)
         struct points_file f = read_text(&s, c[i].ending, c[i].columns, c[i].which, c[i].text);
         CHECK_STR(s.table.using, c[i].want);
         points_file_free(&f);
+        source_free(&s);
     }
 }
 
@@ -136,6 +139,7 @@ TEST(a_table_of_a_hundred_columns_has_64_fields)
     CHECK(f.fields == 64 && f.value[63] == 65);
     CHECK_STR(s.table.fields.name[63], "v63");
     points_file_free(&f);
+    source_free(&s);
 }
 
 TEST(columns_are_chosen_by_two_or_three_names)
