@@ -37,7 +37,9 @@
 enum {
     ACCEPTS_PER_TURN = 64,
     REFUSALS_PER_TURN = 8, /* connections that are accepted and closed */
-    GRACE_MS = 30 * 1000,  /* for requests under way when the daemon is stopped */
+    GRACE_MS = 30 * 1000,  /* for edits under way when the daemon is stopped */
+    REPLY_GRACE_MS = 500,  /* for rows that are computed, and for clients that do not read, */
+    BREAK_MS = 100,        /* which are looked for again and again */
     READY_MS = 100,        /* at the end, for a ready line that has not been written */
     ANNOUNCE_MS = 1000     /* the longest time that the ready line waits for sets to be read */
 };
@@ -54,6 +56,7 @@ static struct {
     struct notice_rarely refusals;
     unsigned evicted; /* clients that were closed to make room and are not freed yet */
     bool stopping;
+    struct timer reply_grace;
     bool failed;    /* the data directory cannot be used */
     bool announced; /* the ready line has been printed */
     bool notified;  /* systemd knows that all sets can be used */
@@ -303,6 +306,17 @@ static void close_listeners(void)
         private_remove(d.server.config->unix_path);
 }
 
+static void break_off(struct session *s)
+{
+    session_break_off(s, REPLY_GRACE_MS);
+}
+
+static void on_reply_grace(struct timer *t)
+{
+    clients_each(&d.clients, break_off);
+    loop_at(&d.loop, t, d.loop.now_ms + BREAK_MS);
+}
+
 static void drain_client(struct session *s)
 {
     conn_drain(&s->conn);
@@ -323,6 +337,8 @@ static void stop(void)
     close_listeners();
     server_drain(&d.server);
     clients_each(&d.clients, drain_client);
+    d.reply_grace.run = on_reply_grace;
+    loop_at(&d.loop, &d.reply_grace, d.loop.now_ms + REPLY_GRACE_MS);
 }
 
 static void on_signal(struct source *source, uint32_t events)

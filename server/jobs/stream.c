@@ -212,6 +212,12 @@ void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx)
     st->ctx = ctx;
 }
 
+bool stream_computes(const struct stream *st)
+{
+    enum row_form form = st->rows.form;
+    return form == ROW_SURFACE || row_is_of_place(form) || row_is_of_cell(form);
+}
+
 void stream_free(struct server *s, struct stream *st)
 {
     st->abandoned = true;

@@ -47,6 +47,9 @@ void stream_refill(struct server *s, struct answer *a);
 /* Sets the callback ready(ctx), on the I/O thread, for when a worker has made a piece. */
 void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx);
 
+/* Whether its rows are searched or computed, and not only read. */
+bool stream_computes(const struct stream *st);
+
 /* If workers are making pieces, the stream is freed when they are done. */
 void stream_free(struct server *s, struct stream *st);
 

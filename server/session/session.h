@@ -29,6 +29,10 @@ void session_not_saved(struct hold *h);
  * nothing for --idle-timeout. */
 void session_check_timeouts(struct session *s);
 
+/* The daemon is stopping and has waited so long: closes if rows are still being searched or computed, or if the client has
+ * read nothing in that time. An edit is completed, and its acknowledgement waits for the disk. */
+void session_break_off(struct session *s, int64_t waited_ms);
+
 /* Closes at once, with an error, to make room: the client has not authenticated. */
 void session_evict(struct session *s);
 

@@ -2,6 +2,7 @@
  * ended; and a probe detects closed connections. */
 #include "server/command/account.h"
 #include "server/command/load.h"
+#include "server/jobs/stream.h"
 #include "server/ops/limits.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
@@ -85,6 +86,17 @@ void session_on_awaited(struct timer *t)
     else
         s->awaited.lsn = 0;
     begin_awaited(s);
+}
+
+/* ---- stopping ---- */
+
+void session_break_off(struct session *s, int64_t waited_ms)
+{
+    const struct conn *c = &s->conn;
+    bool computes = s->state == SESSION_STREAMING && stream_computes(s->stream);
+    bool unread = s->state != SESSION_WORKING && conn_sendable(c) > 0;
+    if (computes || (unread && c->loop->awake_ms - c->progress_ms >= waited_ms))
+        conn_close(&s->conn);
 }
 
 void session_evict(struct session *s)

@@ -155,6 +155,24 @@ TEST(daemon_that_stops_cancels_builds_and_finishes_edits)
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
+/* It does so without waiting for the half minute that edits have. */
+TEST_TIMEOUT(daemon_that_stops_breaks_off_replies_that_are_not_read_or_take_long, 20)
+{
+    static const char *const requests[] = {"POINTS t\n", "RASTER t z 0 0 1 1 11000 11000\n"};
+    for (int i = 0; i < 2; i++) {
+        struct daemon d = daemon_start(NULL);
+        int fd = daemon_connect(&d);
+        load_random(fd, "t", 300000);
+        say(fd, "FSET t z 0 1\nTRIANGULATE t\n");
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+        say(fd, requests[i]);
+        CHECK(strncmp(hear_line(fd), "OK ", 3) == 0);
+        CHECK(daemon_stop(&d, SIGTERM) == 0);
+        close(fd);
+    }
+}
+
 /* Its end is noticed when the line about the job's progress cannot be delivered. */
 TEST(job_of_a_client_that_has_closed_its_connection_ends)
 {
