@@ -173,5 +173,5 @@ enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, 
         if (status == DT_OK)
             status = take_rows(t, s, v, words, out);
     }
-    return status;
+    return status == DT_TOOLONG ? DT_OK : status;
 }

@@ -20,7 +20,7 @@ struct sink {
     size_t cap, max_rows;  /* room: words and rows */
     size_t words, rows;    /* written */
     size_t need;           /* words of a point list's row for which there was no room */
-    enum dt_status status; /* why there are no more rows: DT_NOMEM */
+    enum dt_status status; /* why there are no more rows: DT_NOMEM, or DT_TOOLONG for now */
 };
 
 static bool has_room(const struct sink *k, size_t words)
@@ -388,16 +388,26 @@ static inline bool write_keys(struct dt_cursor *c, struct sink *k, uint64_t *key
     return fit == n;
 }
 
-/* Looks for neighbours of c->id among all points from c->sub on: they have it in their stars. */
+enum {
+    SCAN = 1 << 14
+}; /* points that one call looks at for neighbours, some milliseconds of work */
+
+/* Looks for neighbours of c->id among all points from c->sub on: they have it in their stars. False: there may be
+ * more. */
 static bool scan_neighbours(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
 {
     struct dt_neighbours around = {0};
     uint32_t id = c->sub > c->id ? c->sub : c->id + 1, third;
     struct dt_view_ids ids = dt_view_ids_begin(t, c->view, id);
-    for (; k->status == DT_OK && has_room(k, width); id++) {
+    for (uint32_t left = SCAN; k->status == DT_OK && has_room(k, width); id++) {
         id = dt_view_ids_next(&ids, id);
         if (id == DT_NONE)
             break;
+        c->sub = id; /* no point before it begins a row */
+        if (left-- == 0) {
+            k->status = DT_TOOLONG;
+            break;
+        }
         if (dt_view_representative(t, c->view, id) != id)
             continue;
         k->status = dt_neighbours_read(t, c->view, id, &around);

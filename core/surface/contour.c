@@ -294,6 +294,8 @@ static enum dt_status read_table(const struct dt *t, struct dt_contour *c)
     if (s == DT_OK && c->at == c->end) {
         s = dt_table_read(t, &c->cursor, c->triangle, 3 * PIECE, PIECE, &rows, &c->end);
         c->at = 0;
+        if (s == DT_TOOLONG) /* the next call goes on */
+            return DT_OK;
     }
     while (s == DT_OK && c->at < c->end && c->n < most) {
         bool whole;

@@ -156,6 +156,10 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
 {
     while (r->at < r->ids.n && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
         const uint32_t *id = r->ids.v + r->at;
+        if (pace_is_cancelled(&r->pace)) {
+            r->status = DT_CANCELLED;
+            return;
+        }
         if (r->at % DT_AHEAD == 0 && r->ids.n > 1)
             fetch_next(r);
         if (r->form == ROW_IDS)
@@ -374,46 +378,53 @@ static void write_table_row(struct rows *r, struct buf *out, uint32_t *w, size_t
     }
 }
 
-/* Writes one row that is longer than the usual buffer. */
-static void write_long_row(struct rows *r, struct buf *out, size_t words)
+/* Reads one row that is longer than the usual buffer, and writes it. */
+static enum dt_status write_long_row(struct rows *r, struct buf *out, size_t words)
 {
     size_t rows;
     uint32_t *v = make_room(r, out, words, 0, words * sizeof *v) ? malloc(words * sizeof *v) : NULL;
-    if (v == NULL) {
-        r->status = DT_NOMEM;
-        return;
-    }
-    r->status = dt_table_read(r->version->dt, &r->cursor, v, words, 1, &rows, &words);
-    if (r->status == DT_OK && rows == 1)
+    if (v == NULL)
+        return DT_NOMEM;
+    enum dt_status status = dt_table_read(r->version->dt, &r->cursor, v, words, 1, &rows, &words);
+    if (status == DT_OK && rows == 1)
         write_table_row(r, out, v, words);
     free(v);
+    return status;
+}
+
+/* Writes the next rows. */
+static enum dt_status write_rows(struct rows *r, struct buf *out, size_t limit)
+{
+    uint32_t v[TABLE_WORDS];
+    /* A word takes up to 11 bytes of text, and the row of a point about four times that, and its values. In binary
+     * form a word takes four bytes, and most tables are sent as they are. */
+    bool as_it_is = r->binary && r->cursor.table != DT_POINTS && r->cursor.table != DT_HULL;
+    size_t row = 40 + 20 * r->fields, cap = (limit - buf_len(out)) / (as_it_is ? 4 : row) + 16;
+    size_t rows = 0, words = 0;
+    enum dt_status status =
+        dt_table_read(r->version->dt, &r->cursor, v, cap < TABLE_WORDS ? cap : TABLE_WORDS,
+                      TABLE_WORDS, &rows, &words);
+    if (status == DT_TOOSMALL)
+        return write_long_row(r, out, words);
+    if (status != DT_OK)
+        return status;
+    r->done = rows == 0;
+    if (as_it_is)
+        reply_words_u32(out, v, words);
+    for (size_t at = as_it_is ? words : 0; at < words && r->status == DT_OK;) {
+        size_t n = row_words(r->cursor.table, v + at);
+        write_table_row(r, out, v + at, n);
+        at += n;
+    }
+    return r->status;
 }
 
 static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
 {
-    uint32_t v[TABLE_WORDS];
-    while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        /* A word takes up to 11 bytes of text, and the row of a point about four times that, and its values. In binary
-         * form a word takes four bytes, and most tables are sent as they are. */
-        bool as_it_is = r->binary && r->cursor.table != DT_POINTS && r->cursor.table != DT_HULL;
-        size_t row = 40 + 20 * r->fields, cap = (limit - buf_len(out)) / (as_it_is ? 4 : row) + 16;
-        size_t rows = 0, words = 0;
-        r->status =
-            dt_table_read(r->version->dt, &r->cursor, v, cap < TABLE_WORDS ? cap : TABLE_WORDS,
-                          TABLE_WORDS, &rows, &words);
-        if (r->status == DT_TOOSMALL) {
-            write_long_row(r, out, words);
-            continue;
-        }
-        r->done = r->status == DT_OK && rows == 0;
-        if (as_it_is)
-            reply_words_u32(out, v, words);
-        for (size_t at = as_it_is ? words : 0; at < words && r->status == DT_OK;) {
-            size_t n = row_words(r->cursor.table, v + at);
-            write_table_row(r, out, v + at, n);
-            at += n;
-        }
-    }
+    enum dt_status status = DT_OK;
+    while (!r->done && status == DT_OK && !out->failed && buf_len(out) < limit)
+        status = pace_is_cancelled(&r->pace) ? DT_CANCELLED : write_rows(r, out, limit);
+    r->status = status == DT_TOOLONG ? DT_OK : status;
 }
 
 /* ---- rows from a surface ---- */

@@ -142,6 +142,37 @@ TEST_TIMEOUT(tables_are_right_at_points_of_high_degree, 60)
     check_hub(40, 7, 700);
 }
 
+/* Most points are beyond the rim, so that no more rows of the hub are found among them. */
+TEST_TIMEOUT(table_is_read_with_a_bounded_look_at_the_points_in_each_call, 60)
+{
+    enum { RIM = 5000, OTHERS = 60000 };
+    struct dt *t = dt_new(0);
+    struct dt_point *p = malloc((1 + RIM + OTHERS) * sizeof *p);
+    p[0] = (struct dt_point){0, 0};
+    for (uint32_t i = 0; i < RIM; i++)
+        p[1 + i] = (struct dt_point){cos(i * TAU / RIM), sin(i * TAU / RIM)};
+    for (uint32_t i = 0; i < OTHERS; i++)
+        p[1 + RIM + i] = (struct dt_point){2 + test_uniform(), test_uniform()};
+    CHECK(dt_add(t, p, 1 + RIM + OTHERS, &(struct dt_added){0}) == DT_OK);
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    for (int table = DT_TRIANGLES; table <= DT_EDGES; table++) {
+        struct dt_cursor c;
+        size_t rows = 1, words, total = 0, waits = 0;
+        CHECK(dt_table_begin(t, NULL, (enum dt_table)table, false, &c) == DT_OK);
+        while (rows > 0 || c.left > 0) {
+            uint32_t v[1000];
+            enum dt_status s = dt_table_read(t, &c, v, 1000, 1000, &rows, &words);
+            CHECK(s == DT_OK || (s == DT_TOOLONG && rows == 0 && words == 0));
+            waits += s == DT_TOOLONG;
+            total += rows;
+        }
+        CHECK_MSG(waits >= 2 && total == c.rows, "table %d: %zu waits, %zu rows of %u", table,
+                  waits, total, c.rows);
+    }
+    free(p);
+    dt_free(t);
+}
+
 /* Every first attempt to read at the hub fails. */
 static void check_without_memory(const struct dt *t, enum dt_table table)
 {

@@ -205,6 +205,37 @@ static void start_ladder(struct local *l)
     local_ask(l, "");
 }
 
+/* The ring of the point in the middle of a circle is a row of about 400 KB. */
+TEST_TIMEOUT(row_that_is_very_long_is_sent_in_parts, 60)
+{
+    enum { RIM = 70000, MOST = 320 * 1024 };
+    struct local none, some;
+    char *text = malloc(RIM * 50 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t\n0 0\n");
+    for (int i = 0; i < RIM; i++)
+        to += sprintf(to, "%.17g %.17g\n", cos(i * TAU / RIM), sin(i * TAU / RIM));
+    strcpy(to, ".\nTRIANGULATE t\n");
+    local_start(&none, 0);
+    local_start(&some, 2);
+    local_ask(&none, text);
+    local_ask(&some, text);
+    struct text want = reply_to(&none, "LISTS t");
+    struct answer a = begin(&some, "LISTS t");
+    while (a.next == ANSWER_STREAM) {
+        size_t before = buf_len(&some.out);
+        collect_all(&some);
+        stream_refill(&some.server, &a);
+        CHECK(buf_len(&some.out) - before <= MOST);
+    }
+    CHECK(a.next == ANSWER_WHOLE && want.n == buf_len(&some.out) + 1 &&
+          memcmp(buf_head(&some.out), want.bytes, want.n - 1) == 0);
+    free(want.bytes);
+    free(text);
+    local_stop(&none);
+    local_stop(&some);
+}
+
 TEST(short_reply_without_memory_is_refused_and_the_client_stays)
 {
     bool failed = true;
