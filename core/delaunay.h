@@ -400,9 +400,8 @@ enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum 
 
 /* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words say what was
  * written; *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
- * (at most the number of points + 2; 8 are enough for all tables but DT_LISTS). DT_NOMEM may occur
- * at vertices of very high degree; DT_TOOLONG, too: some thousand points have been looked at, and none begins a row, so the
- * call is to be repeated. */
+ * (at most the number of points + 2; 8 are enough for all tables but DT_LISTS). At vertices of
+ * very high degree: DT_NOMEM, or DT_TOOLONG to be called again, as none of some thousand points begins a row. */
 enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
                              size_t max_rows, size_t *rows, size_t *words);
 

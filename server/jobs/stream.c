@@ -71,10 +71,8 @@ static bool reads_set(const struct rows *rows)
 /* Whether the view must include the triangulation. */
 static bool reads_rings(const struct rows *rows)
 {
-    if (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE)
-        return true;
     return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
-                       : rows->form == ROW_RING || row_is_of_place(rows->form);
+                       : rows->form == ROW_RING || row_is_computed(rows->form);
 }
 
 /* The number of points that are read: COINCIDENT, for instance, reads all for its few rows. */
@@ -214,8 +212,7 @@ void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx)
 
 bool stream_computes(const struct stream *st)
 {
-    enum row_form form = st->rows.form;
-    return form == ROW_SURFACE || row_is_of_place(form) || row_is_of_cell(form);
+    return row_is_computed(st->rows.form);
 }
 
 void stream_free(struct server *s, struct stream *st)

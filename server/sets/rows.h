@@ -58,6 +58,12 @@ static inline bool row_is_of_cell(enum row_form form)
     return form == ROW_CELL || form == ROW_AREA;
 }
 
+/* Whether rows of this form are searched or computed, and not only read. */
+static inline bool row_is_computed(enum row_form form)
+{
+    return form == ROW_SURFACE || row_is_of_place(form) || row_is_of_cell(form);
+}
+
 struct rows {
     struct version *version; /* borrows: the owner of the rows pins it */
     struct dt_view *view;    /* borrows: the moment that is read; NULL: now */
