@@ -327,10 +327,9 @@ struct making {
 /* A part usually fits into a piece; if it is longer or takes longer, the piece is continued after this has been sent. */
 static void make(struct stream *st, struct piece *p, const atomic_bool *cancel)
 {
-    if (p->uncut && !rows_cut(&st->rows, &p->part)) {
-        p->part.done = true;
+    p->part.done = p->uncut && !rows_cut(&st->rows, &p->part);
+    if (p->part.done)
         return;
-    }
     p->part.pace.cancel = cancel;
     p->part.memory = &p->memory;
     rows_fill(&p->part, &p->text, piece_bytes(st) - ROOM_ROW);
