@@ -148,10 +148,11 @@ class Run:
 
     leaders = set()  # of the sessions that are running
 
-    def __init__(self, tree, build, suites, arguments, limit_s=None):
+    def __init__(self, tree, build, suites, arguments, limit_s=None, ignored=()):
         variant = [] if build == "build" else ["V=" + os.path.basename(build)]
         command = ["make", "--no-print-directory", "SUITES=" + " ".join(sorted(set(suites))), *variant, *arguments]
         self.output, self.failed, self.passed, self.too_slow = [], [], 0, False
+        self.ignored, self.broken = ignored, False
         started = time.monotonic()
         temporary = os.path.join(os.path.dirname(tree), "tmp")
         os.makedirs(temporary, exist_ok=True)
@@ -181,8 +182,10 @@ class Run:
         counted = re.fullmatch(r"(\d+) passed, \d+ failed(, \d+ skipped)?", line)
         if counted:
             self.passed += int(counted.group(1))
-        elif line.startswith("FAIL "):
+        elif line.startswith("FAIL ") and line.split()[1] not in self.ignored:
             self.failed.append(line.split()[1])
+        elif line.startswith("FAIL "):
+            self.broken = True # a test that fails anyhow
 
 
 def build_then_test(tree, build, suites, words, limit_s):
@@ -276,12 +279,13 @@ class Drawn:
 class Workshop:
     """A copy of the tree in which one change after the other is made, tried and undone."""
 
-    def __init__(self, pristine, build, scratch):
+    def __init__(self, pristine, build, scratch, broken):
+        self.broken, self.ignored = broken, set()
         self.tree, self.build = os.path.join(tempfile.mkdtemp(dir=scratch), "tree"), build
         copy_tree(pristine, build, self.tree)
 
     def run(self, suites, *arguments, limit_s=None):
-        return Run(self.tree, self.build, suites, arguments, limit_s)
+        return Run(self.tree, self.build, suites, arguments, limit_s, self.ignored)
 
     def compile(self, line, text):
         """The object of the file with this text, without information for debuggers; None: it is not C."""
@@ -301,23 +305,19 @@ class Workshop:
             yield suite, ""
 
     def fails(self, suite, words, limit_s):
-        """(what fails of these tests or None, how many passed). A test that fails by chance does not count."""
+        """(what fails of these tests or None, how many passed). A test that passes when it is repeated does not count."""
         run = self.run([suite], f"test_{suite}", "T=" + words, "OF_ANY_SUITE=-a", limit_s=limit_s)
         if run.too_slow:
             return f"the time limit of {limit_s} s", 0
         if run.failed:
             again = self.run([suite], f"test_{suite}", "T=" + run.failed[0], limit_s=limit_s)
-            return self.fails(suite, words, limit_s) if not again.failed and not again.too_slow and limit_s == SUITE_S \
-                and self.flaky(run.failed[0]) else (run.failed[0], run.passed)
-        if run.status:
+            if again.failed or again.too_slow:
+                return run.failed[0], run.passed
+            self.ignored.add(run.failed[0])
+            return self.fails(suite, words, limit_s)
+        if run.status and not run.broken:
             return "make: " + " | ".join(run.output[-2:]), 0
         return None, run.passed
-
-    def flaky(self, test):
-        """Whether a test has failed by chance before; each may do so once."""
-        known = test in self.chance
-        self.chance.add(test)
-        return not known
 
     def verdict(self, line):
         """(whether it is caught, by what or why not); None: it makes no difference, or is not C."""
@@ -325,7 +325,7 @@ class Workshop:
         old = read(path)
         lines = old.split("\n")
         lines[line.number - 1] = line.new
-        self.chance = set()
+        self.ignored = set(self.broken)
         try:
             before = self.compile(line, old)
             after = self.compile(line, "\n".join(lines))
@@ -345,12 +345,23 @@ class Workshop:
             self.compile(line, old)
 
 
+def broken_tests(pristine, build):
+    """The tests that fail on the unchanged source."""
+    broken = set()
+    for suite in SUITES:
+        broken |= set(Run(pristine, build, [suite], [f"test_{suite}"]).failed)
+    for test in sorted(broken):
+        print(f"unchanged: {test} fails, and does not count", flush=True)
+    return broken
+
+
 def try_random(args, pristine, scratch):
     """Whether each of the random changes is caught, in the order in which that is known, and printed."""
+    broken = broken_tests(pristine, args.build) if args.sample else set()
     drawn, caught, left, lock = Drawn(pristine, args.seed or default_seed(), args.of), [], [args.sample], threading.Lock()
 
     def work():
-        shop = Workshop(pristine, args.build, scratch)
+        shop = Workshop(pristine, args.build, scratch, broken)
         while True:
             with lock:
                 if left[0] == 0:
