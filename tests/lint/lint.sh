@@ -12,7 +12,7 @@ trap 'rm -f "$found"' EXIT
 
 # The rooms of a folder, from the bottom up: a file may include files of its own room and of rooms before it.
 declare -A rooms=(
-    [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
+    [core]='exact control memory fields points mesh grid set divide shelling query cells surface edit'
     [clients]='lib reading files meshes surfaces pictures cli commands'
     [server]='system ops sets changes disk jobs surface clients command redis watch follow repair session'
 )
