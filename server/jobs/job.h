@@ -8,7 +8,7 @@
  *     clear  frees the arguments; may be NULL.
  *     install  of a job beside the set, unless it was cancelled: edits the set in place, in microseconds. It runs on the
  *            I/O thread, or on a worker if a piece of the set is being read; may be NULL.
- *     record on the I/O thread, after a writer has succeeded: appends the change to the journal; may be
+ *     record on the I/O thread, after a writer has succeeded: appends the change to the log; may be
  *            NULL.
  *
  * A reading job pins a version and holds its lock while it runs, so it must be short: it reads one piece, or

@@ -1,4 +1,4 @@
-/* journal_test.c - what edits write to the log is what a restart restores, in whatever order requests
+/* submit_test.c - what changes write to the log is what a restart restores, in whatever order requests
  * wait. A server with a data directory, in this process. */
 #include "server/jobs/submit.h"
 
