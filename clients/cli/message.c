@@ -5,24 +5,16 @@
 
 static char last[1400];
 
-void message_keep_values(const char *format, va_list values)
+void message_keep(const char *format, va_list values)
 {
     vsnprintf(last, sizeof last, format, values);
-}
-
-void message_keep(const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    message_keep_values(format, values);
-    va_end(values);
 }
 
 void message_print(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    message_keep_values(format, values);
+    message_keep(format, values);
     va_end(values);
     fputs("delaunay: ", stderr);
     va_start(values, format);

@@ -9,8 +9,7 @@
 __attribute__((format(printf, 1, 2))) void message_print(const char *format, ...);
 
 /* Keeps a sentence that has been printed already, or will be. */
-__attribute__((format(printf, 1, 2))) void message_keep(const char *format, ...);
-void message_keep_values(const char *format, va_list values);
+void message_keep(const char *format, va_list values);
 
 /* The last sentence, "" if there was none. */
 const char *message_last(void);

@@ -27,7 +27,7 @@ int options_wrong(const char *command, const char *format, ...)
     vfprintf(stderr, format, values);
     va_end(values);
     va_start(values, format);
-    message_keep_values(format, values);
+    message_keep(format, values);
     va_end(values);
     fprintf(stderr, "\nTry 'delaunay %s%s--help'.\n", command, command[0] != '\0' ? " " : "");
     return EXIT_USAGE;

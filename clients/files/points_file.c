@@ -17,13 +17,18 @@ bool points_file_fault(struct points_file *f, const char *what)
     return false;
 }
 
+static void describe(struct points_file *f, const char *format, va_list values)
+{
+    vsnprintf(f->text, sizeof f->text, format, values);
+    f->fault = f->text;
+}
+
 bool points_file_bad(struct points_file *f, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    vsnprintf(f->text, sizeof f->text, format, values);
+    describe(f, format, values);
     va_end(values);
-    f->fault = f->text;
     return false;
 }
 
@@ -31,9 +36,8 @@ bool points_file_stop(struct points_file *f, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    vsnprintf(f->text, sizeof f->text, format, values);
+    describe(f, format, values);
     va_end(values);
-    f->fault = f->text;
     f->fatal = true;
     return false;
 }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/surfaces/words.h"
 #include "proto/number.h"
 
 /* ---- rows ---- */
@@ -45,32 +46,22 @@ static bool reserve(struct rings *r, size_t corners)
     return true;
 }
 
-/* The next word of *s .. end; its length is 0 at the end of the row. */
-static size_t next_word(const char **s, const char *end, const char **word)
-{
-    while (*s < end && **s == ' ')
-        (*s)++;
-    *word = *s;
-    while (*s < end && **s != ' ')
-        (*s)++;
-    return (size_t)(*s - *word);
-}
-
 bool rings_take(struct rings *r, const char *row, size_t len)
 {
-    const char *s = row, *end = row + len, *word;
-    size_t n = next_word(&s, end, &word);
+    struct words w = {row, row + len};
+    const char *word;
+    size_t n = words_next(&w, &word);
     uint32_t corners;
     bool hole = n == 4 && memcmp(word, "hole", 4) == 0;
     if (!hole && (n != 5 || memcmp(word, "outer", 5) != 0))
         return fault(r, "a row of the reply is no loop");
-    n = next_word(&s, end, &word);
+    n = words_next(&w, &word);
     if (!proto_read_u32(word, n, &corners) || corners < 3 || corners > len)
         return fault(r, "a row of the reply is no loop");
     if (!reserve(r, corners))
         return false;
     for (size_t i = 0; i < corners; i++) {
-        n = next_word(&s, end, &word);
+        n = words_next(&w, &word);
         if (!proto_read_u32(word, n, &r->id[r->corners + i]))
             return fault(r, "a row of the reply has too few points");
     }

@@ -5,29 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/surfaces/words.h"
 #include "proto/number.h"
 
 /* ---- rows ---- */
 
-struct cursor {
-    const char *s, *end;
-};
-
-/* The next word; its length is 0 at the end of the row. */
-static size_t next_word(struct cursor *c, const char **word)
-{
-    while (c->s < c->end && *c->s == ' ')
-        c->s++;
-    *word = c->s;
-    while (c->s < c->end && *c->s != ' ')
-        c->s++;
-    return (size_t)(c->s - *word);
-}
-
-static bool next_number(struct cursor *c, double *v)
+static bool next_number(struct words *c, double *v)
 {
     const char *word;
-    size_t len = next_word(c, &word);
+    size_t len = words_next(c, &word);
     return proto_read_double(word, len, v);
 }
 
@@ -58,7 +44,7 @@ static bool reserve(struct shapes *s, size_t corners)
     return true;
 }
 
-static bool read_head(const struct shapes *s, struct cursor *c, struct shape *shape, uint32_t *n)
+static bool read_head(const struct shapes *s, struct words *c, struct shape *shape, uint32_t *n)
 {
     const char *word;
     size_t len;
@@ -66,19 +52,19 @@ static bool read_head(const struct shapes *s, struct cursor *c, struct shape *sh
     if (!next_number(c, &shape->key))
         return false;
     if (s->kind == SHAPE_CONTOUR) {
-        len = next_word(c, &word);
+        len = words_next(c, &word);
         shape->closed = len == 6 && memcmp(word, "closed", 6) == 0;
         if (!shape->closed && (len != 4 || memcmp(word, "open", 4) != 0))
             return false;
     }
-    len = next_word(c, &word);
+    len = words_next(c, &word);
     /* a corner takes four characters at least */
     return proto_read_u32(word, len, n) && *n <= (size_t)(c->end - c->s);
 }
 
 bool shapes_take(struct shapes *s, const char *row, size_t len)
 {
-    struct cursor c = {row, row + len};
+    struct words c = {row, row + len};
     struct shape shape;
     uint32_t n;
     const char *word;
@@ -89,7 +75,7 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     for (size_t i = 0; i < 2 * (size_t)n; i++)
         if (!next_number(&c, &s->xy[2 * s->corners + i]))
             return fault(s, "a row of the reply has too few coordinates");
-    if (next_word(&c, &word) != 0)
+    if (words_next(&c, &word) != 0)
         return fault(s, "a row of the reply has too many coordinates");
     if (n == 0)
         return true;
