@@ -204,7 +204,8 @@ const char *change_contradiction(const struct change *c, const struct dataset *s
 
 /* ---- records ---- */
 
-const struct change_kind *change_kind_of(const struct record *r)
+/* The kind of change that a record alone is; NULL: it is none, or a part of a LOAD. */
+static const struct change_kind *kind_of(const struct record *r)
 {
     for (size_t i = 0; i < CHANGE_KINDS; i++)
         if (change_kinds[i].record == r->type && r->name_len > 0)
@@ -277,7 +278,7 @@ static bool is_possible(const struct change_kind *kind, const struct record *r)
 
 enum dt_status change_decode(struct change *c, const struct record *r, struct dt_pages *pages)
 {
-    const struct change_kind *kind = change_kind_of(r);
+    const struct change_kind *kind = kind_of(r);
     *c = (struct change){.kind = kind, .pages = pages};
     if (kind == NULL || !is_possible(kind, r))
         return DT_RANGE;

@@ -94,9 +94,6 @@ const char *change_contradiction(const struct change *c, const struct dataset *s
 
 /* ---- records ---- */
 
-/* The kind of change that a record alone is; NULL: it is none, or a part of a LOAD. */
-const struct change_kind *change_kind_of(const struct record *r);
-
 /* Whether the record is one of those that an assembly joins. */
 bool change_is_part(const struct record *r);
 
