@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/reading/number.h"
 #include "clients/reading/xml_scan.h"
 #include "proto/number.h"
 
@@ -91,6 +92,17 @@ static bool add_point(struct gpx *g)
     return true;
 }
 
+static void read_elevation(struct gpx *g, struct xml_part text, uint64_t line)
+{
+    if (proto_read_double(text.text, text.len, &g->z) && isfinite(g->z))
+        return;
+    g->z = (double)NAN;
+    if (g->notes->odd_line > 0 || number_is_missing((struct value){text.text, text.len}))
+        return;
+    g->notes->odd_line = line;
+    report_clean(g->notes->odd, sizeof g->notes->odd, text.text, text.len);
+}
+
 static bool close_element(struct gpx *g, const struct xml_tag *tag)
 {
     bool ok = true;
@@ -100,9 +112,8 @@ static bool close_element(struct gpx *g, const struct xml_tag *tag)
         g->extensions = OUTSIDE;
     } else if (g->point != OUTSIDE && g->extensions == OUTSIDE) {
         struct xml_part text = trim(tag->before);
-        if (g->depth == g->point + 1 && !tag->opens && xml_is(tag->name, "ele") &&
-            (!proto_read_double(text.text, text.len, &g->z) || !isfinite(g->z)))
-            g->z = (double)NAN;
+        if (g->depth == g->point + 1 && !tag->opens && xml_is(tag->name, "ele"))
+            read_elevation(g, text, tag->line);
         if (g->depth == g->point) {
             ok = add_point(g);
             g->point = OUTSIDE;

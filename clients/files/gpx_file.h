@@ -11,6 +11,8 @@ enum gpx_kind { GPX_WPT, GPX_RTEPT, GPX_TRKPT, GPX_KINDS };
 struct gpx_notes {
     uint64_t points[GPX_KINDS];
     bool heights;
+    uint64_t odd_line; /* of the first elevation that is not a number; 0: none */
+    char odd[40];
 };
 
 /* Reads the whole file into memory. Adds the field to *t. */

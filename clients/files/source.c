@@ -132,6 +132,14 @@ static bool read_gpx(struct source *s, struct points_file *f, int fd)
     struct gpx_notes notes;
     bool ok = gpx_file_read(f, fd, &s->table.fields, &notes);
     gpx_describe(&notes, s->table.using, sizeof s->table.using);
+    if (notes.odd_line > 0 && notes.heights) {
+        s->table.odd[0].line = notes.odd_line;
+        snprintf(s->table.odd[0].text, sizeof s->table.odd[0].text, "%s", notes.odd);
+    } else if (notes.odd_line > 0) {
+        report_add(&f->report, NOTE_MISSING,
+                   "no elevation is a number; the first is \"%s\" in line %ju", notes.odd,
+                   (uintmax_t)notes.odd_line);
+    }
     return ok;
 }
 
