@@ -271,17 +271,20 @@ static bool read_values(struct reader *r, const char *s, const char *end)
     return points_file_append(r->f, point[0], point[1]);
 }
 
-/* A comment between rows that would be one without its mark. */
+/* A comment between rows that would be one without its mark. Between separators one coordinate shows it: the x of
+ * `#N/A,5,1` is missing. */
 static void look_at_comment(struct reader *r, const char *s, const char *end)
 {
     const struct plan *p = &r->t->plan;
-    double x;
+    double v;
     while (s < end && (value_is_blank(*s) || *s == '#' || *s == '%' || *s == '/'))
         s++;
     size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
     if (p->columns < 2 || n != p->columns || p->geometry || p->x >= n || p->y >= n)
         return;
-    if (number_read(&p->number, r->value[p->x], &x) && number_read(&p->number, r->value[p->y], &x))
+    bool x = number_read(&p->number, r->value[p->x], &v);
+    bool y = number_read(&p->number, r->value[p->y], &v);
+    if ((x && y) || (p->row.separator != ' ' && (x || y)))
         count(&r->t->comments, r->f->line);
 }
 
@@ -289,12 +292,14 @@ static bool read_row(struct reader *r, const char *s, const char *end)
 {
     if (r->has_nul && memchr(s, '\0', (size_t)(end - s)) != NULL)
         return points_file_stop(r->f, "not a text file: it has NUL bytes");
+    const struct plan *p = &r->t->plan;
+    const uint64_t first = p->headed ? p->heading_line + 1 : p->first_line;
     enum row_kind kind = row_kind(s, end);
     if (kind == ROW_SEGMENT)
         count(&r->t->segments, r->f->line);
-    else if (kind == ROW_COMMENT && r->f->line >= r->t->plan.first_line)
+    else if (kind == ROW_COMMENT && r->f->line >= first)
         look_at_comment(r, s, end);
-    return kind != ROW_VALUES || r->f->line < r->t->plan.first_line || read_values(r, s, end);
+    return kind != ROW_VALUES || r->f->line < p->first_line || read_values(r, s, end);
 }
 
 /* ---- blocks ---- */

@@ -22,8 +22,7 @@ bool wkt_read_point(struct value v, double xyz[3], int *values)
         v = value_trim(semicolon + 1, v.text + v.len);
     if (!read_word(&v, "POINT"))
         return false;
-    bool measured = read_word(&v, "ZM") || (!read_word(&v, "Z") && read_word(&v, "M"));
-    (void)measured;
+    bool flat = !read_word(&v, "ZM") && !read_word(&v, "Z") && read_word(&v, "M");
     if (!read_word(&v, "(") || v.len == 0 || v.text[v.len - 1] != ')')
         return false;
     v.len--;
@@ -40,6 +39,6 @@ bool wkt_read_point(struct value v, double xyz[3], int *values)
         n++;
         v = value_trim(v.text + len, v.text + v.len);
     }
-    *values = n < 3 ? n : 3;
+    *values = flat || n < 3 ? 2 : 3; /* the third value of POINT M is no height */
     return n >= 2;
 }

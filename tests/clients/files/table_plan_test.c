@@ -305,7 +305,11 @@ TEST(comments_that_look_like_rows_are_reported)
 {
     tables_expect(CSV, "x,y\n0,0\n#5,5\n1,0\n# a note\n1,1\n", SQUARE,
                   "skipped: line 3 looks like a row but is a comment, and is not read");
+    tables_expect(CSV, "x,y\n#5,5\n0,0\n1,0\n1,1\n", SQUARE, "line 2 looks like a row");
+    tables_expect(CSV, "x,y\n0,0\n#N/A,5\n1,0\n1,1\n", SQUARE, "line 3 looks like a row");
+    tables_expect(CSV, "x,y,name\n0,0,a\n//5,?,b\n1,0,c\n1,1,d\n", SQUARE, "line 3 looks like");
     tables_expect(CSV, "x,y\n0,0\n// note\n% 1\n1,0\n1,1\n", SQUARE, "");
+    tables_expect(CSV, "x,y\n# a, b\n0,0\n1,0\n1,1\n", SQUARE, "");
 }
 
 TEST(the_bad_value_and_its_column_are_named)
@@ -377,6 +381,8 @@ TEST(points_in_wkt_may_have_heights_and_other_geometries_are_bad)
 {
     tables_expect(CSV, "id|geom\n1|SRID=4326;POINT Z (0 0 5)\n2|POINTZ(1 0 6)\n", "0 0 5; 1 0 6",
                   "using x y of geom z");
+    tables_expect(CSV, "id|geom\n1|POINT M (0 0 5)\n2|POINT ZM(1 0 6 9)\n", "0 0 nan; 1 0 6", NULL);
+    tables_expect(CSV, "id|geom\n1|POINT M (0 0 5)\n2|POINTM(1 0 6)\n", "0 0; 1 0", NULL);
     tables_expect(TXT, "POINT (0 0)\nPOINT (1 0)\nPOINT (1 1)\n", SQUARE, NULL);
     tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\n\"LINESTRING (0 0, 1 1)\",2\n",
                   "3: not a point: \"LINESTRING (0 0, 1 1)\" in column WKT");
