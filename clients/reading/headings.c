@@ -287,6 +287,30 @@ struct heading heading_read(const char *text, size_t len)
     return (struct heading){.axis = AXIS_NONE};
 }
 
+char heading_part(const char *text, size_t len, enum axis *axis)
+{
+    static const char *const parts[] = {"d",       "m",       "s",      "deg",     "min",
+                                        "sec",     "degree",  "minute", "second",  "degrees",
+                                        "minutes", "seconds", "grad",   "minuten", "sekunden"};
+    char name[WORD_ROOM], word[WORD_ROOM];
+    size_t at = 0, words = 0, n = 0, w;
+    for (*axis = AXIS_NONE; at < len;) {
+        if ((w = next_word(text, len, &at, word)) == 0)
+            at++;
+        else if (++words == 1)
+            memcpy(name, word, n = w);
+        else
+            break;
+    }
+    for (size_t i = 0; words == 2 && i < sizeof names / sizeof names[0]; i++)
+        if (names[i].pair == PAIR_LON_LAT && is_word(name, n, names[i].text))
+            *axis = names[i].axis;
+    for (size_t i = 0; *axis != AXIS_NONE && i < sizeof parts / sizeof parts[0]; i++)
+        if (is_word(word, w, parts[i]))
+            return "dms"[i % 3];
+    return 0;
+}
+
 static bool is_among(const char *text, size_t len, const char *const *list, size_t n)
 {
     char name[WORD_ROOM];

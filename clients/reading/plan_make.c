@@ -270,10 +270,11 @@ static bool check_text(struct plan *p, const char *text, size_t n)
     return plan_fault(p, false, "not a text file: it has NUL bytes");
 }
 
-/* Formats of grids, which begin with words of their own. */
-static bool check_grid(struct plan *p, const struct sample *s)
+/* Formats of grids and meshes, which begin with words of their own. */
+static bool check_format(struct plan *p, const struct sample *s)
 {
-    static const char *const words[] = {"ncols", "nrows", "DSAA", "DSBB", "DSRB", "north:"};
+    static const char *const words[] = {"ncols",  "nrows", "DSAA", "DSBB", "DSRB",
+                                        "north:", "OFF",   "COFF", "NOFF", "ply"};
     struct value v = value_trim(s->text, s->end);
     size_t len = 0;
     while (len < v.len && !value_is_blank(v.text[len]) && v.text[len] != '\n')
@@ -283,8 +284,9 @@ static bool check_grid(struct plan *p, const struct sample *s)
         if (value_is_word(v, words[i])) {
             p->fault_line = 1;
             return plan_fault(p, false,
-                              "this is a grid, not a table of points; gdal_translate -of "
-                              "XYZ makes one of it");
+                              i < 6 ? "this is a grid, not a table of points; gdal_translate -of "
+                                      "XYZ makes one of it"
+                                    : "this is a mesh, not a table of points");
         }
     return true;
 }
@@ -375,7 +377,7 @@ bool plan_make(struct plan *p, const struct wish *w, const char *text, size_t n,
     s->skip_lines = w->skip_lines;
     bool has_lf = memchr(text, '\n', n) != NULL;
     p->row.line_end = has_lf || memchr(text, '\r', n) == NULL ? '\n' : '\r';
-    bool ok = (w->skip_lines > 0 || check_grid(p, s)) && make(p, w, s, report);
+    bool ok = (w->skip_lines > 0 || check_format(p, s)) && make(p, w, s, report);
     free(s);
     return ok;
 }

@@ -128,6 +128,58 @@ static bool take_headed(struct plan *p, struct report *report)
     return true;
 }
 
+/* Degrees, minutes and seconds in columns of their own make no coordinate. */
+static bool check_parts(struct plan *p)
+{
+    for (int i = 0; i < 2; i++) {
+        const char *name = p->column[i == 0 ? p->x : p->y].heading;
+        enum axis axis, other;
+        char part = heading_part(name, strlen(name), &axis);
+        for (size_t k = 0; part != 0 && k < p->columns; k++) {
+            const char *heading = p->column[k].heading;
+            char second = heading_part(heading, strlen(heading), &other);
+            if (second != 0 && second != part && other == axis)
+                return plan_fault(p, false,
+                                  "%s and %s have degrees and parts of them, which are not put "
+                                  "together; one column of them, as 53:20:30, is read",
+                                  name, heading);
+        }
+    }
+    return true;
+}
+
+/* Whether all values of a column are N, S, E or W; *reversed: some are S or W. */
+static bool has_hemispheres(struct sample *s, const struct plan *p, size_t column, bool *reversed)
+{
+    size_t found = 0;
+    *reversed = false;
+    for (size_t i = s->first; i < s->n; i++) {
+        if (s->row[i].kind != ROW_VALUES || sample_split(s, &p->row, i) <= column)
+            continue;
+        struct value v = s->value[column];
+        if (v.len > 1 || (v.len == 1 && strchr("NSEWnsew", v.text[0]) == NULL))
+            return false;
+        found += v.len;
+        *reversed |= v.len == 1 && strchr("SWsw", v.text[0]) != NULL;
+    }
+    return found > 0;
+}
+
+static void note_hemispheres(const struct plan *p, struct sample *s, struct report *report)
+{
+    for (size_t i = 0; i < p->columns; i++) {
+        const struct column *c = &p->column[i];
+        const size_t axis = strchr("NSns", c->text[0]) != NULL ? p->y : p->x;
+        bool reversed;
+        if (c->role == COLUMN_UNUSED && c->texts > 0 && strchr("NSEWnsew", c->text[0]) != NULL &&
+            has_hemispheres(s, p, i, &reversed) && reversed && p->column[axis].least >= 0)
+            report_add(report, NOTE_DOUBT,
+                       "%s has S or W, which changes no sign: points there are on the wrong side; "
+                       "values as 33.1S are read",
+                       c->heading);
+    }
+}
+
 static bool take_points(struct plan *p)
 {
     for (size_t i = 0; i < p->columns; i++) {
@@ -274,9 +326,10 @@ static void note_height_of_text(const struct plan *p, struct report *report)
         const struct column *c = &p->column[i];
         if (p->headed && c->role == COLUMN_UNUSED && c->texts > c->numbers &&
             heading_is_height(c->heading, strlen(c->heading)))
-            report_add(report, NOTE_DOUBT,
-                       "%s has no numbers; the first value is \"%s\" in line %ju", c->heading,
-                       c->text, (uintmax_t)c->text_line);
+            report_add(report, NOTE_DOUBT, "%s has %s numbers; the first %s \"%s\" in line %ju",
+                       c->heading, c->numbers > 0 ? "few" : "no",
+                       c->numbers > 0 ? "other value is" : "value is", c->text,
+                       (uintmax_t)c->text_line);
     }
 }
 
@@ -332,7 +385,12 @@ static bool choose(struct plan *p, const struct wish *w, struct sample *s, struc
 {
     if (w->chosen)
         return take_chosen(p, w);
-    if ((p->headed && take_headed(p, report)) || take_points(p))
+    if (p->headed && take_headed(p, report)) {
+        if (p->pair == PAIR_LON_LAT)
+            note_hemispheres(p, s, report);
+        return check_parts(p);
+    }
+    if (take_points(p))
         return true;
     if (p->headed)
         return plan_fault(p, true, "no headings that are known for x and y");

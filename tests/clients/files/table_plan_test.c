@@ -202,11 +202,12 @@ TEST(titles_and_rows_of_units_are_not_read_and_named)
     tables_refuse(CSV, "x,y\na,b\na,b\na,b\n1,2\n", "2: not a number: \"a\" in column x");
 }
 
-TEST(a_grid_is_no_table_of_points)
+TEST(a_grid_or_a_mesh_is_no_table_of_points)
 {
     tables_refuse(".asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n",
                   "1: this is a grid, not a table of points");
     tables_refuse(".grd", "DSAA\n3 2\n0 1\n0 1\n1 6\n1 2 3\n4 5 6\n", "this is a grid");
+    tables_refuse(".off", "OFF\n3 0 0\n0 0 1\n1 0 2\n1 1 3\n", "1: this is a mesh");
 }
 
 TEST(a_title_is_no_heading_and_a_heading_is_no_title)
@@ -361,6 +362,24 @@ TEST(several_pairs_of_coordinates_are_a_doubt)
     tables_expect(CSV, "lon,lat,x,y\n11,48,0.1,0.2\n12,49,0.3,0.1\n", "0.1 0.2; 0.3 0.1",
                   "doubt: x and y are x and y, not lon and lat; --columns chooses others");
     tables_expect(CSV, "lon,lat,x,y\n11,48,,\n12,49,,\n", "11 48; 12 49", "columns not used: x, y");
+}
+
+TEST(degrees_in_one_column_and_minutes_in_another_are_refused)
+{
+    tables_refuse(CSV, "lat_deg,lat_min,lon_deg,lon_min\n53,20,6,15\n53,21,6,16\n",
+                  "1: lon_deg and lon_min have degrees and parts");
+    tables_refuse(CSV, "Lat D,Lat M,Lon D,Lon M\n53,20,6,15\n53,21,6,16\n", "which are not put");
+    tables_expect(CSV, "lat_deg,lon_deg\n53.5,6.25\n", "6.25 53.5", "using x=lon_deg");
+    tables_expect(CSV, "lat,lon,lat_deg,lat_min\n53.5,6.25,53,30\n", "6.25 53.5", NULL);
+}
+
+TEST(a_column_of_hemispheres_that_is_not_used_is_a_doubt)
+{
+    tables_expect(CSV, "lat,ns,lon,ew\n53,N,6,E\n33,S,6,E\n", "6 53; 6 33",
+                  "doubt: ns has S or W, which changes no sign");
+    tables_expect(CSV, "lat,ns,lon,ew\n53,N,6,E\n33,N,7,E\n", "6 53; 7 33",
+                  "columns not used: ns, ew\n");
+    tables_expect(CSV, "lat,ns,lon\n53,N,6\n-33,S,7\n", "6 53; 7 -33", "columns not used: ns\n");
 }
 
 TEST(a_column_of_points_in_wkt_has_the_coordinates)
