@@ -105,6 +105,7 @@ static bool add_point(struct points_file *f, const struct las_header *h, const u
     double row[3] = {coordinate(h, 2, p + 8), (double)integer(p + 12, 2),
                      wide ? p[16] : p[15] & 31};
     notes->withheld += wide ? p[15] >> 2 & 1 : p[15] >> 7;
+    notes->noise += row[2] == 7 || (wide && row[2] == 18);
     f->row = row;
     bool ok = points_file_append(f, coordinate(h, 0, p), coordinate(h, 1, p + 4)) ||
               points_file_skip(f, "", 0);

@@ -164,6 +164,10 @@ static bool read_las(struct source *s, struct points_file *f, const struct input
         report_add(&f->report, NOTE_DOUBT,
                    "%ju points are marked as withheld; they are loaded, too",
                    (uintmax_t)notes.withheld);
+    if (ok && !compressed && notes.noise > 0)
+        report_add(&f->report, NOTE_DOUBT,
+                   "%ju points are classified as noise; they are loaded, too",
+                   (uintmax_t)notes.noise);
     return ok;
 }
 

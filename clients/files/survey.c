@@ -123,18 +123,20 @@ static bool is_sentinel(double v)
            1e36; /* the greatest floats and doubles, Surfer's 1.70141e38, NetCDF's 9.97e36 */
 }
 
-/* A least or greatest value that is far from the others and may mean: missing. */
-static bool check_extreme(struct points_file *f, const char *name, size_t k, bool least)
+/* A least or greatest value of a column that is far from the others and may mean: missing. */
+static bool check_extreme(struct points_file *f, const char *name, size_t column, bool least)
 {
-    const struct range all = survey_range(f, k + 2);
+    const struct range all = survey_range(f, column);
     const double extreme = least ? all.least : all.greatest;
     char number[PROTO_NUMBER_MAX + 1], from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
     double low = INFINITY, high = -INFINITY;
+    size_t step;
     uint64_t found = 0;
     if (!is_sentinel(extreme))
         return false;
+    const double *value = column_of(f, column, &step);
     for (size_t i = 0; i < f->n; i++) {
-        double v = f->value[i * f->fields + k];
+        double v = value[i * step];
         found += v == extreme;
         if (v != extreme && !is_sentinel(v)) {
             low = v < low ? v : low;
@@ -149,12 +151,40 @@ static bool check_extreme(struct points_file *f, const char *name, size_t k, boo
     if (low > high)
         report_add(&f->report, NOTE_DOUBT, "%s: all values are %s, which may mean missing", name,
                    number);
+    else if (column < 2)
+        report_add(&f->report, NOTE_DOUBT,
+                   "%s: %s in %ju of %zu points, far from the others (%s to %s), may mean missing",
+                   name, number, (uintmax_t)found, f->n, shown(low, from), shown(high, to));
     else
         report_add(&f->report, NOTE_DOUBT,
                    "%s: %s in %ju of %zu values, far from the others (%s to %s); --nodata %s makes "
                    "them missing",
                    name, number, (uintmax_t)found, f->n, shown(low, from), shown(high, to), number);
     return true;
+}
+
+/* Points at 0 0 whose place may be missing: the others are far away. */
+static void check_origin(struct points_file *f)
+{
+    struct range r[2] = {{INFINITY, -INFINITY, 0}, {INFINITY, -INFINITY, 0}};
+    size_t others = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        const double *p = f->xy + 2 * i;
+        if (p[0] == 0 && p[1] == 0)
+            continue;
+        for (int k = 0; k < 2; k++) {
+            r[k].least = fmin(r[k].least, p[k]);
+            r[k].greatest = fmax(r[k].greatest, p[k]);
+        }
+        others++;
+    }
+    bool far = false;
+    for (int k = 0; k < 2 && others > 2; k++)
+        far |= fmax(r[k].least, -r[k].greatest) > 3 * (r[k].greatest - r[k].least);
+    if (far && others < f->n)
+        report_add(&f->report, NOTE_DOUBT,
+                   "%zu of %zu points are at 0 0, far from the others; their places may be missing",
+                   f->n - others, f->n);
 }
 
 static uint64_t count_beyond(const struct points_file *f, size_t axis, double most)
@@ -178,6 +208,12 @@ static void check_degrees(struct points_file *f)
     if (longitudes > 0)
         report_add(&f->report, NOTE_DOUBT, "longitudes beyond 360 degrees: %ju",
                    (uintmax_t)longitudes);
+    struct range r = survey_range(f, 0);
+    char from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
+    if (longitudes == 0 && r.least < 0 && r.greatest > 180)
+        report_add(&f->report, NOTE_DOUBT,
+                   "longitudes from %s to %s: some seem to begin at -180, some at 0 degrees",
+                   shown(r.least, from), shown(r.greatest, to));
 }
 
 /* A latitude that counts to the south, a longitude that counts to the west. */
@@ -215,9 +251,11 @@ bool survey(struct points_file *f, struct table_file *t, const struct survey_wis
     for (size_t k = 0; k < f->fields; k++) {
         t->fields.missing[k] = survey_range(f, k + 2).missing;
         note_missing(f, t, k);
-        if (f->n > 0 && !check_extreme(f, t->fields.name[k], k, true))
-            check_extreme(f, t->fields.name[k], k, false);
     }
+    for (size_t column = 0; f->n > 0 && column < f->fields + 2; column++)
+        if (!check_extreme(f, column_name(t, column), column, true))
+            check_extreme(f, column_name(t, column), column, false);
+    check_origin(f);
     for (size_t i = 0; i < w->negate_n; i++)
         if (!negate(f, t, w->negate[i]))
             return false;

@@ -102,6 +102,10 @@ TEST(las_is_known_by_its_first_bytes_and_read_from_pipes_and_archives)
     const char *out = load("a.dat", "", &status);
     CHECK_MSG(status == 0 && strstr(out, "a.dat: using x y z of the points\n"), "%s", out);
     CHECK(strstr(out, "not used: intensity, classification") != NULL);
+    CHECK(strstr(out, "noise") == NULL);
+    put(&l, 237 + 2 * 30 + 15, 7, 1);
+    write_las("noise.las", &l);
+    CHECK(strstr(load("noise.las", "", &status), "1 points are classified as noise") != NULL);
     out = peer_shell(&status, "cat %s | %s -p %s load u -", cli_path("a.dat"), getenv("DELAUNAY"),
                      cli_daemon.port_text);
     CHECK(status == 0 && strstr(out, "added=3") != NULL);

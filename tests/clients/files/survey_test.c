@@ -50,6 +50,23 @@ TEST(latitudes_beyond_90_degrees_are_a_doubt)
     tables_expect(CSV, "x,y\n148,151\n", "148 151", "");
 }
 
+TEST(places_that_may_mean_missing_are_a_doubt)
+{
+    tables_expect(CSV, "x,y\n500,700\n501,700\n502,701\n-9999,-9999\n",
+                  "500 700; 501 700; 502 701; -9999 -9999",
+                  "x: -9999 in 1 of 4 points, far from the others (500 to 502), may mean missing");
+    tables_expect(CSV, "lat,lon\n53,-6\n54,-7\n52,-8\n0,0\n", "-6 53; -7 54; -8 52; 0 0",
+                  "1 of 4 points are at 0 0, far from the others");
+    tables_expect(CSV, "lat,lon\n53,-6\n1,-7\n52,1\n0,0\n", "-6 53; -7 1; 1 52; 0 0", "");
+}
+
+TEST(longitudes_of_two_kinds_are_a_doubt)
+{
+    tables_expect(CSV, "lat,lon\n53,359.5\n53,-0.5\n", "359.5 53; -0.5 53",
+                  "longitudes from -0.5 to 359.5: some seem to begin at -180");
+    tables_expect(CSV, "lat,lon\n53,359.5\n53,0.5\n", "359.5 53; 0.5 53", "");
+}
+
 TEST(heights_that_may_mean_missing_are_a_doubt)
 {
     tables_expect(
