@@ -32,7 +32,7 @@ int command_export(struct delaunay_client *c, int argc, char **argv);
 int command_show(struct delaunay_client *c, int argc, char **argv);
 
 /* raster SET FIELD FILE, contour SET FIELD FILE, voronoi SET FILE, alpha SET RADIUS FILE: a surface as a grid, its contours, Voronoi
- * cells, the alpha shape. Where no file is named they send the words as a request line. */
+ * cells, the alpha shape. Without a file they send the words as a request line. */
 int command_raster(struct delaunay_client *c, int argc, char **argv);
 int command_contour(struct delaunay_client *c, int argc, char **argv);
 int command_voronoi(struct delaunay_client *c, int argc, char **argv);

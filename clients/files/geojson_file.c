@@ -1,5 +1,5 @@
-/* geojson_file.c - see geojson_file.h. An object's members may be in any order, so its type is known only when all of them have
- * been passed: the object's members are bookmarked first, and then those are read that its type makes meaningful. */
+/* geojson_file.c - see geojson_file.h. An object's members may be in any order, so its type is known only after all of them. The
+ * first pass bookmarks the members; then the type decides which of them are read. */
 #include "clients/files/geojson_file.h"
 
 #include "clients/reading/headings.h"
@@ -36,7 +36,7 @@ static bool bad(struct geojson *g)
     return points_file_stop(g->f, "not GeoJSON");
 }
 
-/* What is wrong with one geometry or position, which begins at `at`. */
+/* Leaves out a geometry or position, which begins at `at`, and says why. */
 static bool leave_out(struct geojson *g, const struct json_scan *at, const char *what)
 {
     const char *lf = memchr(at->p, '\n', (size_t)(at->end - at->p));

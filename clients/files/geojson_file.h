@@ -1,6 +1,6 @@
 /* geojson_file.h - the points of a GeoJSON file [RFC 7946]: one value, or several after one another (newline-delimited
  * features). Only geometries count: every Point and MultiPoint, in order, that is the geometry of a feature, in a collection, or
- * alone. What looks like a geometry in properties or in other members does not. Other geometries are faults. */
+ * alone. Properties and other members that look like a geometry do not count. Other geometries are faults. */
 #ifndef CLIENTS_GEOJSON_FILE_H
 #define CLIENTS_GEOJSON_FILE_H
 

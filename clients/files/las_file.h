@@ -18,7 +18,7 @@ struct las_header {
     int digits; /* decimal places of the coordinates that the scales leave; -1: they are not decimal */
 };
 
-/* Reads the header from the beginning of a file, n bytes of it. NULL, or what is wrong with it. */
+/* Reads the header from the first n bytes of a file. NULL, or what is wrong with it. */
 const char *las_read_header(struct las_header *h, const unsigned char *bytes, size_t n);
 
 /* Whether the points of the open file are compressed. It must be a regular file, or else is taken as not compressed. False with a

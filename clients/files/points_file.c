@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/reading/row.h"
 #include "proto/number.h"
 
 bool points_file_fault(struct points_file *f, const char *what)
@@ -42,11 +43,6 @@ bool points_file_stop(struct points_file *f, const char *format, ...)
     return false;
 }
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
-
 bool points_file_skip(struct points_file *f, const char *s, size_t len)
 {
     if (!f->skip_bad || f->fatal)
@@ -54,7 +50,7 @@ bool points_file_skip(struct points_file *f, const char *s, size_t len)
     if (f->skipped < SKIPPED_SHOWN) {
         f->skip[f->skipped].line = f->line;
         snprintf(f->skip[f->skipped].fault, sizeof f->skip[0].fault, "%.79s", f->fault);
-        while (len > 0 && is_blank(s[len - 1]))
+        while (len > 0 && value_is_blank(s[len - 1]))
             len--;
         snprintf(f->skip[f->skipped].text, sizeof f->skip[0].text, "%.*s", len < 59 ? (int)len : 59,
                  s);

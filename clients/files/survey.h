@@ -8,7 +8,7 @@
 
 enum { SURVEY_CHANGES = 8 };
 
-/* What the caller wants changed. */
+/* The changes that the caller wants. */
 struct survey_wish {
     double nodata[SURVEY_CHANGES]; /* values of fields that mean: missing */
     size_t nodata_n;
@@ -30,7 +30,7 @@ struct coincidence {
 };
 
 /* Makes the changes, then adds to f->report what is missing and doubtful; counts t->fields.missing. False with a fault if a
- * field is not there. */
+ * field does not exist. */
 bool survey(struct points_file *f, struct table_file *t, const struct survey_wish *w);
 
 struct range survey_range(const struct points_file *f, size_t column);

@@ -20,7 +20,7 @@ struct reader {
     char *block;         /* owns ROW_MOST_BYTES + BLOCK bytes, `have` of them read */
     size_t have;
     bool all, has_nul; /* the file ends with the block; the block has NUL bytes */
-    size_t usual;      /* a row of so many values needs no check; SIZE_MAX: none */
+    size_t usual;      /* a row with this number of values needs no check; SIZE_MAX: none */
     bool plain;        /* numbers are plain ones most often */
     bool in_order;     /* and the columns are x, y and the fields, nothing else */
 };

@@ -38,8 +38,8 @@ enum delaunay_result {
     DELAUNAY_BADREQUEST /* not one whole request line; nothing was sent */
 };
 /* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. A mirror makes another one. After TIMEOUT a request
- * that was not sent is still queued, and a reply is still to come: receive again. Where a function sends points or collects bytes and
- * had begun, it cannot be continued after TIMEOUT: the next call returns LOST. */
+ * that was not sent is still queued, and a reply is still to come: receive again. A function that had begun to send points or to
+ * collect bytes cannot be continued after TIMEOUT: the next call returns LOST. */
 
 enum delaunay_part_kind {
     DELAUNAY_PART_OK,      /* the status line of a request that was carried out */

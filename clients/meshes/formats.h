@@ -3,8 +3,7 @@
  * Points are numbered by their place: 0, 1, 2, ... in the order of their ids (in OBJ and 2DM, whose
  * readers expect it, from 1), and that is the id itself as long as nothing has been deleted.
  * Aliases are points without a triangle. In OBJ, PLY, OFF and 2DM points have the height of the model's
- * field z, or all of them 0 if there is no such field; no height may be missing (model_drop_missing). .node has all fields as
- * attributes. */
+ * field z, or 0 if there is no such field; no height may be missing (model_drop_missing). .node has all fields as attributes. */
 #ifndef CLIENTS_FORMATS_H
 #define CLIENTS_FORMATS_H
 

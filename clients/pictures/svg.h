@@ -37,8 +37,8 @@ struct svg_legend {
 };
 
 /* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in
- * which about n points lie. clip: the box (borrowed until svg_end) is smaller than what will be drawn,
- * which is cut off at its edges. legend: NULL if there are no shades. unit: of the scale, "" if unknown. */
+ * which about n points lie. The box is borrowed until svg_end. clip: the drawing is larger than the box, and is
+ * cut off at its edges. legend: NULL if there are no shades. unit: of the scale, "" if unknown. */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
                const struct svg_legend *legend, const char *unit);
 
@@ -72,8 +72,7 @@ void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
 
 void svg_end(struct svg *s);
 
-/* Finds where a picture of the drawing lies that has a pixel for 10 drawing units, as PNG is made: the place of the upper left corner,
- * and the side of a pixel. */
+/* The place of the upper left corner of the drawing, and the side of a pixel, if a pixel is 10 drawing units, as in PNG pictures. */
 void svg_place(const struct svg *s, double *x, double *y, double *pixel);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "clients/reading/row.h"
 
-/* What a single comma means, which its number alone does not show: 1,234. */
+/* The meaning of a single comma, which a number such as 1,234 does not show by itself. */
 enum comma { COMMA_UNKNOWN, COMMA_DECIMAL, COMMA_GROUPS };
 
 struct number_style {
@@ -14,7 +14,7 @@ struct number_style {
     bool commas;       /* numbers with commas have been seen */
 };
 
-/* What a text shows about the commas and points of its file. */
+/* The form of a number, which shows what commas and points mean in its file. */
 enum number_shape {
     SHAPE_NONE,         /* not a number */
     SHAPE_INTEGER,      /* 12 */

@@ -1,5 +1,5 @@
-/* plan.h - how a text table is read. One place decides it, before any row is read, from all of the first rows: what
- * separates values, what commas mean, which line is the heading, which columns are x, y and fields. A single odd row or
+/* plan.h - how a text table is read. The plan is made before any row is read, from all of the first rows. It
+ * says what separates values, what commas mean, which line is the heading, and which columns are x, y and fields. A single odd row or
  * missing value decides nothing. */
 #ifndef CLIENTS_PLAN_H
 #define CLIENTS_PLAN_H
@@ -12,7 +12,7 @@
 
 enum { PLAN_COLUMNS = 2048, PLAN_ROWS = 500, PLAN_NAME = 65 };
 
-/* What the caller has chosen. */
+/* The caller's choices. */
 struct wish {
     char name[3][PLAN_NAME]; /* of the columns of x, y and z; "" if they are chosen by number */
     size_t column[3];        /* counted from 0 */

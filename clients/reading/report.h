@@ -1,5 +1,5 @@
 /* report.h - what reading a file has shown: notes, each a sentence without its name, which `load`, `run`, `draw`,
- * --dry-run and --json print. Whatever is not used, missing, skipped or doubtful gets one note. */
+ * --dry-run and --json print. Each thing that is not used, missing, skipped or doubtful gets one note. */
 #ifndef CLIENTS_REPORT_H
 #define CLIENTS_REPORT_H
 

@@ -24,7 +24,7 @@ enum { ROW_MOST_BYTES = 65536 }; /* the longest row */
 
 enum row_kind { ROW_BLANK, ROW_COMMENT, ROW_SEGMENT, ROW_VALUES };
 
-/* What row_end has seen. */
+/* The quotes that row_end has seen. */
 struct row_quotes {
     size_t breaks; /* line breaks within quotes */
     bool lone;     /* a value begins with a quote that is not closed */
@@ -41,8 +41,8 @@ struct value value_trim(const char *s, const char *end);
 /* Whether it is that word, in upper or lower case. */
 bool value_is_word(struct value v, const char *word);
 
-/* Where the row at s ends: at its line end. NULL: not before `end`; with `last` that is the end of the last row, else more text
- * is needed. Sets *quotes only if there are any. */
+/* The line end of the row at s. NULL: it is not before `end`, so more text is needed, or, with `last`, the row ends
+ * at `end`. Sets *quotes only if there are any. */
 const char *row_end(const struct row_style *style, const char *s, const char *end, bool last,
                     struct row_quotes *quotes);
 

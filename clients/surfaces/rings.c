@@ -1,9 +1,9 @@
 /* rings.c - see rings.h.
  *
  * A hole is in the innermost outer ring around it. Rings touch at corners at most, so the middle of one of the hole's edges is on
- * no other ring: an outer ring is around it if the ray downwards from there crosses that ring an odd number of times. Outer
+ * no other ring. An outer ring is around the hole if the ray downwards from there crosses that ring an odd number of times. Outer
  * rings around one place are nested, so the innermost is the one with the smallest area. Edges are in strips by their x, so
- * that few are looked at. */
+ * that a ray meets few of them. */
 #include "clients/surfaces/rings.h"
 
 #include <math.h>
@@ -123,7 +123,7 @@ static double ring_area(const struct rings *r, size_t ring)
     return fabs(sum);
 }
 
-/* Calls for each strip that an edge of an outer ring meets: counts it, or puts it there. */
+/* For each strip that an edge of an outer ring meets: puts the edge into the strip, or only counts it. */
 static void fill(struct strips *s, bool put)
 {
     for (size_t k = 0; k < s->r->n; k++)

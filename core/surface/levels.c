@@ -1,9 +1,10 @@
 /* levels.c - the levels of contours at equal steps.
  *
- * base + k step is computed exactly and rounded once, and it is the rounded level that is compared with the values: so
- * 0.1 + 119 * 0.01 is the level 1.29 of a surface whose greatest value is 1.29. No quotient is rounded: with the
- * remainders r of the base and s of the least value, which fmod computes exactly, (least - s) + r is one of the exact
- * levels, less than two steps from the least value, however large k is. */
+ * base + k step is computed exactly and rounded once; the rounded level is compared with the values. So
+ * 0.1 + 119 * 0.01 is the level 1.29 of a surface whose greatest value is 1.29.
+ *
+ * No quotient is rounded. fmod computes exactly the remainders r of the base and s of the least value, divided by the step.
+ * Then (least - s) + r is one of the exact levels, and less than two steps from the least value, however large k is. */
 #include "core/exact/bignum.h"
 
 #include "core/delaunay_surface.h"

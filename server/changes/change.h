@@ -1,4 +1,4 @@
-/* change.h - a change of a set in one value: what is to be done, how the log records it, and what came of it.
+/* change.h - a change of a set in one value: what is to be done, its record in the log, and its outcome.
  *
  *     a command      reads a change and submits it (jobs/submit.h), which applies it and appends it to the log
  *     a restart      decodes changes from records and applies them (disk/replay.h)
@@ -59,7 +59,7 @@ enum {
         4 /* the points get the next ids of the set, which is created if it is not there */
 };
 
-/* What of the change a record's items are. */
+/* The part of the change that a record's items hold. */
 enum change_items { ITEMS_NONE, ITEMS_POINTS, ITEMS_IDS, ITEMS_PAIRS, ITEMS_COLUMN };
 
 struct change_kind {

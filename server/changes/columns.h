@@ -16,7 +16,7 @@ struct columns {
 struct columns *columns_new(size_t count);
 void columns_free(struct columns *c); /* NULL: nothing */
 
-/* How many records they are; each column has at least one. NULL: 0. */
+/* The number of records for the columns; each has at least one. NULL: 0. */
 uint64_t columns_records(const struct columns *c);
 
 #endif

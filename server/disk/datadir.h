@@ -54,10 +54,10 @@ void datadir_close(struct datadir *d);
  * place. */
 bool datadir_in_place(const struct datadir *d);
 
-/* The same; but a directory that has been deleted is given up for an empty one at its path, which is locked then. */
+/* The same, but if the directory has been deleted and there is an empty one at its path, locks and uses the empty one. */
 bool datadir_regain(const struct datadir *d);
 
-/* What an error of the disk means for an operator. */
+/* A sentence for operators about an error of the disk. */
 const char *datadir_error(int error);
 
 /* Lists the snapshots, segments and temporary files of the directory. False with errno. */

@@ -104,7 +104,7 @@ static size_t piece_room(const struct stream *st)
     return rows_piece(&st->rows, PIECE);
 }
 
-/* Where pieces are large, there are fewer. */
+/* There are fewer pieces if they are large. */
 static unsigned most_pieces(const struct stream *st)
 {
     size_t room = piece_room(st);
@@ -479,7 +479,7 @@ static bool is_made(const struct stream *st)
     return st->used > 0 && p->job == NULL && !p->part.surface.passed;
 }
 
-/* Sends the text of the piece: all of it if it is of the usual size, else as much as there is room for up to `most`. A conversion to
+/* Sends the text of the piece: all of it if it has the usual size, otherwise as much as fits into `most` bytes of out. A conversion to
  * RESP needs whole rows. */
 static enum dt_status send_text(const struct server *s, const struct stream *st, struct piece *p,
                                 struct buf *out, size_t most)

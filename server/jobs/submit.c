@@ -193,7 +193,7 @@ static void record(struct server *s, struct job *j)
     commit(s, j->set, c);
 }
 
-/* What the status line says of a change that has been carried out. */
+/* Writes the status line of a change that has been carried out, up to its version. */
 static void answer_facts(struct answer *a, const struct change *c)
 {
     reply_ok(a->out, 0);
@@ -223,7 +223,7 @@ static void done(struct server *s, struct job *j, struct answer *a)
     }
 }
 
-/* How the job is to be carried out. */
+/* The flags with which job_write carries out the change. */
 static unsigned weight_of(const struct dataset *set, const struct change *c)
 {
     enum { VALUES_AT_ONCE = 4096 };

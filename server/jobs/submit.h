@@ -21,8 +21,8 @@ struct submission {
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set);
 
-/* Whether the change of the set, NULL for a new one, is within the limits, and there is memory for it, which the job has
- * then. Of what the change will own, only its size need be there: n, and the number of columns. False: the ERR line has been
+/* Checks the limits and the memory for a change of the set, NULL for a new one; a long job reserves that memory. The change needs
+ * only its sizes yet: n, and the number of columns. False: the ERR line has been
  * written, or the request waits. */
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
                     struct submission *x);

@@ -23,7 +23,7 @@ void redis_time(struct server *s, const struct request *q, struct answer *a)
     redis_bulk_text(a, text);
 }
 
-/* As a new connection. What it follows with WATCH it still follows. */
+/* Makes the connection like a new one, except that it still watches the sets that it watches. */
 void redis_reset(struct server *s, const struct request *q, struct answer *a)
 {
     (void)q;

@@ -1,5 +1,5 @@
 /* habit.h - small requests that Redis's libraries and tools send by habit, before or beside what their users want: TIME, RESET, ROLE,
- * WAIT, LATENCY, MODULE, CLUSTER and its like; and requests that nobody knows. */
+ * WAIT, LATENCY, MODULE, CLUSTER and others. Also the answer to unknown requests. */
 #ifndef SERVER_HABIT_H
 #define SERVER_HABIT_H
 

@@ -118,8 +118,8 @@ static bool drop(struct server *s, const struct word *name, struct answer *a)
     return done;
 }
 
-/* Only the first DROP may have to wait, so that a request that is carried out again counts every set: it is that of a set that
- * has a writer or readers now, if there is one. */
+/* A set that has a writer or readers now is dropped first. So only the first DROP may have to wait, and a request that is carried
+ * out again after waiting counts every set. */
 void redis_unlink(struct server *s, const struct request *q, struct answer *a)
 {
     int64_t n = 0;

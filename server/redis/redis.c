@@ -1,4 +1,4 @@
-/* redis.c - see redis.h. Which requests are Redis's, and those that tools need in order to start. */
+/* redis.c - see redis.h. The table of Redis's requests, and the handlers of those that tools send at their start. */
 #include "server/redis/redis.h"
 
 #include "proto/number.h"
@@ -71,7 +71,7 @@ static void describe(struct answer *a, const struct command *c)
         redis_integer(a, set);
 }
 
-/* All commands, each as `put` has it; with `asked`, those n, and null for what is not there. */
+/* All commands, each written by `put`. With `asked`: these n commands, and null for each that does not exist. */
 static void list_commands(struct answer *a, const struct word *asked, size_t n,
                           void (*put)(struct answer *a, const struct command *c))
 {

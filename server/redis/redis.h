@@ -1,7 +1,12 @@
 /* redis.h - requests of Redis tools and client libraries that are not commands of ours, or that need a reply in
- * Redis's form: HELLO 2 and 3, PING, ECHO, SELECT, CLIENT, CONFIG GET, COMMAND, INFO, AUTH with a user's name, sets as
- * keys (keys.h) and when they expire (redis_expire.h), transactions, which are not carried out (transaction.h), small ones (habit.h),
- * and requests that neither Redis's table nor ours has. Only in RESP framing (proto/resp.h). */
+ * Redis's form. Only in RESP framing (proto/resp.h).
+ *
+ *     redis.c          HELLO 2 and 3, PING, ECHO, SELECT, CONFIG GET, COMMAND, AUTH
+ *     redis_client.h   CLIENT
+ *     redis_info.h     INFO
+ *     keys.h           sets as keys; redis_expire.h: when they expire
+ *     transaction.h    transactions, which are not carried out
+ *     habit.h          small requests, and those that neither Redis's table nor ours has */
 #ifndef SERVER_REDIS_REDIS_H
 #define SERVER_REDIS_REDIS_H
 

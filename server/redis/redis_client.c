@@ -36,7 +36,7 @@ static void put_own_row(struct server *s, struct answer *a)
     buf_free(&row);
 }
 
-/* What needs no reply of our CLIENT; false: it does. */
+/* Answers a subcommand that needs no reply of our CLIENT. False: it needs one. */
 static bool answer_alone(struct server *s, const struct request *q, struct answer *a)
 {
     const struct word *what = &q->word[1], *how = &q->word[q->n - 1];

@@ -10,7 +10,7 @@
 
 redis_handler redis_multi, redis_exec, redis_discard, redis_watch, redis_unwatch;
 
-/* What a connection after MULTI may send without having it queued. */
+/* Whether a request of that name is carried out, not queued, after MULTI. */
 bool redis_ends_multi(const struct word *name);
 
 /* Any other request of such a connection; its body, if it has one, is skipped. */

@@ -3,7 +3,7 @@
  *     tries rows within the bound  --- one alone exceeds it --->  slow: makes that one, however long it takes
  *                                  <---------------------------
  *
- * The flag is polled in both states. What makes a slow row must not occupy the last worker (WORK_SLOW). */
+ * The flag is polled in both states. Work that makes a slow row must not occupy the last worker (WORK_SLOW). */
 #ifndef SERVER_PACE_H
 #define SERVER_PACE_H
 

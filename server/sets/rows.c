@@ -26,7 +26,7 @@ enum {
 /* Bytes of text that the functions of reply.h reserve for each id, or number, of a row. */
 enum { ID_TEXT = 11, NUMBER_TEXT = 33, ROW_TEXT = 64 };
 
-/* Makes room for a row of so many ids and numbers, beside `beside` bytes that it takes while it is made. */
+/* Makes room for a row of that number of ids and numbers, and for `beside` bytes that it takes while it is made. */
 static bool make_room(const struct rows *r, struct buf *out, size_t ids, size_t numbers,
                       size_t beside)
 {
@@ -256,7 +256,7 @@ static void write_each(const struct rows *r, struct buf *out, const struct dt_ce
             write_polygon(r, out, &cell[i], corner);
 }
 
-/* Writes one cell that has more corners than the usual buffer, at most so many. */
+/* Writes one cell that has more corners than the usual buffer, and at most that number. */
 static enum dt_status write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out,
                                       size_t corners, size_t *n)
 {

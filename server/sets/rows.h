@@ -96,9 +96,9 @@ struct rows {
 /* The number of all rows; of ROW_SURFACE, of values. */
 size_t rows_count(const struct rows *r);
 
-/* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK, or until the bound of
- * r->pace is reached, which may be before the first row. r->pace.slow: the next row takes more than that by itself; the
- * next call makes it. DT_CANCELLED: the flag of the pace was seen. Uses only *r, its version's set (const) and out, so
+/* Appends rows until out holds `limit` bytes or more, r->done is set, r->status is not DT_OK, or the bound of r->pace is
+ * reached, which may be before the first row. Then r->pace.slow says that the next row exceeds the bound by itself; the
+ * next call makes that row. DT_CANCELLED: the flag of the pace was seen. Uses only *r, its version's set (const) and out, so
  * that a worker may call it under the version's lock. */
 void rows_fill(struct rows *r, struct buf *out, size_t limit);
 

@@ -34,7 +34,7 @@ static enum dt_status find(const struct surface_rows *r, const struct dt_surface
                             : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
 }
 
-/* Bytes of so many values, whole rows if they are text. */
+/* Bytes of that number of values, whole rows if they are text. */
 static size_t bytes_of(const struct surface_rows *r, size_t n)
 {
     enum { NUMBER_TEXT = 33 }; /* of reply_row_numbers, which takes 2 more for a row */

@@ -83,7 +83,7 @@ static unsigned lesser(unsigned a, unsigned b)
     return a < b ? a : b;
 }
 
-/* How many works of this kind may be begun. */
+/* The number of works of this kind that may be begun. */
 static unsigned ready(const struct workers *w, enum work_kind kind)
 {
     unsigned n = w->queue[kind].n;

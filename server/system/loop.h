@@ -1,8 +1,12 @@
 /* loop.h - the event loop: epoll, level-triggered, one thread.
  *
- * A turn is: run deferred tasks, wait for events, deliver them to their sources, run yielded tasks for a
- * millisecond, run the timers that are due, dispose of what was closed, for a millisecond too. A source is freed only
- * at the end of a turn, so that no event of the batch points to freed memory.
+ * A turn:
+ *     1. run deferred tasks
+ *     2. wait for events, and deliver them to their sources
+ *     3. run yielded tasks for a millisecond
+ *     4. run the timers that are due
+ *     5. dispose of closed sources, for a millisecond, too
+ * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
  *
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
  * round robin. So turns stay short however many tasks have much work, and tasks with little work run

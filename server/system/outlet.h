@@ -2,9 +2,9 @@
  *
  *     outlet_put --> line line line --> thread --> write(2)
  *
- * So the caller never waits, whatever is at the other end: a pipe that nobody reads, a stopped terminal, a disk that
- * stalls. The descriptor stays as it is, because other processes may share it. Lines that find no room, or cannot be
- * written, are counted as lost. Any thread may call; the lock is held for a copy of a line. */
+ * So the caller never waits for a pipe that nobody reads, a stopped terminal or a disk that stalls. The descriptor stays
+ * as it is, because other processes may share it. Lines that find no room, or cannot be written, are counted as lost. Any
+ * thread may call; the lock is held for a copy of a line. */
 #ifndef SERVER_OUTLET_H
 #define SERVER_OUTLET_H
 
@@ -46,7 +46,7 @@ struct outlet {
  * grows if it cannot be written. */
 void outlet_put(struct outlet *o, const char *text, size_t n, uint32_t worth);
 
-/* How many lines have been lost since the last call. */
+/* The number of lines that have been lost since the last call. */
 uint32_t outlet_take_lost(struct outlet *o);
 
 /* Waits until all lines have been written, or for so many milliseconds. */

@@ -17,8 +17,8 @@ void agenda_leave(struct watched *k);
 /* It is looked at, at the end of this turn. */
 void agenda_call(struct watched *k);
 
-/* Takes a busy one out; NULL: there are no more. Those that are called meanwhile are for the next turn once agenda_begin
- * has been called. */
+/* Begins a turn; then takes one set after the other; NULL at the end. Sets that are called after agenda_begin are for the next
+ * turn. */
 void agenda_begin(struct server *s);
 struct watched *agenda_next(struct server *s);
 
