@@ -85,13 +85,14 @@ bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t he
     struct png p = {.out = out};
     unsigned char head[13];
     size_t n = PIXEL * (size_t)width;
-    unsigned char *rows = malloc(2 * (n + 1)), *best = rows, *other = rows + n + 1;
+    unsigned char *rows = malloc(2 * (n + 1));
     struct deflate *d = deflate_new(put_data, &p);
     if (rows == NULL || d == NULL) {
         free(rows);
         free(d);
         return false;
     }
+    unsigned char *best = rows, *other = rows + n + 1;
     make_table(&p);
     fwrite("\x89PNG\r\n\x1a\n", 1, 8, out);
     put_u32(head, width);
@@ -101,8 +102,8 @@ bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t he
     for (uint32_t y = 0; y < height; y++) {
         const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
         uint64_t least = filter_row(best, 0, row, above, n);
-        for (unsigned char kind = 1; kind < FILTERS; kind++) {
-            uint64_t sum = filter_row(other, kind, row, above, n);
+        for (int kind = 1; kind < FILTERS; kind++) {
+            uint64_t sum = filter_row(other, (unsigned char)kind, row, above, n);
             if (sum < least) {
                 unsigned char *swap = best;
                 best = other;
