@@ -11,7 +11,6 @@ int main(int argc, char **argv)
 {
     struct config config;
     machine_open_standard();
-    machine_return_blocks();
     machine_raise_descriptors(); /* the default of --max-clients depends on it */
     config_init(&config);
     switch (command_line_read(&config, argc, argv)) {
@@ -22,6 +21,7 @@ int main(int argc, char **argv)
     case COMMAND_LINE_GOOD:
         break;
     }
+    machine_return_blocks(config.max_memory);
     int status = config.check != NULL    ? recovery_check(config.check)
                  : config.repair != NULL ? recovery_repair(config.repair)
                                          : daemon_run(&config);

@@ -48,12 +48,14 @@ unsigned machine_descriptors(void)
 
 /* ---- memory ---- */
 
-/* Otherwise glibc takes larger and larger blocks from its heaps, where freed ones stay: memory that the budget counts as free
- * would be resident. */
-void machine_return_blocks(void)
+/* Otherwise glibc takes larger and larger blocks from its heaps, where up to 170 MB of freed ones stay resident that the budget
+ * counts as free. Mappings of their own cost up to a third more time in large replies, so this is for small limits. */
+void machine_return_blocks(size_t limit)
 {
 #ifdef __GLIBC__
     enum { BLOCK = 32 * 1024, HEAP_END = 512 * 1024 };
+    if (limit >= (size_t)1 << 30)
+        return;
     mallopt(M_MMAP_THRESHOLD, BLOCK);
     mallopt(M_TRIM_THRESHOLD, HEAP_END);
 #endif

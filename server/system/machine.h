@@ -17,8 +17,9 @@ void machine_raise_descriptors(void);
 /* How many descriptors this process may have; UINT_MAX: no limit. */
 unsigned machine_descriptors(void);
 
-/* From now on malloc returns large blocks to the system as soon as they are freed. To be called before there are threads. */
-void machine_return_blocks(void);
+/* If the process may have less than 1 GiB: from now on malloc returns large blocks to the system as soon as they are freed. To be
+ * called before there are threads. */
+void machine_return_blocks(size_t limit);
 
 /* Bytes of memory: the machine's, or the limit of the control groups if that is lower. */
 size_t machine_memory(void);
