@@ -66,8 +66,13 @@ static void check_serves(const struct place *p, pid_t pid)
         expect(other, "OK 0\n");
         close(other);
     }
-    say(fd, "ADD t 1 2\nSNAPSHOT\n");
-    CHECK(strncmp(hear_line(fd), "OK 0 first=0 ", 13) == 0);
+    const char *line = "";
+    do { /* until the directory has been read */
+        say(fd, "ADD t 1 2\n");
+        line = hear_line(fd);
+    } while (strncmp(line, "ERR LOADING ", 12) == 0);
+    CHECK_MSG(strncmp(line, "OK 0 first=0 ", 13) == 0, "%s", line);
+    say(fd, "SNAPSHOT\n");
     hear_line(fd);
     close(fd);
     CHECK(kill(pid, SIGTERM) == 0 && waitpid(pid, &status, 0) == pid);

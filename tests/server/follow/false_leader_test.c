@@ -150,10 +150,11 @@ TEST_TIMEOUT(follower_says_that_it_is_disconnected, 60)
 
 /* ---- a leader that does not answer ---- */
 
-/* Its machine is off: connecting takes seconds, and the daemon is promoted meanwhile, again and again. */
+/* Its machine is off: connecting takes seconds, and the daemon is promoted meanwhile, again and again. FOLLOW itself asks who the
+ * leader is, for two seconds. */
 TEST(promotion_does_not_wait_for_the_connection_to_a_leader_that_is_gone)
 {
-    enum { PROMOTIONS = 40, FULL = 3 };
+    enum { PROMOTIONS = 4, FULL = 3 };
     struct false_leader l = false_leader_new();
     struct node f = node_new(NULL);
     int fd[FULL];
