@@ -279,9 +279,10 @@ class Drawn:
 class Workshop:
     """A copy of the tree in which one change after the other is made, tried and undone."""
 
-    def __init__(self, pristine, build, scratch, broken):
+    def __init__(self, pristine, build, folder, broken=()):
         self.broken, self.ignored = broken, set()
-        self.tree, self.build = os.path.join(tempfile.mkdtemp(dir=scratch), "tree"), build
+        self.tree, self.build = os.path.join(folder, "tree"), build
+        os.makedirs(folder)
         copy_tree(pristine, build, self.tree)
 
     def run(self, suites, *arguments, limit_s=None):
@@ -345,11 +346,11 @@ class Workshop:
             self.compile(line, old)
 
 
-def broken_tests(pristine, build):
-    """The tests that fail on the unchanged source."""
+def broken_tests(shop):
+    """The tests that fail on the unchanged source in a workshop."""
     broken = set()
     for suite in SUITES:
-        broken |= set(Run(pristine, build, [suite], [f"test_{suite}"]).failed)
+        broken |= set(shop.run([suite], f"test_{suite}").failed)
     for test in sorted(broken):
         print(f"unchanged: {test} fails, and does not count", flush=True)
     return broken
@@ -357,11 +358,12 @@ def broken_tests(pristine, build):
 
 def try_random(args, pristine, scratch):
     """Whether each of the random changes is caught, in the order in which that is known, and printed."""
-    broken = broken_tests(pristine, args.build) if args.sample else set()
+    # The names of workshops are short, because tests put sockets into folders below.
+    broken = broken_tests(Workshop(pristine, args.build, os.path.join(scratch, "u"))) if args.sample else set()
     drawn, caught, left, lock = Drawn(pristine, args.seed or default_seed(), args.of), [], [args.sample], threading.Lock()
 
-    def work():
-        shop = Workshop(pristine, args.build, scratch, broken)
+    def work(number):
+        shop = Workshop(pristine, args.build, os.path.join(scratch, str(number)), broken)
         while True:
             with lock:
                 if left[0] == 0:
@@ -377,7 +379,7 @@ def try_random(args, pristine, scratch):
 
     pool = concurrent.futures.ThreadPoolExecutor(args.jobs)
     try:
-        for done in concurrent.futures.as_completed([pool.submit(work) for _ in range(min(args.jobs, args.sample))]):
+        for done in concurrent.futures.as_completed([pool.submit(work, i) for i in range(min(args.jobs, args.sample))]):
             done.result()
     finally:
         for leader in list(Run.leaders):
