@@ -358,7 +358,7 @@ def broken_tests(shop):
 
 def try_random(args, pristine, scratch):
     """Whether each of the random changes is caught, in the order in which that is known, and printed."""
-    # The names of workshops are short, because tests put sockets into folders below.
+    # The names of folders are short, because tests put sockets and longer paths below.
     broken = broken_tests(Workshop(pristine, args.build, os.path.join(scratch, "u"))) if args.sample else set()
     drawn, caught, left, lock = Drawn(pristine, args.seed or default_seed(), args.of), [], [args.sample], threading.Lock()
 
@@ -454,7 +454,7 @@ def main():
     usable(mutants)
     print(f"{len(mutants)} entries apply, {sum(1 for m in mutants if m.equivalent)} of them are equivalent")
     wanted = WANTED if args.list is not None else WANTED_RANDOM
-    with tempfile.TemporaryDirectory(prefix="mutants-") as scratch:
+    with tempfile.TemporaryDirectory(prefix="m-") as scratch:
         pristine = os.path.join(scratch, "tree")
         copy_tree(TREE, args.build, pristine)
         if args.list is not None:
