@@ -59,7 +59,8 @@ __attribute__((format(printf, 3, 4))) void reply_err(struct buf *out, enum reply
                                                      const char *format, ...);
 
 /* The same with the arguments in a list. */
-void reply_err_list(struct buf *out, enum reply_code code, const char *format, va_list ap);
+__attribute__((format(printf, 3, 0))) void reply_err_list(struct buf *out, enum reply_code code,
+                                                          const char *format, va_list ap);
 
 /* A comment line, `# text`. */
 __attribute__((format(printf, 2, 3))) void reply_comment(struct buf *out, const char *format, ...);

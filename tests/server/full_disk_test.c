@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 #include <errno.h>
-#include <linux/capability.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,8 +76,12 @@ TEST_TIMEOUT(follower_whose_disk_is_full_says_so, 60)
 /* Permissions bind the daemon also if root runs the test. */
 static void run_bound(const char *data)
 {
-    prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);
-    prctl(PR_CAPBSET_DROP, CAP_DAC_READ_SEARCH, 0, 0, 0);
+    enum {
+        OVERRIDE = 1,
+        READ_SEARCH = 2
+    }; /* CAP_DAC_...; not every C library has Linux's headers */
+    prctl(PR_CAPBSET_DROP, OVERRIDE, 0, 0, 0);
+    prctl(PR_CAPBSET_DROP, READ_SEARCH, 0, 0, 0);
     execl(getenv("DELAUNAYD"), "delaunayd", "--port", "0", "--data", data, (char *)NULL);
     _exit(127);
 }
