@@ -34,18 +34,14 @@ static enum dt_status set_runs(struct dt *dt, struct change *c, const struct dt_
     enum dt_status status = DT_OK;
     for (size_t k = 0; k < v->count && status == DT_OK; k++)
         status = dt_field_set_run(dt, v->field[k].text, v->field[k].len, v->first,
-                                  v->v + k * (size_t)v->n, v->n, opt, &c->missing);
+                                  columns_values(v, k), v->n, opt, &c->missing);
     return status;
 }
 
-/* A LOAD without points sets values that are too many for one record. */
+/* Of records: the values need not be those of the new points alone. */
 static enum dt_status add_and_set(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
-    enum dt_status status = DT_OK;
-    if (c->n > 0)
-        status = dt_add_many(dt, c->points, c->n, opt, &c->added);
-    else
-        c->added.first = dt_next_id(dt);
+    enum dt_status status = dt_add_many(dt, c->points, c->n, opt, &c->added);
     return status == DT_OK ? set_runs(dt, c, opt) : status;
 }
 
@@ -55,13 +51,12 @@ static enum dt_status add_points(struct dt *dt, struct change *c, const struct d
     struct columns *v = c->columns;
     if (v == NULL)
         return dt_add_many(dt, c->points, c->n, opt, &c->added);
-    if (v->v != NULL && v->n != c->n) /* of records, and not those of the new points alone */
+    if (v->v != NULL && v->n != c->n)
         return add_and_set(dt, c, opt);
     if (c->rows != NULL && !split_rows(c))
         return DT_NOMEM;
     for (size_t k = 0; k < v->count; k++)
-        column[k] = (struct dt_values_of){v->field[k].text, v->field[k].len,
-                                          v->v == NULL ? NULL : v->v + k * (size_t)c->n};
+        column[k] = (struct dt_values_of){v->field[k].text, v->field[k].len, columns_values(v, k)};
     enum dt_status status = dt_add_values(dt, c->points, c->n, column, v->count, opt, &c->added);
     v->first = c->added.first;
     return status;

@@ -20,6 +20,11 @@ void columns_free(struct columns *c)
     free(c);
 }
 
+const double *columns_values(const struct columns *c, size_t k)
+{
+    return c->v == NULL ? NULL : c->v + k * (size_t)c->n;
+}
+
 uint64_t columns_records(const struct columns *c)
 {
     if (c == NULL)

@@ -16,6 +16,9 @@ struct columns {
 struct columns *columns_new(size_t count);
 void columns_free(struct columns *c); /* NULL: nothing */
 
+/* The values of column k, of all; NULL: there are none. */
+const double *columns_values(const struct columns *c, size_t k);
+
 /* The number of records for the columns; each has at least one. NULL: 0. */
 uint64_t columns_records(const struct columns *c);
 
