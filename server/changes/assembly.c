@@ -115,6 +115,16 @@ static enum assembled fill_columns(struct assembly *s, struct columns *v)
     return ASSEMBLY_DONE;
 }
 
+/* A LOAD without points sets values of a field that are too many for one record. */
+static void become_run(struct change *c)
+{
+    const struct columns *v = c->columns;
+    if (c->n > 0 || v == NULL || v->count > 1 || v->n == 0)
+        return;
+    c->kind = &change_kinds[CHANGE_RUN];
+    c->n = v->n;
+}
+
 /* ---- the change ---- */
 
 static enum assembled begin(struct assembly *s, const struct record *r)
@@ -139,6 +149,7 @@ static enum assembled end(struct assembly *s, const struct record *r, struct cha
         how = fill_columns(s, s->change.columns);
     if (how != ASSEMBLY_DONE)
         return how;
+    become_run(&s->change);
     *c = s->change;
     buf_free(&s->values);
     *s = (struct assembly){.pages = s->pages, .memory = s->memory};
