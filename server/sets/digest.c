@@ -3,6 +3,7 @@
 
 #include "proto/records/digest.h"
 
+#include <math.h>
 #include <string.h>
 
 _Static_assert(sizeof(struct dt_row) == 2 * sizeof(uint32_t) + 2 * sizeof(double),
@@ -36,6 +37,15 @@ bool digest_begin(struct digest *d, const struct dataset *set)
     return true;
 }
 
+/* A page whose last value was removed while a view read it stays for a while. */
+static bool has_values(const double *page)
+{
+    for (uint32_t i = 0; i < DT_FIELD_PAGE; i++)
+        if (!isnan(page[i]))
+            return true;
+    return false;
+}
+
 /* Reads pages of fields; false: there are no more. */
 static bool read_pages(struct digest *d, const struct dt *dt)
 {
@@ -51,8 +61,10 @@ static bool read_pages(struct digest *d, const struct dt *dt)
             d->column++;
             continue;
         }
-        d->value = digest_bytes(d->value, &d->page, sizeof d->page);
-        d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
+        if (has_values(page)) {
+            d->value = digest_bytes(d->value, &d->page, sizeof d->page);
+            d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
+        }
         d->page += DT_FIELD_PAGE;
     }
     return true;

@@ -322,6 +322,22 @@ TEST(digest_covers_every_row_and_page)
 }
 
 /* Edits between the pieces, of rows and values that have been read and that have not. */
+TEST(empty_page_that_a_view_has_kept_does_not_count)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, BASE "FSET t z 0 nan 2 nan\n");
+    uint64_t empty = digest_at(&l, "t", VERSION);
+    local_ask(&l, "FSET t z 0 1\n");
+    struct version *v = version_pin(local_set(&l, "t")->current);
+    struct dt_view *view = dt_view_begin(v->dt, false);
+    local_ask(&l, "FSET t z 0 nan\n");
+    CHECK(digest_at(&l, "t", VERSION) == empty);
+    version_end_view(&l.server.sets, v, view);
+    version_unpin(&l.server.sets, v);
+    local_stop(&l);
+}
+
 TEST(digest_is_of_the_moment_when_it_begins)
 {
     static const char *const edits[] = {
