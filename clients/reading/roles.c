@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <string.h>
+#include <strings.h>
 
 bool plan_fault(struct plan *p, bool list, const char *format, ...)
 {
@@ -271,6 +272,12 @@ static void borrow_headings(struct plan *p, struct sample *s, bool borrow)
     }
 }
 
+/* 12:30:05 is a time unless the next column has degrees, too. */
+static bool is_time(const struct column *c)
+{
+    return c->degrees > 0 && c->numbers == 0 && strchr(c->text, ':') != NULL;
+}
+
 static bool take_unheaded(struct plan *p, const struct wish *w, struct sample *s,
                           struct report *report)
 {
@@ -279,6 +286,8 @@ static bool take_unheaded(struct plan *p, const struct wish *w, struct sample *s
                           has_numbers(&p->column[0]) ? "a point needs x and y" : "not a number");
     if (!has_numbers(&p->column[0]) || !has_numbers(&p->column[1]))
         return plan_fault(p, true, "no header, and the first two columns are not numbers");
+    if (is_time(&p->column[0]) && p->column[1].degrees == 0)
+        return plan_fault(p, true, "no header, and the first column seems to have times");
     take(p, 0, 1);
     p->obvious = p->columns == 2 || w->xyz;
     if (p->columns > 2 && !w->xyz && !check_first_column(p, report))
@@ -298,12 +307,17 @@ static bool may_be_field(const struct column *c)
     return c->numbers >= c->texts + c->degrees + c->points;
 }
 
+/* A column z precedes others, such as h. */
 static void take_height(struct plan *p)
 {
+    bool z = false;
+    for (size_t i = 0; i < p->columns; i++)
+        z |= strcasecmp(p->column[i].heading, "z") == 0 && may_be_field(&p->column[i]);
     for (size_t i = 0; i < p->columns; i++) {
         struct column *c = &p->column[i];
         size_t len = strlen(c->heading);
-        if (c->role != COLUMN_UNUSED || !heading_is_height(c->heading, len) || !may_be_field(c))
+        if (c->role != COLUMN_UNUSED || !heading_is_height(c->heading, len) || !may_be_field(c) ||
+            (z && strcasecmp(c->heading, "z") != 0))
             continue;
         c->role = COLUMN_HEIGHT;
         p->depth = heading_is_depth(c->heading, len);

@@ -357,6 +357,12 @@ TEST(columns_that_are_not_used_are_named)
                   "columns not used: 4, 5, 6");
 }
 
+TEST(a_column_z_precedes_other_heights)
+{
+    tables_expect(CSV, "x,y,h,z\n0,0,1,100\n1,0,2,101\n", "0 0 100; 1 0 101",
+                  "columns not used: h (--fields");
+}
+
 TEST(several_pairs_of_coordinates_are_a_doubt)
 {
     tables_expect(CSV, "lon,lat,x,y\n11,48,0.1,0.2\n12,49,0.3,0.1\n", "0.1 0.2; 0.3 0.1",
@@ -421,6 +427,9 @@ TEST(numbers_of_points_dates_and_decimal_commas_are_not_coordinates)
     tables_refuse(CSV, "2024,1,15,48.1,11.5\n2024,2,15,48.2,11.6\n", "the first column has dates");
     tables_refuse(CSV, "2024-01-01,48.1,11.5\n2024-01-02,48.2,11.6\n",
                   "the first two columns are not numbers");
+    tables_refuse(CSV, "12:30:00,48.1,11.5\n12:30:01,48.2,11.6\n",
+                  "the first column seems to have times");
+    tables_expect(CSV, "6:30:00,48:30\n7:30:00,49:30\n", "6.5 48.5; 7.5 49.5", NULL);
     tables_refuse(CSV, "12,05,48,1\n13,5,49,25\n", "decimal commas");
     tables_expect(CSV, "12,5,48,1\n13,5,49,25\n", "12 5; 13 5", "if commas are decimal commas");
     tables_expect(CSV, "0,0,5\n10,0,6\n20,0,7\n", "0 0 5; 10 0 6; 20 0 7",
