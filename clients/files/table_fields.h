@@ -13,8 +13,7 @@ struct table_fields {
     char name[FIELDS_MOST][FIELDS_NAME]; /* what the daemon calls them */
     size_t column[FIELDS_MOST];          /* counted from 0; ascending */
     size_t n;
-    char
-        height[FIELDS_NAME]; /* the heading, or the number from 1, of the column that is called z */
+    char height[FIELDS_NAME];      /* the heading or number of the column that is called z */
     uint64_t missing[FIELDS_MOST]; /* points in which there is no number */
 };
 

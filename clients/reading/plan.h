@@ -49,11 +49,9 @@ struct plan {
     bool geometry;
     bool headed, comment; /* there is a heading, in line heading_line; it is a comment */
     bool any_length;      /* rows may have more columns than others */
-    bool
-        exact; /* rows must have as many columns as others: in shorter ones values may be elsewhere */
-    size_t
-        text; /* a column of text in which a number shows that the row is shifted; SIZE_MAX: none */
-    bool obvious;           /* nobody needs to be told which columns are x and y */
+    bool exact;           /* rows must have as many columns as others, or values may be elsewhere */
+    size_t text;          /* a column of text; a number in it means a shifted row; SIZE_MAX: none */
+    bool obvious;         /* nobody needs to be told which columns are x and y */
     uint64_t heading_line;  /* 0: none */
     uint64_t first_line;    /* where the rows of values begin */
     enum heading_pair pair; /* of x and y, if headed */

@@ -21,9 +21,8 @@ struct xml_tag {
     bool opens, closes;        /* <a>: opens; </a>: closes; <a/>: both */
     struct xml_part name;      /* without the prefix of its name space */
     struct xml_part attribute; /* all of them, as they are written */
-    struct xml_part
-        before; /* the text since the last tag; of a CDATA section or after a comment, only the last part */
-    uint64_t line; /* in which the tag begins */
+    struct xml_part before;    /* the text since the last tag, CDATA section or comment */
+    uint64_t line;             /* in which the tag begins */
 };
 
 /* The next tag; comments, processing instructions, declarations and CDATA sections are passed. 0: there is none; -1: something is

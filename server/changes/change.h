@@ -30,33 +30,38 @@ enum change_code {
     CHANGE_KINDS
 };
 
+/* Each kind uses some of the arguments:
+ *
+ *     CREATE    a: the tolerance
+ *     EXPIRE    a: the time, as in RECORD_EXPIRE
+ *     ADD       first: the id that must be the next one, or CHANGE_ANY; afterwards the id of the first point;
+ *               n points, in rows, or in points and columns
+ *     DELETE    n ids
+ *     MOVE      first: the id; a, b: the new place
+ *     SET       field, n pairs
+ *     RUN       a column of n values
+ *     FDROP     field */
 struct change {
     const struct change_kind *kind;
     struct name set;
-    struct name field; /* of CHANGE_SET and CHANGE_FDROP; the columns have their own */
-    uint32_t
-        first; /* CHANGE_ADD: the id that must be the next one, afterwards that of the first point; CHANGE_MOVE: the id */
-    uint32_t n; /* points, ids or values */
-    double a,
-        b; /* CHANGE_CREATE: the tolerance; CHANGE_EXPIRE: the time, as in RECORD_EXPIRE; CHANGE_MOVE: the place */
-    double *
-        rows; /* owns, from dt_pages_grow: points with the values of the columns, as they came; NULL: they are in points
-                          and columns */
-    struct dt_point *points;    /* owns n, from dt_pages_grow */
-    uint32_t *ids;              /* owns n */
+    struct name field; /* the columns have their own names */
+    uint32_t first, n;
+    double a, b;
+    double *rows;            /* owns, from dt_pages_grow: points, each with its values; or NULL */
+    struct dt_point *points; /* owns n, from dt_pages_grow */
+    uint32_t *ids;           /* owns n */
     struct record_value *pairs; /* owns n */
     struct columns *columns;    /* owns */
     struct dt_pages *pages;     /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
     struct dt_added added;
-    uint32_t deleted, missing; /* missing: of DT_NOPOINT, the first id that there is not */
+    uint32_t deleted, missing; /* missing: of DT_NOPOINT, the first id that does not exist */
 };
 
 enum {
     CHANGE_EXISTING = 1, /* the set must be there */
     CHANGE_NEW = 2,      /* the set must not be there */
-    CHANGE_GROWS =
-        4 /* the points get the next ids of the set, which is created if it is not there */
+    CHANGE_GROWS = 4     /* the points get the next ids of the set; a missing set is created */
 };
 
 /* The part of the change that a record's items hold. */

@@ -1,4 +1,4 @@
-/* apply.h - carries out the records of a leader's log as edits of this server, which writes the same records into its own log.
+/* apply.h - submits the changes in a leader's log, so that this server writes the same records into its own log.
  * On the I/O thread. */
 #ifndef SERVER_APPLY_H
 #define SERVER_APPLY_H
