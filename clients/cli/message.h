@@ -9,7 +9,7 @@
 __attribute__((format(printf, 1, 2))) void message_print(const char *format, ...);
 
 /* Keeps a sentence that has been printed already, or will be. */
-void message_keep(const char *format, va_list values);
+__attribute__((format(printf, 1, 0))) void message_keep(const char *format, va_list values);
 
 /* The last sentence, "" if there was none. */
 const char *message_last(void);

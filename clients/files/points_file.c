@@ -18,7 +18,8 @@ bool points_file_fault(struct points_file *f, const char *what)
     return false;
 }
 
-static void describe(struct points_file *f, const char *format, va_list values)
+__attribute__((format(printf, 2, 0))) static void describe(struct points_file *f,
+                                                           const char *format, va_list values)
 {
     vsnprintf(f->text, sizeof f->text, format, values);
     f->fault = f->text;

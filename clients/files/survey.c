@@ -23,7 +23,7 @@ static const char *column_name(const struct table_file *t, size_t column)
 
 struct range survey_range(const struct points_file *f, size_t column)
 {
-    struct range r = {INFINITY, -INFINITY, 0};
+    struct range r = {(double)INFINITY, -(double)INFINITY, 0};
     size_t step = 0;
     const double *v = f->n > 0 ? column_of(f, column, &step) : NULL;
     for (size_t i = 0; i < f->n; i++, v += step) {
@@ -129,7 +129,7 @@ static bool check_extreme(struct points_file *f, const char *name, size_t column
     const struct range all = survey_range(f, column);
     const double extreme = least ? all.least : all.greatest;
     char number[PROTO_NUMBER_MAX + 1], from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
-    double low = INFINITY, high = -INFINITY;
+    double low = (double)INFINITY, high = -(double)INFINITY;
     size_t step;
     uint64_t found = 0;
     if (!is_sentinel(extreme))
@@ -166,7 +166,8 @@ static bool check_extreme(struct points_file *f, const char *name, size_t column
 /* Points at 0 0 whose place may be missing: the others are far away. */
 static void check_origin(struct points_file *f)
 {
-    struct range r[2] = {{INFINITY, -INFINITY, 0}, {INFINITY, -INFINITY, 0}};
+    struct range r[2] = {{(double)INFINITY, -(double)INFINITY, 0},
+                         {(double)INFINITY, -(double)INFINITY, 0}};
     size_t others = 0;
     for (size_t i = 0; i < f->n; i++) {
         const double *p = f->xy + 2 * i;

@@ -36,7 +36,8 @@ TEST(gpx_points_of_all_kinds_are_read_with_their_elevations)
                     "<trkpt lat='7' lon='8'><ele>high</ele></trkpt></trkseg></trk></g:gpx>\n",
                     false));
     CHECK(file.n == 4 && file.fields == 1 && fields.n == 1);
-    static const double want[4][3] = {{-2, 1.5, 7}, {3, 4, NAN}, {6, 5, -1.25}, {8, 7, NAN}};
+    static const double want[4][3] = {
+        {-2, 1.5, 7}, {3, 4, (double)NAN}, {6, 5, -1.25}, {8, 7, (double)NAN}};
     for (size_t i = 0; i < 4; i++) {
         CHECK(file.xy[2 * i] == want[i][0] && file.xy[2 * i + 1] == want[i][1]);
         CHECK(isnan(want[i][2]) ? isnan(file.value[i]) : file.value[i] == want[i][2]);

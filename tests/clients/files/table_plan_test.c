@@ -129,8 +129,8 @@ TEST(headings_of_heights_are_known_in_many_languages)
                                           "Altura",
                                           "hoogte",
                                           "wysoko\xC5\x9B\xC4\x87",
-                                          "rz\xC4\x99"
-                                          "dna",
+                                          ("rz\xC4\x99"
+                                           "dna"),
                                           "v\xC3\xBD\xC5\xA1ka",
                                           "h\xC3\xB8jde",
                                           "h\xC3\xB6jd",
@@ -164,8 +164,8 @@ TEST(headings_of_coordinates_are_known_in_many_languages)
         "\xC3\x98st;Nord",
         "\xC3\x96st;Norr",
         "Ascissa;Ordinata",
-        "Abscisse;Ordonn\xC3\xA9"
-        "e",
+        ("Abscisse;Ordonn\xC3\xA9"
+         "e"),
         "UTM_E;UTM_N",
         "Longitude (\xC2\xB0);Latitude (\xC2\xB0)"};
     for (size_t i = 0; i < sizeof headings / sizeof headings[0]; i++) {

@@ -143,7 +143,7 @@ TEST(more_levels_than_fit_are_refused_however_many_they_are)
     CHECK(dt_levels_every(-DBL_MAX, DBL_MAX, DBL_MIN, 0, level, 4) == 5);
     CHECK(dt_levels_every(0x1p60, 0x1p60 + 1024, 1, 0, level, 4) ==
           5); /* though few after rounding */
-    CHECK(dt_levels_every(NAN, NAN, 1, 0, level, 4) == 0);
+    CHECK(dt_levels_every((double)NAN, (double)NAN, 1, 0, level, 4) == 0);
 }
 
 TEST(a_bignum_is_rounded_to_the_nearest_double_ties_to_even)
