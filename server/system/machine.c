@@ -52,10 +52,10 @@ unsigned machine_descriptors(void)
  * counts as free. Mappings of their own cost up to a third more time in large replies, so this is for small limits. */
 void machine_return_blocks(size_t limit)
 {
-#ifdef __GLIBC__
-    enum { BLOCK = 32 * 1024, HEAP_END = 512 * 1024 };
     if (limit >= (size_t)1 << 30)
         return;
+#ifdef __GLIBC__
+    enum { BLOCK = 32 * 1024, HEAP_END = 512 * 1024 };
     mallopt(M_MMAP_THRESHOLD, BLOCK);
     mallopt(M_TRIM_THRESHOLD, HEAP_END);
 #endif
