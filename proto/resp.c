@@ -83,7 +83,7 @@ static bool ends_with_body(const struct word *word, size_t words, long long len)
 static bool has_body(const struct request *q, size_t words, long long len)
 {
     size_t prefix = 0;
-    if (q->n + 1 != words)
+    if (q->n == 0 || q->n + 1 != words)
         return false;
     while (prefix + 2 < q->n && word_is(&q->word[prefix], "TIMEOUT"))
         prefix += 2;

@@ -115,6 +115,6 @@ TEST(version_of_a_set_that_is_made_again_is_another_one)
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < i; k++)
             CHECK_MSG(v[i] != v[k], "%d and %d: %" PRIu64, k, i, v[i]);
-    CHECK(v[2] < v[3] && v[4] < v[5]);
+    CHECK(v[2] < v[3]); /* lives without a directory have random numbers */
     directory_remove(&dir);
 }
