@@ -52,7 +52,7 @@ char *buf_make_room(struct buf *b, size_t n)
 char *buf_reserve_exactly(struct buf *b, size_t n)
 {
     if (b->cap - b->end >= n)
-        return b->data + b->end;
+        return b->end == 0 ? b->data : b->data + b->end; /* there may be no memory */
     if (b->start > 0)
         move_to_front(b);
     if (b->cap - b->end < n && (n > SIZE_MAX - b->end || !resize(b, b->end + n))) {

@@ -189,7 +189,8 @@ void resp_bulk(struct buf *out, const char *text, size_t len)
     if (to == NULL)
         return;
     size_t at = write_header(to, '$', len);
-    memcpy(to + at, text, len);
+    if (len > 0) /* there may be no text */
+        memcpy(to + at, text, len);
     memcpy(to + at + len, "\r\n", 2);
     buf_commit(out, at + len + 2);
 }

@@ -214,7 +214,9 @@ static bool asks_for(const struct request *q, const struct section *which)
 /* Copies our rows; `loading` and `role`, which mean something else in Redis, get longer names. */
 static void copy_rows(const struct buf *rows, struct buf *out)
 {
-    const char *at = buf_head(rows), *end = at + buf_len(rows);
+    const char *at = buf_head(rows), *end = at;
+    if (buf_len(rows) > 0) /* otherwise there may be no memory */
+        end = at + buf_len(rows);
     while (at < end) {
         const char *lf = memchr(at, '\n', (size_t)(end - at));
         size_t n = (size_t)((lf != NULL ? lf + 1 : end) - at);
