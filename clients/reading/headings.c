@@ -293,7 +293,7 @@ char heading_part(const char *text, size_t len, enum axis *axis)
                                         "sec",     "degree",  "minute", "second",  "degrees",
                                         "minutes", "seconds", "grad",   "minuten", "sekunden"};
     char name[WORD_ROOM], word[WORD_ROOM];
-    size_t at = 0, words = 0, n = 0, w;
+    size_t at = 0, words = 0, n = 0, w = 0;
     for (*axis = AXIS_NONE; at < len;) {
         if ((w = next_word(text, len, &at, word)) == 0)
             at++;
