@@ -32,7 +32,7 @@ void cmd_help(struct server *s, struct dataset *set, const struct request *q, st
     (void)s, (void)set;
     const struct command *one = q->n == 2 ? command_find(&q->word[1]) : NULL;
     if (q->n == 2 && one == NULL) {
-        reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s", QUOTED(&q->word[1]));
+        answer_err(a, ERR_UNKNOWN, "there is no command %.*s", QUOTED(&q->word[1]));
         return;
     }
     reply_ok(a->out, one != NULL ? 1 : command_count);
@@ -47,9 +47,9 @@ void cmd_hello(struct server *s, struct dataset *set, const struct request *q, s
     uint32_t version = PROTOCOL_VERSION;
     (void)s, (void)set;
     if (q->n == 2 && !proto_read_u32(q->word[1].text, q->word[1].len, &version)) {
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a version", QUOTED(&q->word[1]));
+        answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(&q->word[1]));
     } else if (version != PROTOCOL_VERSION) {
-        reply_err(a->out, ERR_RANGE, "this server speaks version %d", PROTOCOL_VERSION);
+        answer_err(a, ERR_RANGE, "this server speaks version %d", PROTOCOL_VERSION);
     } else {
         reply_ok(a->out, 0);
         reply_key_text(a->out, "server", "delaunayd");
@@ -69,10 +69,10 @@ void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q
     (void)set, (void)q;
     switch (durable_begin_snapshot(s, &lsn)) {
     case DURABLE_OFF:
-        reply_err(a->out, ERR_IO, "%s", no_data);
+        answer_err(a, ERR_IO, "%s", no_data);
         break;
     case DURABLE_BUSY:
-        reply_err(a->out, ERR_BUSY, "a snapshot is being written");
+        answer_err(a, ERR_BUSY, "a snapshot is being written");
         break;
     case DURABLE_NOMEM:
         answer_out_of_memory(a);
@@ -117,19 +117,19 @@ static void backup_done(struct server *s, struct job *j, struct answer *a)
         answer_backup(a, &b->backup);
         break;
     case BACKUP_EXISTS:
-        reply_err(a->out, ERR_EXISTS, "there is a %s already", b->backup.name);
+        answer_err(a, ERR_EXISTS, "there is a %s already", b->backup.name);
         break;
     case BACKUP_BUSY:
-        reply_err(a->out, ERR_BUSY, "another backup is being written");
+        answer_err(a, ERR_BUSY, "another backup is being written");
         break;
     case BACKUP_LOG_FAILED:
-        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s", why);
+        answer_err(a, ERR_READONLY, "changes cannot be saved: %s", why);
         break;
     case BACKUP_CANCELLED:
         answer_status(a, DT_CANCELLED);
         break;
     case BACKUP_ERROR:
-        reply_err(a->out, ERR_IO, "the backup cannot be written: %s", why);
+        answer_err(a, ERR_IO, "the backup cannot be written: %s", why);
     }
 }
 
@@ -138,9 +138,9 @@ void cmd_backup(struct server *s, struct dataset *set, const struct request *q, 
     const struct word *name = &q->word[1];
     (void)set;
     if (!backup_may_name(name->text, name->len)) {
-        reply_err(a->out, ERR_SYNTAX,
-                  "a backup's name is 1 to 64 of A-Z a-z 0-9 _ . : -, without . in front or .tmp "
-                  "at the end");
+        answer_err(a, ERR_SYNTAX,
+                   "a backup's name is 1 to 64 of A-Z a-z 0-9 _ . : -, without . in front or .tmp "
+                   "at the end");
         return;
     }
     struct backup_job *b = job_new(sizeof *b, run_backup, backup_done);
@@ -159,6 +159,6 @@ void cmd_backup(struct server *s, struct dataset *set, const struct request *q, 
         job_apart(s, a, &b->job);
         return;
     }
-    reply_err(a->out, ERR_IO, "%s", missing);
+    answer_err(a, ERR_IO, "%s", missing);
     job_free(&b->job);
 }

@@ -73,7 +73,7 @@ void cmd_auth(struct server *s, struct dataset *set, const struct request *q, st
     case SHOWN_LATER:
         break;
     case SHOWN_WRONG:
-        reply_err(a->out, ERR_DENIED, "no such token");
+        answer_err(a, ERR_DENIED, "no such token");
         break;
     case SHOWN_GOOD:
         reply_ok(a->out, 0);

@@ -175,7 +175,7 @@ static void check_done(struct server *s, struct job *j, struct answer *a)
     const char *fault = ((struct build *)j)->fault;
     (void)s;
     if (j->status == DT_CORRUPT && fault != NULL) {
-        reply_err(a->out, ERR_CORRUPT, "%s", fault);
+        answer_err(a, ERR_CORRUPT, "%s", fault);
         return;
     }
     if (j->status != DT_OK) {

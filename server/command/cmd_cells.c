@@ -225,7 +225,7 @@ static bool read_options(struct answer *a, const struct request *q, struct cells
         return false;
     if (j->lo.x < j->hi.x && j->lo.y < j->hi.y)
         return true;
-    reply_err(a->out, ERR_RANGE, "the box has no area");
+    answer_err(a, ERR_RANGE, "the box has no area");
     return false;
 }
 
@@ -246,7 +246,7 @@ static bool read_sites(struct answer *a, const struct dt *dt, const struct word 
     for (size_t i = 0; i < n; i++) {
         uint32_t id = ids->v[i];
         if (dt_representative(dt, id, &ids->v[i]) != DT_OK) {
-            reply_err(a->out, ERR_NOPOINT, "there is no point %u", id);
+            answer_err(a, ERR_NOPOINT, "there is no point %u", id);
             return false;
         }
     }

@@ -197,8 +197,7 @@ static void set_name(struct server *s, const struct request *q, struct answer *a
     if (client_set_name(s, a, &q->word[2]))
         answer_ok(a);
     else
-        reply_err(a->out, ERR_SYNTAX,
-                  "a client name has at most 64 printable characters and no blank");
+        answer_err(a, ERR_SYNTAX, "a client name has at most 64 printable characters and no blank");
 }
 
 static void answer_self(struct server *s, struct answer *a, bool name)
@@ -283,7 +282,7 @@ static void get_slow(struct server *s, const struct request *q, struct answer *a
     if (slowlog_wanted(s, q, &n))
         listing_answer(s, a, list_slow, false, next, next - n, n * sizeof(struct slow));
     else
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
 }
 
 void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -40,18 +40,18 @@ static bool read_pair(struct answer *a, const struct word *w, struct config *nex
     const struct setting *of = setting_find(w[0].text, w[0].len);
     size_t len = w[1].len < sizeof value - 1 ? w[1].len : sizeof value - 1;
     if (of == NULL) {
-        reply_err(a->out, ERR_SYNTAX, "there is no setting %.*s; try CONFIG GET *", QUOTED(w));
+        answer_err(a, ERR_SYNTAX, "there is no setting %.*s; try CONFIG GET *", QUOTED(w));
         return false;
     }
     if (!of->live) {
-        reply_err(a->out, ERR_SYNTAX, "%s cannot be changed while the server runs", of->name);
+        answer_err(a, ERR_SYNTAX, "%s cannot be changed while the server runs", of->name);
         return false;
     }
     memcpy(value, w[1].text, len);
     value[len] = '\0';
     if (len == w[1].len && strlen(value) == len && setting_read(of, next, value))
         return true;
-    reply_err(a->out, ERR_RANGE, "%s %.*s: %s", of->name, QUOTED(&w[1]), of->wanted);
+    answer_err(a, ERR_RANGE, "%s %.*s: %s", of->name, QUOTED(&w[1]), of->wanted);
     return false;
 }
 
@@ -60,8 +60,8 @@ static bool affordable(struct server *s, struct answer *a, const struct config *
     unsigned most = config_affordable_clients(next->max_clients);
     if (next->max_clients <= s->config->max_clients || next->max_clients <= most)
         return true;
-    reply_err(a->out, ERR_RANGE, "max-clients %u: there are descriptors for %u", next->max_clients,
-              most);
+    answer_err(a, ERR_RANGE, "max-clients %u: there are descriptors for %u", next->max_clients,
+               most);
     return false;
 }
 
@@ -105,11 +105,11 @@ static void set(struct server *s, const struct request *q, struct answer *a)
 static void reload(struct server *s, struct answer *a)
 {
     if (s->config->auth_file == NULL) {
-        reply_err(a->out, ERR_SYNTAX, "there is no --auth-file to reload");
+        answer_err(a, ERR_SYNTAX, "there is no --auth-file to reload");
         return;
     }
     if (!reload_tokens(s, a->owner)) {
-        reply_err(a->out, ERR_IO, "the token file is not valid; the old tokens stay: see the log");
+        answer_err(a, ERR_IO, "the token file is not valid; the old tokens stay: see the log");
         return;
     }
     const struct session *who = clients_asker(s, a);

@@ -75,7 +75,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
         return;
     }
     if (good)
-        reply_err(a->out, ERR_EXISTS, "the set %s already exists", set->name);
+        answer_err(a, ERR_EXISTS, "the set %s already exists", set->name);
     if (x != NULL)
         job_free(&x->job);
 }
@@ -114,9 +114,9 @@ void cmd_expire(struct server *s, struct dataset *set, const struct request *q, 
     const struct word *w = &q->word[2];
     double seconds;
     if (!proto_read_double(w->text, w->len, &seconds)) {
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
     } else if (seconds > EXPIRE_MOST_S) {
-        reply_err(a->out, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
+        answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
     } else {
         expire_after(s, set, seconds);
         a->lsn = durable_lsn(s, set);
@@ -177,8 +177,8 @@ static bool read_points(struct server *s, struct dataset *set, const struct requ
     c->first = CHANGE_ANY;
     c->n = (uint32_t)((q->n - at) / width);
     if ((q->n - at) % width != 0 || c->n == 0) {
-        reply_err(a->out, ERR_SYNTAX,
-                  fields ? "a point without all of its values" : "odd number of coordinates");
+        answer_err(a, ERR_SYNTAX,
+                   fields ? "a point without all of its values" : "odd number of coordinates");
         return false;
     }
     double *rows = read_rows(s, a, q, at, c->n, width);
@@ -236,7 +236,7 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
         return;
     for (size_t i = 0; i < n; i++) {
         if (dt_get(set->current->dt, ids.v[i], &p) != DT_OK) {
-            reply_err(a->out, ERR_NOPOINT, "there is no point %u", ids.v[i]);
+            answer_err(a, ERR_NOPOINT, "there is no point %u", ids.v[i]);
             free(ids.v);
             return;
         }

@@ -18,8 +18,8 @@ bool read_field_name(struct answer *a, const struct word *w)
 {
     if (word_is_field_name(w))
         return true;
-    reply_err(a->out, ERR_SYNTAX,
-              "a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or _");
+    answer_err(a, ERR_SYNTAX,
+               "a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or _");
     return false;
 }
 
@@ -31,7 +31,7 @@ const struct dt_field *find_field(struct answer *a, const struct dataset *set, c
     if (set->current->sum.fields > 0)
         f = dt_field_find(set->current->dt, w->text, w->len);
     if (f == NULL)
-        reply_err(a->out, ERR_NOFIELD, "there is no field %.*s", QUOTED(w));
+        answer_err(a, ERR_NOFIELD, "there is no field %.*s", QUOTED(w));
     return f;
 }
 
@@ -42,11 +42,11 @@ bool read_value(struct answer *a, const struct word *w, double *v)
         return true;
     }
     if (!proto_read_double(w->text, w->len, v)) {
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
         return false;
     }
     if (isinf(*v))
-        reply_err(a->out, ERR_RANGE, "a value is a finite number, or nan");
+        answer_err(a, ERR_RANGE, "a value is a finite number, or nan");
     return !isinf(*v);
 }
 
@@ -67,7 +67,7 @@ static bool is_new_name(struct answer *a, const struct columns *v, size_t column
 {
     for (size_t i = 0; i < columns; i++) {
         if (name_equals(&v->field[i], name->text, name->len)) {
-            reply_err(a->out, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
+            answer_err(a, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
             return false;
         }
     }
@@ -83,7 +83,7 @@ struct columns *read_field_names(struct answer *a, const struct dataset *set,
         columns += names->text[i] == ',';
     struct columns *v = columns > DT_MAX_FIELDS ? NULL : columns_new(columns);
     if (columns > DT_MAX_FIELDS)
-        reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+        answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
     else if (v == NULL)
         answer_out_of_memory(a);
     for (size_t i = 0; v != NULL && i < columns; i++) {
@@ -92,7 +92,7 @@ struct columns *read_field_names(struct answer *a, const struct dataset *set,
         if (good && (set == NULL || dt_field_find(set->current->dt, name.text, name.len) == NULL))
             fields++;
         if (good && fields > DT_MAX_FIELDS) {
-            reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+            answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
             good = false;
         }
         if (!good) {
@@ -114,7 +114,7 @@ const struct dt_field **find_fields(struct answer *a, const struct dataset *set,
     bool good = f != NULL, more = true;
     for (*fields = 0; good && more; ++*fields) {
         if (*fields == DT_MAX_FIELDS) {
-            reply_err(a->out, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
+            answer_err(a, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
             good = false;
             break;
         }
@@ -140,14 +140,14 @@ bool check_field_names(struct answer *a, const struct word *names)
         if (last)
             return true;
     }
-    reply_err(a->out, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
+    answer_err(a, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
     return false;
 }
 
 static bool read_pairs(struct answer *a, const struct request *q, struct change *c)
 {
     if (q->n % 2 == 0) {
-        reply_err(a->out, ERR_SYNTAX, "an id without a value");
+        answer_err(a, ERR_SYNTAX, "an id without a value");
         return false;
     }
     if (!read_field_name(a, &q->word[2]))
@@ -186,7 +186,7 @@ static uint32_t *value_rows(struct answer *a, const struct dataset *set, const s
         struct dt_point p;
         double value;
         if (dt_get(set->current->dt, id[i], &p) != DT_OK) {
-            reply_err(a->out, ERR_NOPOINT, "there is no point %u", id[i]);
+            answer_err(a, ERR_NOPOINT, "there is no point %u", id[i]);
             free(row);
             return NULL;
         }

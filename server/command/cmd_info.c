@@ -213,10 +213,10 @@ void cmd_info(struct server *s, struct dataset *set, const struct request *q, st
     for (size_t i = 1; i < q->n && known; i++) {
         known = add_section(s, &f, added, &q->word[i]);
         if (!known)
-            reply_err(a->out, ERR_SYNTAX,
-                      "INFO has no section %.*s; it has server clients memory stats sets "
-                      "durability replication commands all",
-                      QUOTED(&q->word[i]));
+            answer_err(a, ERR_SYNTAX,
+                       "INFO has no section %.*s; it has server clients memory stats sets "
+                       "durability replication commands all",
+                       QUOTED(&q->word[i]));
     }
     if (known) {
         reply_ok(a->out, f.n);

@@ -61,7 +61,7 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
         return;
     for (size_t i = 0; i < n; i++) {
         if (dt_representative(set->current->dt, query.ids.v[i], &rep) != DT_OK) {
-            reply_err(a->out, ERR_NOPOINT, "there is no point %u", query.ids.v[i]);
+            answer_err(a, ERR_NOPOINT, "there is no point %u", query.ids.v[i]);
             free(query.ids.v);
             return;
         }
@@ -202,7 +202,7 @@ void cmd_nearestb(struct server *s, struct dataset *set, const struct request *q
     if (q->n == 4 && !read_count(a, &q->word[3], "a number of points", &k))
         return;
     if (k > LIMIT_NEAREST_MANY)
-        reply_err(a->out, ERR_RANGE, "at most %d points for each place", LIMIT_NEAREST_MANY);
+        answer_err(a, ERR_RANGE, "at most %d points for each place", LIMIT_NEAREST_MANY);
     else
         answer_places(s, set, ROW_NEAREST, k, a);
 }

@@ -66,9 +66,9 @@ static enum option option_of(const struct word *w)
 static bool read_number(struct answer *a, const struct word *w, const char *what, double *v)
 {
     if (!proto_read_double(w->text, w->len, v))
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
     else if (isinf(*v))
-        reply_err(a->out, ERR_RANGE, "a %s is finite", what);
+        answer_err(a, ERR_RANGE, "a %s is finite", what);
     else {
         *v += 0.0; /* -0 becomes 0 */
         return true;
@@ -81,7 +81,7 @@ static bool read_step(struct answer *a, const struct word *w, double *v)
     if (!read_number(a, w, "step", v))
         return false;
     if (*v <= 0)
-        reply_err(a->out, ERR_RANGE, "a step is greater than 0");
+        answer_err(a, ERR_RANGE, "a step is greater than 0");
     return *v > 0;
 }
 
@@ -168,7 +168,7 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
     if (end == 3)
         answer_usage(a, q);
     else if (end % 2 == 0)
-        reply_err(a->out, ERR_SYNTAX, "odd number of coordinates");
+        answer_err(a, ERR_SYNTAX, "odd number of coordinates");
     else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
         surface_answer(s, a, set, &surface);
     else
@@ -205,7 +205,7 @@ static bool read_side(struct answer *a, const struct word *w, const char *what, 
         return false;
     bool good = *n >= 1 && *n <= LIMIT_RASTER_SIDE;
     if (!good)
-        reply_err(a->out, ERR_RANGE, "a raster has 1 to %d columns and rows", LIMIT_RASTER_SIDE);
+        answer_err(a, ERR_RANGE, "a raster has 1 to %d columns and rows", LIMIT_RASTER_SIDE);
     return good;
 }
 
@@ -220,7 +220,7 @@ static bool read_raster(struct answer *a, const struct request *q, struct dt_ras
     put_in_order(&r->lo.y, &r->hi.y);
     bool good = (uint64_t)r->columns * r->rows <= LIMIT_RASTER_CELLS;
     if (!good)
-        reply_err(a->out, ERR_TOOBIG, "a raster has at most %d cells", LIMIT_RASTER_CELLS);
+        answer_err(a, ERR_TOOBIG, "a raster has at most %d cells", LIMIT_RASTER_CELLS);
     return good;
 }
 
@@ -245,7 +245,7 @@ static bool read_levels(struct answer *a, const struct request *q, size_t end, s
 {
     uint32_t n = 0;
     if (end - 3 > LIMIT_LEVELS) {
-        reply_err(a->out, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
+        answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
         return false;
     }
     double *level = malloc((end - 3) * sizeof *level + 1);

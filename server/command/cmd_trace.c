@@ -96,7 +96,7 @@ void cmd_trace(struct server *s, struct dataset *set, const struct request *q, s
 {
     (void)q;
     if (set->current->sum.points > LIMIT_TRACE_POINTS) {
-        reply_err(a->out, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
+        answer_err(a, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
         return;
     }
     struct trace *t = job_new(sizeof *t, run, done);

@@ -160,7 +160,7 @@ const struct command *command_find(const struct word *name)
 
 void answer_usage(struct answer *a, const struct request *q)
 {
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    answer_err(a, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
 }
 
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
@@ -176,7 +176,7 @@ bool check_write_role(struct answer *a)
 {
     if (a->role == ROLE_WRITE)
         return true;
-    reply_err(a->out, ERR_DENIED, "your token is for reading only");
+    answer_err(a, ERR_DENIED, "your token is for reading only");
     return false;
 }
 
@@ -186,7 +186,7 @@ static bool check_role(struct answer *a, const struct command *c)
         return (c->flags & (CMD_WRITE | CMD_ADMIN)) == 0 || check_write_role(a);
     if ((c->flags & CMD_OPEN) != 0)
         return true;
-    reply_err(a->out, ERR_NOAUTH, "authenticate first: AUTH token");
+    answer_err(a, ERR_NOAUTH, "authenticate first: AUTH token");
     return false;
 }
 
@@ -215,7 +215,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     if ((c->flags & CMD_SET) == 0)
         return true;
     if (!word_is_set_name(&q->word[1])) {
-        reply_err(a->out, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+        answer_err(a, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
         return false;
     }
     *set = registry_find(&s->sets, &q->word[1]);
@@ -227,7 +227,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
         *set = NULL;
     if (!there && (c->flags & CMD_EXISTING) != 0) {
         note_changes(s, a, c, NULL);
-        reply_err(a->out, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
+        answer_err(a, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
         return false;
     }
     return true;
@@ -375,7 +375,7 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
     a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
     stats_begin(&s->stats, a->command);
     if (c == NULL) {
-        reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
+        answer_err(a, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
         command_skip_body(s, q, a);
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
                !check_set(s, a, c, q, &set)) {
@@ -407,8 +407,8 @@ void command_take_timeout(struct request *q, int64_t *ms)
 void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)set;
-    reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
-              LIMIT_TIMEOUT_S);
+    answer_err(a, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
+               LIMIT_TIMEOUT_S);
     command_skip_body(s, q, a);
 }
 
@@ -422,10 +422,9 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
         a->next = ANSWER_WHOLE;
     buf_rewind(a->out, mark);
     if (a->busy)
-        reply_err(a->out, ERR_BUSY,
-                  "not enough free memory for the reply at the moment; try again");
+        answer_err(a, ERR_BUSY, "not enough free memory for the reply at the moment; try again");
     else
-        reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
+        answer_err(a, ERR_NOMEM, "out of memory; nothing has changed");
 }
 
 void command_run(struct server *s, const struct request *q, struct answer *a)
@@ -461,7 +460,7 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
 bool read_coordinate(struct answer *a, const struct word *w, double *v)
 {
     if (!proto_read_double(w->text, w->len, v)) {
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
         return false;
     }
     if (!dt_coordinate_ok(*v)) {
@@ -474,11 +473,11 @@ bool read_coordinate(struct answer *a, const struct word *w, double *v)
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v)
 {
     if (!proto_read_double(w->text, w->len, v))
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
     else if (*v < 0)
-        reply_err(a->out, ERR_RANGE, "a %s is not negative", what);
+        answer_err(a, ERR_RANGE, "a %s is not negative", what);
     else if (!dt_coordinate_ok(*v))
-        reply_err(a->out, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
+        answer_err(a, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
     else {
         *v += 0.0; /* -0 becomes 0 */
         return true;
@@ -523,7 +522,7 @@ bool read_count(struct answer *a, const struct word *w, const char *what, uint32
 {
     if (proto_read_u32(w->text, w->len, n))
         return true;
-    reply_err(a->out, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
+    answer_err(a, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
     return false;
 }
 

@@ -134,14 +134,14 @@ void load_start(struct server *s, const struct request *q, struct answer *a, boo
         if (shape.values <= DT_MAX_FIELDS) {
             begin(s, q, a, adds, &shape);
         } else {
-            reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+            answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
             load_skip(s, q, a);
         }
         return;
     }
     const struct word *w = count_of(q, q->n);
-    reply_err(a->out, ERR_NUMBER, "%.*s is not a number of points",
-              (int)(w->len < 32 ? w->len : 32), w->text);
+    answer_err(a, ERR_NUMBER, "%.*s is not a number of points", (int)(w->len < 32 ? w->len : 32),
+               w->text);
     a->next = ANSWER_CLOSING;
 }
 
@@ -175,8 +175,8 @@ static const char *outcome(const struct load *l)
 
 static void say(struct answer *a, const struct load *l, enum reply_code code, const char *what)
 {
-    reply_err(a->out, code, "%s %llu: %s%s", row_name(l), (unsigned long long)l->body.fault_line,
-              what, outcome(l));
+    answer_err(a, code, "%s %llu: %s%s", row_name(l), (unsigned long long)l->body.fault_line, what,
+               outcome(l));
 }
 
 static void say_too_big(struct server *s, struct answer *a, const struct load *l)
@@ -203,8 +203,8 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
         say(a, l, ERR_SYNTAX, "the input ended too early");
         break;
     case BODY_LONGER:
-        reply_err(a->out, ERR_SYNTAX, "more than %llu %ss%s", (unsigned long long)b->fault_line,
-                  row_name(l), outcome(l));
+        answer_err(a, ERR_SYNTAX, "more than %llu %ss%s", (unsigned long long)b->fault_line,
+                   row_name(l), outcome(l));
         break;
     case BODY_NUMBER:
         say(a, l, ERR_NUMBER, "not a number");

@@ -18,9 +18,9 @@
 static bool check_data(const struct server *s, struct answer *a)
 {
     if (s->durable == NULL || s->leader == NULL)
-        reply_err(a->out, ERR_IO, "there is no data directory (--data)");
+        answer_err(a, ERR_IO, "there is no data directory (--data)");
     else if (durable_dir(s) == NULL || !durable_is_complete(s))
-        reply_err(a->out, ERR_LOADING, "the data directory is being read; try again");
+        answer_err(a, ERR_LOADING, "the data directory is being read; try again");
     else
         return true;
     return false;
@@ -48,7 +48,7 @@ static void answer_why(struct answer *a, const char *why)
     if (why == NULL)
         answer_ok(a);
     else
-        reply_err(a->out, ERR_BUSY, "%s", why);
+        answer_err(a, ERR_BUSY, "%s", why);
 }
 
 /* Follows the daemon at that address, when it has said that it is another one, and a leader. */
@@ -63,10 +63,10 @@ static void follow(struct server *s, struct answer *a, const char *host, unsigne
         answer_wait(a, queue, false);
         break;
     case FOLLOW_ITSELF:
-        reply_err(a->out, ERR_RANGE, "%s is this daemon itself", address);
+        answer_err(a, ERR_RANGE, "%s is this daemon itself", address);
         break;
     case FOLLOW_IMPOSSIBLE:
-        reply_err(a->out, ERR_RANGE, "%s cannot be followed: %s", address, why);
+        answer_err(a, ERR_RANGE, "%s cannot be followed: %s", address, why);
         break;
     case FOLLOW_POSSIBLE:
         answer_why(a, follower_follow(s, host, port, confirmed));
@@ -88,10 +88,10 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
     else if (none)
         answer_why(a, follower_promote(s));
     else if (!copy_word(&q->word[1], host, sizeof host) || !is_numeric_address(host))
-        reply_err(a->out, ERR_SYNTAX, "%.*s is not a numeric IPv4 or IPv6 address",
-                  QUOTED(&q->word[1]));
+        answer_err(a, ERR_SYNTAX, "%.*s is not a numeric IPv4 or IPv6 address",
+                   QUOTED(&q->word[1]));
     else if (!proto_read_u32(q->word[2].text, q->word[2].len, &port) || port == 0 || port > 65535)
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a port", QUOTED(&q->word[2]));
+        answer_err(a, ERR_NUMBER, "%.*s is not a port", QUOTED(&q->word[2]));
     else
         follow(s, a, host, port, confirmed);
 }
@@ -129,7 +129,7 @@ void cmd_sync(struct server *s, struct dataset *set, const struct request *q, st
         return;
     follower_meet(s, &from.history);
     if (s->read_only.why != NULL) {
-        reply_err(a->out, ERR_READONLY, "%s", s->read_only.why);
+        answer_err(a, ERR_READONLY, "%s", s->read_only.why);
         return;
     }
     if (who == NULL)
@@ -158,7 +158,7 @@ void cmd_wait(struct server *s, struct dataset *set, const struct request *q, st
         return;
     if (!proto_read_double(q->word[2].text, q->word[2].len, &seconds) || !(seconds >= 0) ||
         seconds > WAIT_MOST_S) {
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a number of seconds", QUOTED(&q->word[2]));
+        answer_err(a, ERR_NUMBER, "%.*s is not a number of seconds", QUOTED(&q->word[2]));
         return;
     }
     int64_t now = clock_ms();

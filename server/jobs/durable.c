@@ -375,8 +375,8 @@ bool durable_loaded(struct server *s, struct answer *a)
     struct durable *d = s->durable;
     if (d == NULL || d->stage != STAGE_READING)
         return true;
-    reply_err(a->out, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
-              recovery_percent(&d->recovery));
+    answer_err(a, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
+               recovery_percent(&d->recovery));
     return false;
 }
 
@@ -390,21 +390,22 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 {
     const struct durable *d = s->durable;
     if (s->read_only.why != NULL) {
-        reply_err(a->out, s->read_only.code, "%s", s->read_only.why);
+        answer_err(a, s->read_only.code, "%s", s->read_only.why);
         return false;
     }
     if (d == NULL)
         return true;
     if (lacks_followers(s)) {
-        reply_err(a->out, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
-                  s->config->min_followers);
+        answer_err(a, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
+                   s->config->min_followers);
         return false;
     }
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);
     if (status->state != LOG_GOOD && !(frees && full)) {
-        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s%s",
-                  datadir_error(saver_error(&d->saver)), full ? "; DEL and DROP are possible" : "");
+        answer_err(a, ERR_READONLY, "changes cannot be saved: %s%s",
+                   datadir_error(saver_error(&d->saver)),
+                   full ? "; DEL and DROP are possible" : "");
         return false;
     }
     if (!is_behind(s) && wait_is_first(&s->log, a->turn))

@@ -140,7 +140,7 @@ static bool too_busy(struct server *s, struct answer *a, unsigned how)
         (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN | JOB_SLOW)) != JOB_HEAVY ||
         workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
-    reply_err(a->out, ERR_BUSY, "too many requests are waiting for a worker; try again");
+    answer_err(a, ERR_BUSY, "too many requests are waiting for a worker; try again");
     return true;
 }
 
@@ -199,8 +199,8 @@ static bool choose_copy(struct server *s, struct answer *a, struct job *j, struc
         return j->fresh != NULL;
     }
     if (must)
-        reply_err(a->out, ERR_BUSY,
-                  "the set is being read, and there is no memory for a copy of it; try again");
+        answer_err(a, ERR_BUSY,
+                   "the set is being read, and there is no memory for a copy of it; try again");
     return !must;
 }
 

@@ -164,12 +164,13 @@ static void append_head(const struct listing *l, struct buf *out)
     }
 }
 
-static void append_error(const struct listing *l, struct buf *out)
+static void append_error(const struct listing *l, struct answer *a)
 {
     if (l->frame == LISTING_LINES)
-        reply_err(out, ERR_NOMEM, "out of memory; nothing has changed");
+        answer_err(a, ERR_NOMEM, "out of memory; nothing has changed");
     else
-        buf_append_text(out, "-NOMEM out of memory; nothing has changed\r\n");
+        buf_append_text(a->out, "-NOMEM out of memory; nothing has changed\r\n");
+    a->refused = true;
 }
 
 /* The number of bytes to send next: whole rows, unless they are framed. */
@@ -188,7 +189,7 @@ static bool send_rows(struct listing *l, struct answer *a)
 {
     struct buf *out = a->out;
     if (l->rows.text.failed) { /* before anything has been appended */
-        append_error(l, out);
+        append_error(l, a);
         return true;
     }
     if (!l->begun) {
@@ -257,6 +258,7 @@ static void begin(struct server *s, struct answer *a, const struct listing *what
             server_refuse(s, a, bytes);
         else
             buf_append_text(a->out, "-BUSY not enough free memory at the moment; try again\r\n");
+        a->refused = true;
         listing_free(l);
         return;
     }

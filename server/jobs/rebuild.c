@@ -114,8 +114,8 @@ void rebuild_refuse(const struct server *s, struct answer *a, const struct datas
 {
     const struct rebuild *r = s->rebuild;
     bool first = r->job != NULL && r->set[r->at] == set;
-    reply_err(a->out, ERR_LOADING, "the set %s is being triangulated, %u %% so far; try again",
-              set->name, first ? r->job->progress : 0);
+    answer_err(a, ERR_LOADING, "the set %s is being triangulated, %u %% so far; try again",
+               set->name, first ? r->job->progress : 0);
 }
 
 void rebuild_free(struct server *s)

@@ -42,8 +42,8 @@ void redis_wait(struct server *s, const struct request *q, struct answer *a)
     uint32_t ms;
     struct line_reply t;
     if (q->n != 3 || !proto_read_u32(q->word[2].text, q->word[2].len, &ms)) {
-        redis_simple(a, q->n != 3 ? "-ERR wrong number of arguments for 'wait' command"
-                                  : "-ERR timeout is not an integer or out of range");
+        redis_error(a, q->n != 3 ? "ERR wrong number of arguments for 'wait' command"
+                                 : "ERR timeout is not an integer or out of range");
         return;
     }
     snprintf(seconds, sizeof seconds, "%u.%03u", ms / 1000, ms % 1000);
@@ -157,7 +157,7 @@ void redis_module(struct server *s, const struct request *q, struct answer *a)
 void redis_cluster(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_simple(a, "-ERR This instance has cluster support disabled");
+    redis_error(a, "ERR This instance has cluster support disabled");
 }
 
 /* Appends a word in quotation marks, at most `most` bytes of it. */
@@ -181,5 +181,6 @@ void redis_unknown(struct server *s, const struct request *q, struct answer *a)
         buf_append_char(a->out, ' ');
     }
     buf_append(a->out, "\r\n", 2);
+    a->refused = true;
     command_skip_body(s, q, a);
 }

@@ -159,8 +159,8 @@ bool redis_del_is_misused(const struct request *q)
 void redis_del(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_simple(a, "-SYNTAX usage: DEL set id [id ...]: DEL deletes points; UNLINK set [set ...] "
-                    "or DROP set deletes sets");
+    redis_error(a, "SYNTAX usage: DEL set id [id ...]: DEL deletes points; UNLINK set [set ...] "
+                   "or DROP set deletes sets");
 }
 
 /* ---- names ---- */
@@ -170,8 +170,8 @@ static bool good_pattern(struct answer *a, const struct word *pattern)
     char text[64];
     if (pattern->len <= GLOB_LIMIT)
         return true;
-    snprintf(text, sizeof text, "-SYNTAX a pattern has at most %d bytes", GLOB_LIMIT);
-    redis_simple(a, text);
+    snprintf(text, sizeof text, "SYNTAX a pattern has at most %d bytes", GLOB_LIMIT);
+    redis_error(a, text);
     return false;
 }
 
@@ -229,7 +229,7 @@ static bool read_option(struct answer *a, const struct word *w, struct scan *sca
         scan->other = !word_is(&w[1], "POINTSET");
         return true;
     }
-    redis_simple(a, "-SYNTAX SCAN takes MATCH pattern, COUNT n with n from 1 on, TYPE type");
+    redis_error(a, "SYNTAX SCAN takes MATCH pattern, COUNT n with n from 1 on, TYPE type");
     return false;
 }
 
@@ -253,7 +253,7 @@ static bool read_scan(struct answer *a, const struct request *q, struct scan *sc
         return false;
     }
     if (!read_cursor(&q->word[1], &scan->cursor)) {
-        redis_simple(a, "-NUMBER that is not a cursor of SCAN");
+        redis_error(a, "NUMBER that is not a cursor of SCAN");
         return false;
     }
     for (size_t i = 2; i < q->n; i += 2)

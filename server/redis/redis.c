@@ -43,7 +43,7 @@ static void select_db(struct server *s, const struct request *q, struct answer *
     if (q->n == 2 && word_is(&q->word[1], "0"))
         redis_simple(a, "+OK");
     else
-        redis_simple(a, "-RANGE there is only the database 0");
+        redis_error(a, "RANGE there is only the database 0");
 }
 
 static void put_name(struct answer *a, const struct command *c)
@@ -203,7 +203,7 @@ static bool show_token(struct server *s, const struct word *token, struct answer
 {
     enum shown shown = client_show_token(s, a, token);
     if (shown == SHOWN_WRONG)
-        redis_simple(a, "-WRONGPASS invalid username-password pair or user is disabled.");
+        redis_error(a, "WRONGPASS invalid username-password pair or user is disabled.");
     return shown == SHOWN_GOOD;
 }
 
@@ -243,7 +243,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
     uint32_t version = a->typed ? 3 : 2;
     if (q->n >= 2 && (!proto_read_u32(q->word[1].text, q->word[1].len, &version) || version < 2 ||
                       version > 3)) {
-        redis_simple(a, "-NOPROTO this server speaks RESP 2 and 3");
+        redis_error(a, "NOPROTO this server speaks RESP 2 and 3");
         return;
     }
     for (size_t at = 2; at < q->n;) {
@@ -260,7 +260,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
         }
     }
     if (a->role == ROLE_NONE)
-        redis_simple(a, "-NOAUTH authenticate first: AUTH token");
+        redis_error(a, "NOAUTH authenticate first: AUTH token");
     else
         greet(s, a, version);
 }
@@ -370,12 +370,12 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         return true;
     }
     if (a->role == ROLE_NONE && !open)
-        redis_simple(a, "-NOAUTH authenticate first: AUTH token");
+        redis_error(a, "NOAUTH authenticate first: AUTH token");
     else
         handler(s, q, a);
     if (a->out->failed) {
         buf_rewind(a->out, mark);
-        redis_simple(a, "-NOMEM out of memory");
+        redis_error(a, "NOMEM out of memory");
     }
     return true;
 }

@@ -36,6 +36,15 @@ static void put_own_row(struct server *s, struct answer *a)
     buf_free(&row);
 }
 
+/* OK, or the error. */
+static void put_outcome(struct answer *a, const char *error)
+{
+    if (error != NULL)
+        redis_error(a, error);
+    else
+        redis_simple(a, "+OK");
+}
+
 /* Answers a subcommand that needs no reply of our CLIENT. False: it needs one. */
 static bool answer_alone(struct server *s, const struct request *q, struct answer *a)
 {
@@ -48,11 +57,11 @@ static bool answer_alone(struct server *s, const struct request *q, struct answe
     else if (q->n == 3 && (word_is(what, "NO-EVICT") || word_is(what, "NO-TOUCH")) && (on || off))
         redis_simple(a, "+OK"); /* that is always so */
     else if (q->n >= 3 && word_is(what, "TRACKING"))
-        redis_simple(a, q->n == 3 && off
-                            ? "+OK"
-                            : "-ERR there is no client-side caching; WATCH set follows a set");
+        put_outcome(a, q->n == 3 && off
+                           ? NULL
+                           : "ERR there is no client-side caching; WATCH set follows a set");
     else if (q->n == 3 && word_is(what, "REPLY"))
-        redis_simple(a, on ? "+OK" : "-ERR every request has a reply");
+        put_outcome(a, on ? NULL : "ERR every request has a reply");
     else if (q->n == 2 && word_is(what, "GETREDIR"))
         redis_integer(a, -1);
     else if (q->n >= 3 && word_is(what, "UNBLOCK"))
@@ -75,7 +84,7 @@ void redis_client(struct server *s, const struct request *q, struct answer *a)
     else if (word_is(what, "KILL") && q->n == 4)
         redis_integer(a, (int64_t)line_reply_number(&t, "killed"));
     else if (word_is(what, "KILL") && line_reply_number(&t, "killed") == 0)
-        redis_simple(a, "-ERR No such client");
+        redis_error(a, "ERR No such client");
     else
         redis_simple(a, "+OK");
     line_reply_clear(&t);

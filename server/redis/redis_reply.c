@@ -26,10 +26,18 @@ void redis_integer(struct answer *a, int64_t v)
     redis_simple(a, text);
 }
 
+void redis_error(struct answer *a, const char *text)
+{
+    buf_append_char(a->out, '-');
+    redis_simple(a, text);
+    a->refused = true;
+}
+
 void redis_usage(struct answer *a, const char *text)
 {
     buf_append_text(a->out, "-SYNTAX usage: ");
     redis_simple(a, text);
+    a->refused = true;
 }
 
 void redis_map(struct answer *a, size_t n)

@@ -7,8 +7,10 @@
 
 typedef void redis_handler(struct server *s, const struct request *q, struct answer *a);
 
-/* A simple string, an error or another element of one line, with its mark; and a bulk string. */
+/* A simple string or another element of one line, with its mark. */
 void redis_simple(struct answer *a, const char *text);
+/* An error, which is the whole reply: a code of Redis's or ours, and a message. */
+void redis_error(struct answer *a, const char *text);
 void redis_bulk_text(struct answer *a, const char *text);
 void redis_integer(struct answer *a, int64_t v);
 void redis_usage(struct answer *a, const char *text);

@@ -8,31 +8,37 @@ void redis_multi(struct server *s, const struct request *q, struct answer *a)
         redis_usage(a, "MULTI");
         return;
     }
-    redis_simple(a, a->multi ? "-ERR MULTI calls can not be nested" : "+OK");
+    if (a->multi)
+        redis_error(a, "ERR MULTI calls can not be nested");
+    else
+        redis_simple(a, "+OK");
     a->multi = true;
 }
 
 void redis_exec(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_simple(a, a->multi
-                        ? "-EXECABORT there are no transactions: nothing was carried out; send the "
-                          "commands without MULTI and EXEC (redis-py: pipeline(transaction=False))"
-                        : "-ERR EXEC without MULTI");
+    redis_error(a, a->multi
+                       ? "EXECABORT there are no transactions: nothing was carried out; send the "
+                         "commands without MULTI and EXEC (redis-py: pipeline(transaction=False))"
+                       : "ERR EXEC without MULTI");
     a->multi = false;
 }
 
 void redis_discard(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_simple(a, a->multi ? "+OK" : "-ERR DISCARD without MULTI");
+    if (a->multi)
+        redis_simple(a, "+OK");
+    else
+        redis_error(a, "ERR DISCARD without MULTI");
     a->multi = false;
 }
 
 void redis_watch(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_simple(a, "-UNKNOWN there are no transactions, so there is no WATCH before them");
+    redis_error(a, "UNKNOWN there are no transactions, so there is no WATCH before them");
 }
 
 void redis_unwatch(struct server *s, const struct request *q, struct answer *a)

@@ -378,11 +378,11 @@ void session_not_saved(struct hold *h)
     wait_served(&s->waiter);
     struct answer a = session_answer(s);
     if ((s->server->held.failing & HOLD_DISK) != 0)
-        reply_err(a.out, ERR_IO,
-                  "the disk has failed: it is unknown whether the last changes were saved");
+        answer_err(&a, ERR_IO,
+                   "the disk has failed: it is unknown whether the last changes were saved");
     else
-        reply_err(a.out, ERR_NOFOLLOWERS,
-                  "too few followers have the last changes, which are saved here");
+        answer_err(&a, ERR_NOFOLLOWERS,
+                   "too few followers have the last changes, which are saved here");
     bool delivered = session_deliver(s, &a);
     if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING ||
         s->state == SESSION_LISTING || !delivered || c->out.failed)

@@ -45,24 +45,14 @@ void session_consume(struct session *s)
     s->held = 0;
 }
 
-/* Whether the reply, no byte of which has been sent, is an error. */
-static inline bool is_error(const struct session *s, const struct answer *a)
-{
-    size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
-    if (buf_len(a->out) <= at)
-        return false;
-    char first = buf_head(a->out)[at];
-    return first == 'E' || first == '-';
-}
-
-static void account(struct session *s, const struct answer *a, bool error)
+static void account(struct session *s, const struct answer *a)
 {
     s->command = a->command;
     switch (a->next) {
     case ANSWER_AGAIN:
         break;
     case ANSWER_BODY:
-        s->refused = error;
+        s->refused = a->refused;
         account_pause(s, a);
         break;
     case ANSWER_LISTING:
@@ -76,7 +66,7 @@ static void account(struct session *s, const struct answer *a, bool error)
     case ANSWER_CLOSING:
     case ANSWER_STREAM:
     case ANSWER_BROKEN:
-        account_end(s, a, error || s->refused);
+        account_end(s, a, a->refused || s->refused);
         s->refused = false;
     }
 }
@@ -174,7 +164,7 @@ static void end_request(struct session *s, const struct answer *a)
 
 bool session_take_over(struct session *s, struct answer *a)
 {
-    account(s, a, is_error(s, a));
+    account(s, a);
     bool delivered = session_deliver(s, a);
     s->role = a->role;
     s->token = a->token;
@@ -196,7 +186,7 @@ bool session_take_over(struct session *s, struct answer *a)
 bool session_refuse(struct session *s, enum reply_code code, const char *why)
 {
     struct answer a = session_answer(s);
-    reply_err(a.out, code, "%s", why);
+    answer_err(&a, code, "%s", why);
     session_deliver(s, &a);
     wait_served(&s->waiter);
     conn_finish(&s->conn);
@@ -245,7 +235,7 @@ static bool step_listing(struct session *s)
     a.listing = s->listing;
     listing_refill(s->server, &a);
     if (!begun && (a.next != ANSWER_LISTING || listing_has_begun(a.listing)))
-        account_end(s, &a, is_error(s, &a));
+        account_end(s, &a, a.refused);
     hold_reply(s, &a);
     return go_on_sending(s, &a);
 }

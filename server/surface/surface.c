@@ -194,7 +194,7 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
         if (j->busy)
             answer_busy(a);
         else if (j->too_many_levels)
-            reply_err(a->out, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
+            answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
         else
             answer_status(a, job->status);
         return;

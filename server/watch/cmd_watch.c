@@ -18,7 +18,7 @@ static bool read_version(struct answer *a, const struct word *w, uint64_t *versi
         *version = 10 * *version + (uint64_t)(w->text[i] - '0');
     }
     if (!good)
-        reply_err(a->out, ERR_NUMBER, "%.*s is not a version", QUOTED(w));
+        answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(w));
     return good;
 }
 
@@ -86,7 +86,7 @@ void cmd_watch(struct server *s, struct dataset *set, const struct request *q, s
     }
     if (who == NULL || who->watches >= WATCH_MOST) {
         scope_clear(&scope);
-        reply_err(a->out, ERR_TOOBIG, "a connection watches at most %d sets", WATCH_MOST);
+        answer_err(a, ERR_TOOBIG, "a connection watches at most %d sets", WATCH_MOST);
     } else if (!watch_begin(s, who, set, &scope, since)) {
         answer_out_of_memory(a);
     } else {
