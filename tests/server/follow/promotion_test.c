@@ -52,8 +52,10 @@ TEST_TIMEOUT(leader_that_starts_is_not_settled_until_a_promoted_follower_would_h
     carry_out(&p.f.d, "FOLLOW NONE\n");
     CHECK(node_is(&p.f, "settled", "1") && node_is(&p.f, "generation", "2"));
     node_start(&p.l, NULL);
-    for (unsigned i = 0; i < node_tries() && !node_is(&p.l, "role", "fenced"); i++)
+    for (unsigned i = 0; i < node_tries() && !node_is(&p.l, "role", "fenced"); i++) {
         CHECK(node_is(&p.l, "settled", "0"));
+        pause_ms(10);
+    }
     CHECK(node_is(&p.l, "role", "fenced") && node_is(&p.l, "settled", "0"));
     kill_node(&p.f);
     node_start(&p.f, NULL);
