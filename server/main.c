@@ -1,4 +1,5 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
+#include "server/catalog.h"
 #include "server/daemon.h"
 #include "server/disk/recover.h"
 #include "server/ops/command_line.h"
@@ -18,6 +19,9 @@ int main(int argc, char **argv)
         return 0;
     case COMMAND_LINE_BAD:
         return 2;
+    case COMMAND_LINE_COMMANDS:
+        catalog_print(stdout);
+        return 0;
     case COMMAND_LINE_GOOD:
         break;
     }

@@ -54,6 +54,7 @@ static const char usage[] =
     "  --slowlog-len N     requests that the slow log keeps (default 128)\n"
     "  --log-level LEVEL   messages on standard error: error, warning, info (default) or "
     "debug\n"
+    "  --commands          print the table of commands as JSON\n"
     "  --version           print the version\n"
     "  --help              print this help\n";
 
@@ -72,13 +73,14 @@ static bool is_loopback(const char *address, bool *loopback)
 
 /* ---- flags ---- */
 
-enum flag { FLAG_CHECK = 256, FLAG_REPAIR, FLAG_VERSION, FLAG_HELP, FLAG_SETTING };
+enum flag { FLAG_CHECK = 256, FLAG_REPAIR, FLAG_VERSION, FLAG_HELP, FLAG_COMMANDS, FLAG_SETTING };
 
 static const struct option others[] = {
     {"check", required_argument, NULL, FLAG_CHECK},
     {"repair", required_argument, NULL, FLAG_REPAIR},
     {"version", no_argument, NULL, FLAG_VERSION},
     {"help", no_argument, NULL, FLAG_HELP},
+    {"commands", no_argument, NULL, FLAG_COMMANDS},
     {0},
 };
 
@@ -127,6 +129,8 @@ enum command_line command_line_read(struct config *c, int argc, char **argv)
             fputs(flag == FLAG_HELP ? usage : "delaunayd " DELAUNAY_VERSION "\n", stdout);
             return COMMAND_LINE_ANSWERED;
         }
+        if (flag == FLAG_COMMANDS)
+            return COMMAND_LINE_COMMANDS;
         if (flag == FLAG_CHECK)
             c->check = optarg;
         else if (flag == FLAG_REPAIR)

@@ -1,4 +1,5 @@
 /* lifecycle_test.c - starting, stopping, vanishing clients, and running out of system resources. */
+#include "server/command/command.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -29,8 +30,10 @@ static int run(const char *flag, const char *value, char *text, size_t size)
         _exit(127);
     }
     close(out[1]);
-    ssize_t n = read(out[0], text, size - 1);
-    text[n > 0 ? n : 0] = '\0';
+    size_t n = 0;
+    for (ssize_t more; (more = read(out[0], text + n, size - 1 - n)) > 0;)
+        n += (size_t)more;
+    text[n] = '\0';
     close(out[0]);
     CHECK(waitpid(pid, &status, 0) == pid && WIFEXITED(status));
     return WEXITSTATUS(status);
@@ -43,6 +46,38 @@ TEST(help_and_version_are_printed)
     CHECK_STR(text, "delaunayd 0.1.0\n");
     CHECK(run("--help", NULL, text, sizeof text) == 0);
     CHECK(strstr(text, "--max-memory") != NULL);
+}
+
+/* Texts that contain neither quotes nor backslashes nor control characters are JSON without escapes. */
+static bool is_plain(const char *text)
+{
+    while (*text >= ' ' && *text != '"' && *text != '\\')
+        text++;
+    return *text == '\0';
+}
+
+TEST(commands_are_printed_once_each_as_json)
+{
+    static char text[1 << 16];
+    const char *at = text;
+    CHECK(run("--commands", NULL, text, sizeof text) == 0);
+    for (size_t i = 0; i < command_count; i++) {
+        const struct command *c = &commands[i];
+        char start[1024];
+        CHECK_MSG(is_plain(c->name) && is_plain(c->usage) && is_plain(c->help), "%s", c->name);
+        int n =
+            snprintf(start, sizeof start,
+                     "%s\n{\"name\": \"%s\", \"usage\": \"%s\", \"help\": \"%s\", \"least\": %u, ",
+                     i == 0 ? "[" : ",", c->name, c->usage, c->help, c->least);
+        CHECK_MSG(strncmp(at, start, (size_t)n) == 0, "%s: %.200s", c->name, at);
+        at += n + (int)strcspn(at + n, "}") + 1;
+    }
+    CHECK_STR(at, "\n]\n");
+    CHECK(
+        strstr(
+            text,
+            "\"least\": 3, \"most\": null, \"role\": \"rw\", \"about\": \"set\", \"exists\": true, "
+            "\"changes\": true, \"body\": false}") != NULL); /* DEL */
 }
 
 TEST(invalid_flags_are_refused)

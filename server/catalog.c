@@ -1,0 +1,60 @@
+/* catalog.c - see catalog.h. */
+#include "server/catalog.h"
+
+#include "server/command/command.h"
+
+/* Texts of the table contain no character that JSON would escape. */
+static void print_text(FILE *out, const char *key, const char *text)
+{
+    fprintf(out, "\"%s\": \"%s\", ", key, text);
+}
+
+static void print_flag(FILE *out, const char *key, const struct command *c, unsigned flag)
+{
+    fprintf(out, "\"%s\": %s", key, (c->flags & flag) != 0 ? "true" : "false");
+}
+
+/* Who may use it, as in the reply to AUTH; CLIENT and CONFIG decide by their second word. */
+static const char *role_of(const struct command *c)
+{
+    if ((c->flags & CMD_OPEN) != 0)
+        return "none";
+    return (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0 ? "rw" : "ro";
+}
+
+static const char *subject_of(const struct command *c)
+{
+    if ((c->flags & CMD_SET) != 0)
+        return "set";
+    return (c->flags & CMD_ALL_SETS) != 0 ? "sets" : "server";
+}
+
+static void print_command(FILE *out, const struct command *c)
+{
+    fputc('{', out);
+    print_text(out, "name", c->name);
+    print_text(out, "usage", c->usage);
+    print_text(out, "help", c->help);
+    fprintf(out, "\"least\": %u, ", c->least);
+    if (c->most != 0)
+        fprintf(out, "\"most\": %u, ", c->most);
+    else
+        fputs("\"most\": null, ", out);
+    print_text(out, "role", role_of(c));
+    print_text(out, "about", subject_of(c));
+    print_flag(out, "exists", c, CMD_EXISTING);
+    fputs(", ", out);
+    print_flag(out, "changes", c, CMD_WRITE);
+    fputs(", ", out);
+    print_flag(out, "body", c, CMD_BODY);
+    fputc('}', out);
+}
+
+void catalog_print(FILE *out)
+{
+    for (size_t i = 0; i < command_count; i++) {
+        fputs(i == 0 ? "[\n" : ",\n", out);
+        print_command(out, &commands[i]);
+    }
+    fputs("\n]\n", out);
+}
