@@ -15,8 +15,8 @@ CALL = re.compile(r"(?:\*?[\w.>\[\]-]+ (?:[-+|&*]?= .*)|\w+\(.*\)|\(void\)\w+\(.
 ARGUMENTS = re.compile(r"(\w+)\(([\w.>&\[\]-]+), ([\w.>&\[\]-]+)(?=[,)])")
 
 
-# Declarations without a value, and prefetches, which change no result.
-NO_EFFECT = re.compile(r"(?:(?:static|const|unsigned|char|int|size_t|double|bool|u?int\d+_t|(?:struct|enum) \w+) )+[^=(]*;|(?:dt_fetch|__builtin_prefetch|fprintf\(stderr)\b.*")
+# Declarations without a value, prefetches and messages, which change no result, and what only gives memory back: a sanitizer notices leaks.
+NO_EFFECT = re.compile(r"(?:(?:static|const|unsigned|char|int|size_t|double|bool|u?int\d+_t|(?:struct|enum) \w+) )+[^=(]*;|(?:dt_fetch|__builtin_prefetch|fprintf\(stderr|free\()\b.*")
 
 
 def code_lines(text):

@@ -575,7 +575,7 @@ TEST(number_writes_integers_whole)
     }
     got[proto_write_u32(got, UINT32_MAX)] = 0;
     CHECK_STR(got, "4294967295");
-    for (uint32_t v = 1; v < 1000000000; v *= 10)
+    for (uint32_t v = 1, digits = 1; digits <= 10; digits++, v *= 10)
         for (uint32_t w = v - 1; w <= v + 1; w++) {
             snprintf(text, sizeof text, "%" PRIu32, w);
             memset(got, '?', sizeof got);
