@@ -27,7 +27,7 @@ static void run_turn(struct task *task)
 static void run_disposal(struct task *task)
 {
     struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, disposal));
-    if (c->turn.queued) { /* since before it was closed: freed after that has run */
+    if (task_is_queued(&c->turn)) { /* since before it was closed: freed after that has run */
         loop_dispose(c->loop, task);
         return;
     }
@@ -63,7 +63,7 @@ void conn_again(struct conn *c)
 
 void conn_yield(struct conn *c)
 {
-    if (c->closed || c->turn.queued)
+    if (c->closed || task_is_queued(&c->turn))
         return;
     c->yielded = true;
     loop_yield(c->loop, &c->turn);

@@ -39,30 +39,31 @@ bool loop_init(struct loop *loop)
 
 /* ---- tasks ---- */
 
-static void push(struct task_list *list, struct task *task)
+static void push(struct list *list, struct task *task)
 {
-    if (task->queued)
-        return;
-    task->queued = true;
-    task->next = NULL;
-    if (list->first == NULL)
-        list->first = task;
-    else
-        list->last->next = task;
-    list->last = task;
+    if (!task_is_queued(task))
+        list_append(list, &task->link);
 }
 
 /* Runs the tasks that are in the list now; those that they add wait for the next time. */
-static void run_all(struct task_list *list)
+static void run_all(struct list *list)
 {
-    struct task *task = list->first;
-    *list = (struct task_list){0};
-    while (task != NULL) {
-        struct task *next = task->next;
-        task->queued = false;
+    struct list now = {0};
+    list_move(&now, list);
+    for (struct task *task; (task = list_pop(&now)) != NULL;)
         task->run(task);
-        task = next;
-    }
+}
+
+/* Runs tasks in order until their time is over. */
+static void run_some(struct list *list)
+{
+    if (list_is_empty(list))
+        return;
+    int64_t end = clock_ns() + LOOP_TURN_NS;
+    do {
+        struct task *task = list_pop(list);
+        task->run(task);
+    } while (!list_is_empty(list) && clock_ns() < end);
 }
 
 void loop_defer(struct loop *loop, struct task *task)
@@ -82,7 +83,7 @@ void loop_dispose(struct loop *loop, struct task *task)
 
 void loop_clear(struct loop *loop)
 {
-    while (loop->disposals.first != NULL) {
+    while (!list_is_empty(&loop->disposals)) {
         run_all(&loop->deferred);
         run_all(&loop->yielded);
         run_all(&loop->disposals);
@@ -138,8 +139,8 @@ static int wait_for(struct loop *loop, struct epoll_event *event)
 {
     int64_t first = loop->timers.earliest_ms, now = 0;
     int wait_ms = 0;
-    if (loop->deferred.first == NULL && loop->yielded.first == NULL &&
-        loop->disposals.first == NULL) {
+    if (list_is_empty(&loop->deferred) && list_is_empty(&loop->yielded) &&
+        list_is_empty(&loop->disposals)) {
         now = clock_ns();
         if (first > loop->next_tick_ms)
             first = loop->next_tick_ms;
@@ -152,43 +153,22 @@ static int wait_for(struct loop *loop, struct epoll_event *event)
     return n;
 }
 
-/* Runs yielded tasks in order until their time is over; the rest run in the next turn. */
+/* Those that are left run in the next turn. */
 static void run_yielded(struct loop *loop)
 {
-    struct task_list *list = &loop->yielded;
-    if (list->first == NULL)
-        return;
-    int64_t end = clock_ns() + LOOP_TURN_NS;
     loop->in_yielded = true;
-    do {
-        struct task *task = list->first;
-        list->first = task->next;
-        task->queued = false;
-        task->run(task);
-    } while (list->first != NULL && clock_ns() < end);
+    run_some(&loop->yielded);
     loop->in_yielded = false;
 }
 
 /* The same for disposals. Those that they add come behind the rest. */
 static void run_disposals(struct loop *loop)
 {
-    struct task_list mine = loop->disposals;
-    if (mine.first == NULL)
-        return;
-    int64_t end = clock_ns() + LOOP_TURN_NS;
-    loop->disposals = (struct task_list){0};
-    do {
-        struct task *task = mine.first;
-        mine.first = task->next;
-        task->queued = false;
-        task->run(task);
-    } while (mine.first != NULL && clock_ns() < end);
-    if (mine.first == NULL)
-        return;
-    mine.last->next = loop->disposals.first;
-    if (loop->disposals.first != NULL)
-        mine.last = loop->disposals.last;
-    loop->disposals = mine;
+    struct list mine = {0};
+    list_move(&mine, &loop->disposals);
+    run_some(&mine);
+    list_move(&mine, &loop->disposals);
+    list_move(&loop->disposals, &mine);
 }
 
 void loop_run(struct loop *loop)

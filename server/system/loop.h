@@ -30,19 +30,19 @@ struct source {
 
 /* Something to run later; embedded in the object that it works on. */
 struct task {
+    struct list_link link; /* first: in a queue of the loop */
     void (*run)(struct task *task);
-    struct task *next;
-    bool queued;
 };
 
-struct task_list {
-    struct task *first, *last;
-};
+static inline bool task_is_queued(const struct task *task)
+{
+    return list_holds(&task->link);
+}
 
 struct loop {
     int epoll;
     bool stopped;
-    struct task_list deferred, yielded, disposals;
+    struct list deferred, yielded, disposals;
     bool in_yielded; /* yielded tasks are running */
     int64_t turn_ns; /* monotonic; when this turn began */
     int64_t idle_ns; /* the time spent waiting for events so far */

@@ -1,39 +1,14 @@
 /* timer.c - see timer.h. [Varghese & Lauck 1987, scheme 6] */
 #include "server/system/timer.h"
 
-static void init_list(struct timer *head)
-{
-    head->prev = head->next = head;
-}
-
-static bool is_empty(const struct timer *head)
-{
-    return head->next == head;
-}
-
-static void append(struct timer *head, struct timer *t)
-{
-    t->prev = head->prev;
-    t->next = head;
-    t->prev->next = t;
-    head->prev = t;
-}
-
 void timer_clear(struct timer *t)
 {
-    if (t->next == NULL)
-        return;
-    t->prev->next = t->next;
-    t->next->prev = t->prev;
-    t->prev = t->next = NULL;
+    list_remove(&t->link);
 }
 
 void timers_init(struct timers *w, int64_t now_ms)
 {
-    for (int i = 0; i < TIMER_SLOTS; i++)
-        init_list(&w->slot[i]);
-    w->passed = now_ms / TIMER_GRAIN_MS;
-    w->earliest_ms = INT64_MAX;
+    *w = (struct timers){.passed = now_ms / TIMER_GRAIN_MS, .earliest_ms = INT64_MAX};
 }
 
 /* The grain at whose end a timer for at_ms is due; one that has not passed yet. */
@@ -48,19 +23,19 @@ void timers_set(struct timers *w, struct timer *t, int64_t at_ms)
     int64_t grain = grain_of(w, at_ms);
     timer_clear(t);
     t->at_ms = at_ms;
-    append(&w->slot[grain % TIMER_SLOTS], t);
+    list_append(&w->slot[grain % TIMER_SLOTS], &t->link);
     if (grain * TIMER_GRAIN_MS < w->earliest_ms)
         w->earliest_ms = grain * TIMER_GRAIN_MS;
 }
 
 /* Moves what is due from a slot to the list. */
-static void take_due(struct timer *slot, struct timer *due, int64_t now_ms)
+static void take_due(struct list *slot, struct list *due, int64_t now_ms)
 {
-    for (struct timer *t = slot->next, *next; t != slot; t = next) {
-        next = t->next;
+    for (struct timer *t = list_first(slot), *next; t != NULL; t = next) {
+        next = list_next(slot, t);
         if (t->at_ms <= now_ms) {
             timer_clear(t);
-            append(due, t);
+            list_append(due, &t->link);
         }
     }
 }
@@ -69,26 +44,22 @@ static void take_due(struct timer *slot, struct timer *due, int64_t now_ms)
 static int64_t next_ms(const struct timers *w)
 {
     for (int64_t grain = w->passed + 1; grain <= w->passed + TIMER_SLOTS; grain++)
-        if (!is_empty(&w->slot[grain % TIMER_SLOTS]))
+        if (!list_is_empty(&w->slot[grain % TIMER_SLOTS]))
             return grain * TIMER_GRAIN_MS;
     return INT64_MAX;
 }
 
 void timers_run(struct timers *w, int64_t now_ms)
 {
-    struct timer due;
+    struct list due = {0};
     int64_t now = now_ms / TIMER_GRAIN_MS;
     if (now_ms < w->earliest_ms)
         return;
-    init_list(&due);
     int64_t from = now - w->passed > TIMER_SLOTS ? now - TIMER_SLOTS : w->passed;
     for (int64_t grain = from + 1; grain <= now; grain++)
         take_due(&w->slot[grain % TIMER_SLOTS], &due, now_ms);
     w->passed = now;
-    while (!is_empty(&due)) {
-        struct timer *t = due.next;
-        timer_clear(t);
+    for (struct timer *t; (t = list_pop(&due)) != NULL;)
         t->run(t);
-    }
     w->earliest_ms = next_ms(w);
 }

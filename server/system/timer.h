@@ -6,13 +6,13 @@
 #ifndef SERVER_TIMER_H
 #define SERVER_TIMER_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "server/system/list.h"
+
 #include <stdint.h>
 
 /* Embedded in the object that it works on. All zero: not set. */
 struct timer {
-    struct timer *prev, *next;
+    struct list_link link; /* first: in a slot */
     int64_t at_ms;
     void (*run)(struct timer *t);
 };
@@ -20,9 +20,9 @@ struct timer {
 enum { TIMER_SLOTS = 256, TIMER_GRAIN_MS = 8 };
 
 struct timers {
-    struct timer slot[TIMER_SLOTS]; /* heads of circular lists */
-    int64_t passed;                 /* the last grain that has been processed */
-    int64_t earliest_ms;            /* no timer is due before this; INT64_MAX: none is set */
+    struct list slot[TIMER_SLOTS];
+    int64_t passed;      /* the last grain that has been processed */
+    int64_t earliest_ms; /* no timer is due before this; INT64_MAX: none is set */
 };
 
 void timers_init(struct timers *w, int64_t now_ms);
@@ -35,7 +35,7 @@ void timer_clear(struct timer *t);
 
 static inline bool timer_is_set(const struct timer *t)
 {
-    return t->next != NULL;
+    return list_holds(&t->link);
 }
 
 /* Runs the timers that are due. A timer that runs may set and clear itself and others. */

@@ -143,9 +143,8 @@ TEST(connection_that_is_deferred_and_closed_in_one_turn_is_freed_in_the_next)
     begin();
     conn_again(&b.conn);
     conn_close(&b.conn);
-    CHECK(b.conn.turn.queued && b.conn.disposal.queued);
-    b.conn.disposal.queued = false; /* as the loop does at the end of its turn */
-    b.loop.disposals = (struct task_list){0};
+    CHECK(task_is_queued(&b.conn.turn) && task_is_queued(&b.conn.disposal));
+    list_remove(&b.conn.disposal.link); /* as the loop does at the end of its turn */
     b.conn.disposal.run(&b.conn.disposal);
     CHECK(b.closed == 0);
     turn();

@@ -66,7 +66,7 @@ TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
     turns = TURNS - 2;
     loop_defer(&loop, &deferred);
     loop_run(&loop);
-    CHECK(greedy[0].runs == 1 && !greedy[0].task.queued);
+    CHECK(greedy[0].runs == 1 && !task_is_queued(&greedy[0].task));
     loop_dispose(&loop, &greedy[1].task);
     greedy[1].task.run = run_once;
     loop_yield(&loop, &greedy[0].task);
