@@ -377,8 +377,8 @@ static void send_progress_to(uint64_t id, const struct job *j)
 
 static void send_progress(void)
 {
-    for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
-        next = j->next;
+    for (const struct job *j = job_first(&d.server), *next; j != NULL; j = next) {
+        next = job_next(&d.server, j);
         if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
             continue;
         send_progress_to(j->owner, j);

@@ -62,27 +62,23 @@ void server_finish_abandoned(struct server *s, struct job *j)
     buf_free(&out);
 }
 
-static void deliver_all(struct server *s, struct work *work,
+static void deliver_all(struct server *s, struct list *done,
                         void (*deliver)(void *ctx, struct job *j), void *ctx)
 {
-    for (struct work *next; work != NULL; work = next) {
-        struct job *j = (struct job *)work;
-        next = work->next;
-        if (job_is_early(s, j)) {
-            work->next = s->early;
-            s->early = work;
-        } else if (job_install(s, j)) {
+    for (struct job *j; (j = list_pop(done)) != NULL;)
+        if (job_is_early(s, j))
+            list_append(&s->early, &j->work.link);
+        else if (job_install(s, j))
             deliver(ctx, j);
-        }
-    }
 }
 
 void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j), void *ctx)
 {
-    deliver_all(s, workers_collect(s->workers), deliver, ctx);
-    struct work *early = s->early;
-    s->early = NULL;
-    deliver_all(s, early, deliver, ctx);
+    struct list done = {0};
+    workers_collect(s->workers, &done);
+    deliver_all(s, &done, deliver, ctx);
+    list_move(&done, &s->early);
+    deliver_all(s, &done, deliver, ctx);
 }
 
 static void deliver_abandoned(void *ctx, struct job *j)
@@ -93,16 +89,16 @@ static void deliver_abandoned(void *ctx, struct job *j)
 void server_drain(struct server *s)
 {
     s->draining = true;
-    for (struct job *j = s->jobs; j != NULL; j = j->next)
+    for (struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         job_drain(j);
 }
 
 void server_clear(struct server *s)
 {
     s->stopping = true;
-    for (struct job *j = s->jobs; j != NULL; j = j->next)
+    for (struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         j->cancel = true;
-    while (s->jobs != NULL) {
+    while (!list_is_empty(&s->jobs)) {
         struct pollfd event = {.fd = workers_event(s->workers), .events = POLLIN};
         poll(&event, 1, -1);
         server_collect(s, deliver_abandoned, s);

@@ -79,7 +79,7 @@ static void add_memory(const struct server *s, struct facts *f)
 static void add_stats(const struct server *s, struct facts *f)
 {
     uint64_t running = 0;
-    for (const struct job *j = s->jobs; j != NULL; j = j->next)
+    for (const struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         running++;
     facts_add(f, "commands", s->count.commands);
     facts_add(f, "errors", s->count.errors);
@@ -93,7 +93,7 @@ static void add_stats(const struct server *s, struct facts *f)
 static void add_sets(const struct server *s, struct facts *f)
 {
     uint64_t edited = 0;
-    for (const struct job *j = s->jobs; j != NULL; j = j->next)
+    for (const struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         edited += j->set != NULL;
     facts_add(f, "sets", s->sets.sets);
     facts_add(f, "sets_edited", edited);

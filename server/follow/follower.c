@@ -194,7 +194,7 @@ static bool step(struct follower *f)
 /* Whether no change of a client is under way. */
 static bool is_settled(const struct server *s)
 {
-    for (const struct job *j = s->jobs; j != NULL; j = j->next)
+    for (const struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         if (j->record != NULL)
             return false;
     const struct log_status *log = durable_status(s);
@@ -229,7 +229,7 @@ static bool stays(const struct dataset *set, const struct registry *arrived)
 static bool is_in_use(const struct server *s, const struct registry *arrived)
 {
     bool used = false;
-    for (struct job *j = s->jobs; j != NULL; j = j->next) {
+    for (struct job *j = job_first(s); j != NULL; j = job_next(s, j)) {
         if (j->set == NULL || stays(j->set, arrived))
             continue;
         used = true;

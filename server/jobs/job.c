@@ -71,24 +71,6 @@ static void run_later(struct work *w)
 
 /* ---- on the I/O thread ---- */
 
-static void link_job(struct server *s, struct job *j)
-{
-    j->next = s->jobs;
-    if (j->next != NULL)
-        j->next->prev = j;
-    s->jobs = j;
-}
-
-static void unlink_job(struct server *s, struct job *j)
-{
-    if (j->prev != NULL)
-        j->prev->next = j->next;
-    else if (s->jobs == j)
-        s->jobs = j->next;
-    if (j->next != NULL)
-        j->next->prev = j->prev;
-}
-
 /* Runs the job on this thread. False, with nothing done, if that would block all clients: it takes more steps
  * than this thread may do; or it edits in place while a piece of the set is being read, which takes
  * microseconds unless the processors are busy. */
@@ -128,7 +110,7 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
     if (s->draining)
         job_drain(j);
     s->count.jobs++;
-    link_job(s, j);
+    list_append(&s->jobs, &j->link);
     a->next = ANSWER_JOB;
     a->job = j;
     workers_submit(s->workers, work_kind(how), &j->work);
@@ -332,12 +314,12 @@ bool job_is_early(const struct server *s, const struct job *j)
 
 bool job_give_up_early(struct server *s, struct job *j)
 {
-    struct work **at = &s->early;
-    while (*at != NULL && *at != &j->work)
-        at = &(*at)->next;
-    if (*at == NULL)
+    const struct work *w = list_first(&s->early);
+    while (w != NULL && w != &j->work)
+        w = list_next(&s->early, w);
+    if (w == NULL)
         return false;
-    *at = j->work.next;
+    list_remove(&j->work.link);
     j->status = DT_CANCELLED;
     return true;
 }
@@ -385,7 +367,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     struct dataset *set = j->set;
     bool reserved = j->memory.bytes > 0;
     reservation_set(&j->memory, 0); /* what the set has grown by is recorded by version_update */
-    unlink_job(s, j);
+    list_remove(&j->link);
     if (set != NULL) {
         publish(s, j);
         server_limit_pages(s);

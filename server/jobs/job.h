@@ -23,8 +23,8 @@
 #include "server/jobs/server.h"
 
 struct job {
-    struct work work; /* first: the workers' view */
-    struct job *prev, *next;
+    struct work work;      /* first: the workers' view */
+    struct list_link link; /* in server.jobs */
     void (*run)(struct job *j);
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
@@ -104,6 +104,17 @@ void job_drain(struct job *j);
 /* Whether a finished job may have read an edit that is not in the log yet: then it is kept in server.early
  * until the edit ends. */
 bool job_is_early(const struct server *s, const struct job *j);
+
+/* The first job of the workers, and the next one; NULL: there is none. */
+static inline struct job *job_first(const struct server *s)
+{
+    return list_owner(list_first(&s->jobs), offsetof(struct job, link));
+}
+
+static inline struct job *job_next(const struct server *s, const struct job *j)
+{
+    return list_owner(list_next(&s->jobs, &j->link), offsetof(struct job, link));
+}
 
 /* Removes the job from server.early, if it is there, to be ended now as cancelled. */
 bool job_give_up_early(struct server *s, struct job *j);

@@ -57,8 +57,8 @@ struct server {
     bool follows;             /* it has a leader, or begins with one */
     bool without_followers;   /* there are fewer than --min-followers */
     struct watching watching; /* the sets that clients watch */
-    struct job *jobs;         /* those of the workers, until they are collected and ended */
-    struct work *early;       /* of these, finished readers that wait for an edit (job_is_early) */
+    struct list jobs;         /* those of the workers, until they are collected and ended */
+    struct list early;        /* of these, finished readers that wait for an edit (job_is_early) */
     /* Answers a connection that has joined a job (job_answer) and does nothing else. */
     void (*answer_joined)(struct server *s, uint64_t id, struct job *j);
     struct dt_pages *pages;        /* owns; the page cache for large arrays (keep.h) */

@@ -18,13 +18,13 @@
 #include <unistd.h>
 
 struct queue {
-    struct work *first, *last;
+    struct list list;
     unsigned n;
 };
 
 /* One call of the core's pool: n jobs, taken by number. Lives on the caller's stack. */
 struct batch {
-    struct batch *next;
+    struct list_link link; /* first */
     void (*job)(void *arg, unsigned i);
     void *arg;
     unsigned n;
@@ -46,8 +46,8 @@ struct workers {
     pthread_cond_t helped;  /* a helper has left its batch */
     struct queue queue[KINDS];
     unsigned slow, most_slow; /* threads that do slow work, and how many may */
-    struct queue done;
-    struct batch *batches; /* those that may have jobs left */
+    struct list done;
+    struct list batches; /* those that may have jobs left */
     bool stopping;
     int event;
     struct dt_pool pool;
@@ -57,23 +57,14 @@ struct workers {
 
 static void push(struct queue *q, struct work *work)
 {
-    work->next = NULL;
-    if (q->first == NULL)
-        q->first = work;
-    else
-        q->last->next = work;
-    q->last = work;
+    list_append(&q->list, &work->link);
     q->n++;
 }
 
 static struct work *pop(struct queue *q)
 {
-    struct work *work = q->first;
-    if (work != NULL) {
-        q->first = work->next;
-        q->n--;
-    }
-    return work;
+    q->n -= q->n > 0;
+    return list_pop(&q->list);
 }
 
 /* ---- sleeping and waking ---- */
@@ -94,7 +85,7 @@ static unsigned ready(const struct workers *w, enum work_kind kind)
 static unsigned jobs_left(const struct workers *w)
 {
     unsigned n = 0;
-    for (struct batch *b = w->batches; b != NULL; b = b->next) {
+    for (struct batch *b = list_first(&w->batches); b != NULL; b = list_next(&w->batches, b)) {
         unsigned taken = atomic_load(&b->taken);
         n += taken < b->n ? b->n - taken : 0;
     }
@@ -164,18 +155,10 @@ static bool has_jobs(struct batch *b)
 
 static struct batch *batch_to_help(struct workers *w)
 {
-    for (struct batch *b = w->batches; b != NULL; b = b->next)
+    for (struct batch *b = list_first(&w->batches); b != NULL; b = list_next(&w->batches, b))
         if (has_jobs(b))
             return b;
     return NULL;
-}
-
-static void unlink_batch(struct workers *w, struct batch *b)
-{
-    struct batch **at = &w->batches;
-    while (*at != b)
-        at = &(*at)->next;
-    *at = b->next;
 }
 
 static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg)
@@ -183,13 +166,12 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
     struct workers *w = ctx;
     struct batch b = {.job = job, .arg = arg, .n = n};
     pthread_mutex_lock(&w->mutex);
-    b.next = w->batches;
-    w->batches = &b;
+    list_prepend(&w->batches, &b.link);
     unlock_and_wake(w);
     take_jobs(&b);
     pthread_mutex_lock(&w->mutex);
-    unlink_batch(w,
-                 &b); /* no helper can enter any more; b may be freed when the last one has left */
+    list_remove(
+        &b.link); /* no helper can enter any more; b may be freed when the last one has left */
     while (b.helpers > 0)
         pthread_cond_wait(&w->helped, &w->mutex);
     pthread_mutex_unlock(&w->mutex);
@@ -206,8 +188,8 @@ static void do_work(struct workers *w, enum work_kind kind, struct work *work)
     work->run(work);
     pthread_mutex_lock(&w->mutex);
     w->slow -= kind == WORK_SLOW;
-    bool first = w->done.first == NULL;
-    push(&w->done, work);
+    bool first = list_is_empty(&w->done);
+    list_append(&w->done, &work->link);
     pthread_mutex_unlock(&w->mutex);
     /* It could fail only if the counter were full, but it is near zero. */
     if (first && eventfd_write(w->event, 1) != 0)
@@ -333,22 +315,19 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
     unlock_and_wake(w);
 }
 
-struct work *workers_collect(struct workers *w)
+void workers_collect(struct workers *w, struct list *to)
 {
     enum { AT_ONCE = 64 }; /* other clients come before the rest */
     eventfd_t count;
+    struct work *work;
     pthread_mutex_lock(&w->mutex);
-    struct work *first = w->done.first, *last = pop(&w->done);
-    for (int i = 1; i < AT_ONCE && w->done.first != NULL; i++)
-        last = pop(&w->done);
-    if (last != NULL)
-        last->next = NULL;
+    for (int i = 0; i < AT_ONCE && (work = list_pop(&w->done)) != NULL; i++)
+        list_append(to, &work->link);
     /* Reset under the mutex, so that no event for later work is lost. The counter may be empty still: then the event
      * follows, and there may be nothing to collect. */
-    if (w->done.first == NULL)
+    if (list_is_empty(&w->done))
         eventfd_read(w->event, &count);
     pthread_mutex_unlock(&w->mutex);
-    return first;
 }
 
 const struct dt_pool *workers_pool(const struct workers *w)

@@ -16,13 +16,14 @@
 #define SERVER_WORKER_H
 
 #include "core/delaunay.h"
+#include "server/system/list.h"
 
 #include <stdbool.h>
 
 enum work_kind { WORK_SHORT, WORK_LONG, WORK_SLOW };
 
 struct work {
-    struct work *next;
+    struct list_link link;       /* first */
     void (*run)(struct work *w); /* on a worker */
 };
 
@@ -42,9 +43,9 @@ unsigned workers_backlog(struct workers *w);
 
 void workers_submit(struct workers *w, enum work_kind kind, struct work *work);
 
-/* Takes finished work, in order of completion, some of it if there is very much: then the event stays. NULL: there is
- * none. */
-struct work *workers_collect(struct workers *w);
+/* Moves finished work to the end of a list, in order of completion, some of it if there is very much: then the event
+ * stays. */
+void workers_collect(struct workers *w, struct list *to);
 
 /* The core's thread pool: the caller of run does the jobs itself, and idle workers help. So it terminates
  * even if all workers are busy. Valid as long as the workers. */

@@ -74,7 +74,7 @@ static void refill(struct local *l, struct answer *a)
         collect(l, a);
     if (a->next == ANSWER_LISTING)
         listing_refill(&l->server, a);
-    if (a->next == ANSWER_LISTING && l->server.jobs != NULL) /* it is being sorted */
+    if (a->next == ANSWER_LISTING && !list_is_empty(&l->server.jobs)) /* it is being sorted */
         collect(l, a);
 }
 

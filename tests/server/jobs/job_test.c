@@ -64,7 +64,7 @@ TEST(long_jobs_that_wait_for_a_worker_are_limited_and_short_ones_are_not)
     CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 1000 * (LIMIT_QUEUED_JOBS + 1));
     CHECK_STR(begin(&l, JOB_HEAVY | JOB_BRIEF), "");
     released = true;
-    while (l.server.jobs != NULL) {
+    while (!list_is_empty(&l.server.jobs)) {
         struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
         server_collect(&l.server, deliver, &l.server);

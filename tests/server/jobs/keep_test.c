@@ -66,7 +66,7 @@ static void deliver(void *ctx, struct job *j)
 /* Waits for all jobs of workers. */
 static void finish_jobs(struct local *l)
 {
-    while (l->server.jobs != NULL) {
+    while (!list_is_empty(&l->server.jobs)) {
         struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
         server_collect(&l->server, deliver, &l->server);
@@ -83,13 +83,13 @@ TEST_TIMEOUT(pages_that_are_unused_for_ten_seconds_return_to_the_system, 60)
         local_ask(&l, "DROP t\n");
         finish_jobs(&l);
         tick(&l, 10);
-        CHECK(facts(&l).kept > 0 && l.server.jobs == NULL);
+        CHECK(facts(&l).kept > 0 && list_is_empty(&l.server.jobs));
     }
     tick(&l, 1);
     finish_jobs(&l);
     CHECK(facts(&l).kept == 0 && facts(&l).held == 0);
     tick(&l, 30); /* there is nothing to return */
-    CHECK(l.server.jobs == NULL);
+    CHECK(list_is_empty(&l.server.jobs));
     free(load);
     local_stop(&l);
 }
@@ -119,7 +119,7 @@ TEST_TIMEOUT(pages_that_are_reused_before_they_return_to_the_system_are_kept, 60
     local_ask(&l, "DROP t\n");
     finish_jobs(&l);
     tick(&l, 10);
-    CHECK(facts(&l).kept > 0 && l.server.jobs == NULL);
+    CHECK(facts(&l).kept > 0 && list_is_empty(&l.server.jobs));
     job_aside(&l.server, before);
     tick(&l, 1);
     void *region = dt_region_take(l.server.pages, DT_HUGE_PAGE);

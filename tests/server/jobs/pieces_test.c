@@ -29,7 +29,7 @@ static struct job *begin(struct local *l, const char *line)
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
-    CHECK(a.next == ANSWER_JOB && l->server.jobs == a.job);
+    CHECK(a.next == ANSWER_JOB && job_first(&l->server) == a.job);
     return a.job;
 }
 
@@ -48,7 +48,7 @@ static void deliver(void *ctx, struct job *j)
 static enum dt_status finish(struct local *l)
 {
     struct outcome o = {.l = l};
-    while (l->server.jobs != NULL) {
+    while (!list_is_empty(&l->server.jobs)) {
         struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
         server_collect(&l->server, deliver, &o);

@@ -177,7 +177,7 @@ static void collect(struct bench *b)
 
 static void end(struct bench *b)
 {
-    while (b->l.server.jobs != NULL)
+    while (!list_is_empty(&b->l.server.jobs))
         collect(b);
     local_stop(&b->l);
     directory_remove(&b->dir);
@@ -225,12 +225,12 @@ TEST(query_is_answered_when_the_edit_that_it_may_have_seen_is_in_the_log)
     struct job *j = ask(&b, "WITHIN t 0 0 1 1");
     j->base->edited = true;
     collect(&b);
-    CHECK(tellings == 0 && b.l.server.early == &j->work);
+    CHECK(tellings == 0 && list_first(&b.l.server.early) == &j->work);
     job_aside(&b.l.server, job_new(sizeof(struct job), run_at_gate, ignore));
     sem_post(&gate);
     j->base->edited = false;
     collect(&b);
-    CHECK(tellings == 1 && b.l.server.early == NULL);
+    CHECK(tellings == 1 && list_is_empty(&b.l.server.early));
     end(&b);
 }
 
@@ -326,12 +326,12 @@ TEST(set_is_not_read_until_it_is_triangulated_again)
     local_start(&b.l, 1);
     b.l.config.data = b.dir.path;
     CHECK(durable_start(&b.l.server));
-    while (b.l.server.jobs ==
-           NULL) /* the job triangulates; its result has not been collected yet */
+    while (
+        list_is_empty(&b.l.server.jobs)) /* the job triangulates; its result is not collected yet */
         await_durable_event(&b);
     static const char refusal[] = "ERR LOADING the set t is being triangulated, ";
     CHECK(strncmp(local_ask(&b.l, "LISTS t 0\n"), refusal, strlen(refusal)) == 0);
-    while (b.l.server.jobs != NULL)
+    while (!list_is_empty(&b.l.server.jobs))
         collect(&b);
     CHECK_STR(local_ask(&b.l, "LISTS t 0\n"), "OK 1 interior=0 boundary=1\n0 1 2\n");
     end(&b);

@@ -84,7 +84,7 @@ static void end_unheard(void *ctx, struct job *j)
 
 static void collect_all(struct local *l)
 {
-    while (l->server.jobs != NULL) {
+    while (!list_is_empty(&l->server.jobs)) {
         struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 60000) == 1);
         server_collect(&l->server, end_unheard, &l->server);

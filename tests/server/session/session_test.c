@@ -83,11 +83,11 @@ TEST(request_whose_result_waits_for_the_log_is_answered_when_its_time_is_over)
     struct session *s = b.session;
     s->job = job_new(sizeof *s->job, NULL, answer_its_status);
     s->state = SESSION_WORKING;
-    b.l.server.early = &s->job->work;
+    list_append(&b.l.server.early, &s->job->work.link);
     s->deadline.run(&s->deadline);
     conn_turn(&s->conn);
     CHECK(read(b.client, reply, sizeof reply - 1) > 0);
     CHECK_MSG(strncmp(reply, "ERR TIMEOUT ", 12) == 0, "%s", reply);
-    CHECK(b.l.server.early == NULL && s->state == SESSION_READING);
+    CHECK(list_is_empty(&b.l.server.early) && s->state == SESSION_READING);
     end(&b);
 }

@@ -408,7 +408,7 @@ TEST(digest_of_a_large_set_is_a_job_that_is_cancelled_with_its_client)
     CHECK(a.next == ANSWER_JOB && strcmp(a.job->what, "reading") == 0);
     CHECK(!job_leave(a.job, 1));
     version_unlock(v);
-    while (l.server.jobs != NULL) {
+    while (!list_is_empty(&l.server.jobs)) {
         struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
         server_collect(&l.server, end_job, &e);

@@ -28,14 +28,24 @@ static void run_sum(struct work *w)
         s->pool->run(s->pool->ctx, 100, add_part, &s->parts);
 }
 
+/* Collects once; returns how much there was. */
+static unsigned collect_some(struct workers *w)
+{
+    struct list done = {0};
+    unsigned n = 0;
+    workers_collect(w, &done);
+    while (list_pop(&done) != NULL)
+        n++;
+    return n;
+}
+
 static unsigned collect(struct workers *w, unsigned n)
 {
     unsigned got = 0;
     while (got < n) {
         struct pollfd event = {.fd = workers_event(w), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
-        for (struct work *work = workers_collect(w); work != NULL; work = work->next)
-            got++;
+        got += collect_some(w);
     }
     return got;
 }
@@ -61,13 +71,11 @@ TEST(very_much_finished_work_is_collected_in_parts_and_in_order)
     while (got < JOBS) {
         struct pollfd event = {.fd = workers_event(w), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
-        unsigned n = 0;
-        for (struct work *work = workers_collect(w); work != NULL; work = work->next)
-            n++;
+        unsigned n = collect_some(w);
         CHECK(n <= MOST);
         got += n;
     }
-    CHECK(got == JOBS && workers_collect(w) == NULL);
+    CHECK(got == JOBS && collect_some(w) == 0);
     workers_free(w);
 }
 
@@ -107,11 +115,11 @@ TEST(short_work_does_not_wait_for_long_work)
 {
     enum { THREADS = 2, LONG = 6 };
     atomic_bool shut = false, open = true;
-    struct gate busy[LONG], quick = {{NULL, pass_gate}, &open};
+    struct gate busy[LONG], quick = {{.run = pass_gate}, &open};
     struct workers *w = workers_new(THREADS);
     CHECK(w != NULL);
     for (int i = 0; i < LONG; i++) {
-        busy[i] = (struct gate){{NULL, pass_gate}, &shut};
+        busy[i] = (struct gate){{.run = pass_gate}, &shut};
         workers_submit(w, WORK_LONG, &busy[i].work);
     }
     workers_submit(w, WORK_SHORT, &quick.work);
@@ -126,15 +134,15 @@ TEST(short_work_never_keeps_long_work_waiting)
 {
     enum { BUSY = 2, MORE = 4 };
     atomic_bool first = false, later = false, open = true;
-    struct gate busy[BUSY], more[MORE], quick = {{NULL, pass_gate}, &open};
+    struct gate busy[BUSY], more[MORE], quick = {{.run = pass_gate}, &open};
     struct workers *w = workers_new(1);
     CHECK(w != NULL);
     for (int i = 0; i < BUSY; i++) { /* both threads have short work */
-        busy[i] = (struct gate){{NULL, pass_gate}, &first};
+        busy[i] = (struct gate){{.run = pass_gate}, &first};
         workers_submit(w, WORK_SHORT, &busy[i].work);
     }
     for (int i = 0; i < MORE; i++) {
-        more[i] = (struct gate){{NULL, pass_gate}, &later};
+        more[i] = (struct gate){{.run = pass_gate}, &later};
         workers_submit(w, WORK_SHORT, &more[i].work);
     }
     workers_submit(w, WORK_LONG, &quick.work);
@@ -170,11 +178,11 @@ TEST(slow_work_never_occupies_the_last_thread)
         atomic_uint running = 0, most = 0;
         atomic_bool shut = false, open = true;
         struct slow slow[SLOW];
-        struct gate quick = {{NULL, pass_gate}, &open};
+        struct gate quick = {{.run = pass_gate}, &open};
         struct workers *w = workers_new(threads);
         CHECK(w != NULL);
         for (int i = 0; i < SLOW; i++) {
-            slow[i] = (struct slow){{NULL, run_slow}, &running, &most, &shut};
+            slow[i] = (struct slow){{.run = run_slow}, &running, &most, &shut};
             workers_submit(w, WORK_SLOW, &slow[i].work);
         }
         while (running < may)
@@ -204,7 +212,7 @@ static bool may_choose_policy(void)
 TEST(long_work_has_a_lower_priority)
 {
     atomic_bool batch = false;
-    struct gate g = {{NULL, note_policy}, &batch};
+    struct gate g = {{.run = note_policy}, &batch};
     if (!may_choose_policy())
         SKIP("this machine does not allow the choice of a scheduling policy");
     struct workers *w = workers_new(1);
@@ -282,7 +290,7 @@ TEST(long_work_starts_while_a_worker_is_idle_whoever_took_the_short_work)
     CHECK(w != NULL);
     for (int i = 0; i < ROUNDS; i++) {
         atomic_bool open = false;
-        struct gate shut = {{NULL, pass_gate}, &open};
+        struct gate shut = {{.run = pass_gate}, &open};
         struct work quick = {.run = do_nothing};
         workers_submit(w, i % 2 == 0 ? WORK_SHORT : WORK_LONG, i % 2 == 0 ? &shut.work : &quick);
         workers_submit(w, i % 2 == 0 ? WORK_LONG : WORK_SHORT, i % 2 == 0 ? &quick : &shut.work);
