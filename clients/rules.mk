@@ -3,9 +3,10 @@
 #
 #   make lib             build/lib and build/include
 #   make install         PREFIX=/usr/local DESTDIR=
+#   make generate        the parts of the clients that follow from the daemon's table of commands
 #   make uninstall       removes the installed files; PREFIX and DESTDIR as for install
 
-.PHONY: lib install uninstall
+.PHONY: lib generate install uninstall
 
 PREFIX      ?= /usr/local
 VERSION     := $(shell sed -n 's/.*DELAUNAY_VERSION "\(.*\)".*/\1/p' proto/version.h)
@@ -65,6 +66,11 @@ pc_of = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/lib/
 $(O)/lib/pkgconfig/%.pc: clients/lib/%.pc.in Makefile
 	@mkdir -p $(@D)
 	$(call pc_of,$*) >$@
+
+# ---- what follows from the table of commands; the files are committed, and `make lint` compares them ----
+
+generate: $(O)/delaunayd
+	clients/generate/generate.py $<
 
 # ---- install ----
 

@@ -134,7 +134,7 @@ mutants: $(if $(filter 0,$(N)),,test_binaries)
 
 # ---- lint ----
 
-lint: $(CORE)
+lint: $(CORE) $(O)/delaunayd
 	tests/lint/lint.sh $(O)
 
 # ---- fuzz: every tests/fuzz/NAME_fuzz.c, from the corpus tests/fuzz/corpus/NAME if it exists: the same FUZZ_RUNS inputs every time,

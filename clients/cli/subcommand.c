@@ -21,8 +21,8 @@ const struct subcommand subcommands[] = {
      "      --planar             x and y alike, whatever the headings are\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
      "--dry-run "
-     "--colour --field --numbers --viewport --geographic --planar --force --help",
-     true},
+     "--colour --field --numbers --viewport --geographic --planar --force",
+     true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
@@ -32,8 +32,8 @@ const struct subcommand subcommands[] = {
      "      --negate FIELD, --dry-run, --force\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
      "--dry-run "
-     "--colour --field --numbers --viewport --geographic --planar --force --help",
-     true},
+     "--colour --field --numbers --viewport --geographic --planar --force",
+     true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
@@ -66,8 +66,7 @@ const struct subcommand subcommands[] = {
      "Compressed files (.gz .bz2 .xz .zst)\n"
      "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv; of a zip archive its only file of "
      "points.\n",
-     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --dry-run --help",
-     true},
+     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --dry-run", true, NULL},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
      "[--viewport X0,Y0,X1,Y1]",
@@ -76,7 +75,7 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --field --numbers --viewport --geographic --planar --force --help", true},
+     "--format --colour --field --numbers --viewport --geographic --planar --force", true, NULL},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -94,7 +93,7 @@ const struct subcommand subcommands[] = {
      "      --max-edge E      nothing in triangles that have a longer edge\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --colour --force --help", true},
+     "--format --cell --width --viewport --method --max-edge --colour --force", true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--format F] [--every STEP [--base B] | --levels L,L,...] ...",
      "Writes contour lines of a field (- for the standard output), about ten levels unless the "
@@ -107,7 +106,7 @@ const struct subcommand subcommands[] = {
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --every --base --levels --max-edge --viewport --geographic --force --help", true},
+     "--format --every --base --levels --max-edge --viewport --geographic --force", true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
      "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "
@@ -122,7 +121,7 @@ const struct subcommand subcommands[] = {
      "      --field F         colours the cells of the picture by a field; without it by z, if "
      "there is one\n"
      "      --force           replace any file\n",
-     "--format --viewport --field --geographic --force --help", true},
+     "--format --viewport --field --geographic --force", true, NULL},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
      "Writes the alpha shape of the triangulated set: the union of the triangles whose "
@@ -134,7 +133,7 @@ const struct subcommand subcommands[] = {
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --viewport --geographic --force --help", true},
+     "--format --viewport --geographic --force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. A set "
@@ -142,7 +141,7 @@ const struct subcommand subcommands[] = {
      "heights, in the field F or z, is drawn as shaded relief, unless --mesh is given. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"
      "$NO_COLOR does. With --geographic x and y are longitude and latitude.\n",
-     "--width --height --field --mesh --plain --geographic --help", false},
+     "--width --height --field --mesh --plain --geographic", false, NULL},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
@@ -157,93 +156,42 @@ const struct subcommand subcommands[] = {
      "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
      "point\n"
      "turns red when it is enclosed and leaves the grid, then pale.\n",
-     "--seconds --numbers --force --help", true},
+     "--seconds --numbers --force", true, NULL},
     {"top", command_top, false, false, "top [--once]",
      "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the "
      "commands\n"
      "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
-     "--once --help", false},
+     "--once", false, NULL},
     {"watch", command_watch, false, true,
      "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F]",
      "Prints what changes in a set as it changes, first everything, until the set is dropped or "
      "^C is\n"
      "pressed: places and rings of points, after a line EVENT or, with --json, an object for each\n"
      "event. SINCE continues at a version, WITHIN shows a box, FIELDS adds values to the points.\n",
-     "SINCE WITHIN FIELDS --help", false},
+     NULL, false, "SINCE WITHIN FIELDS"},
     {"metrics", command_metrics, false, false, "metrics",
-     "Prints INFO in the text format of Prometheus.\n", "--help", false},
+     "Prints INFO in the text format of Prometheus.\n", NULL, false, NULL},
     {"copy", command_copy, true, false, "copy SET URL URL",
      "Copies a set, its tolerance, ids and fields from the first daemon to the second, where there "
      "must be\n"
      "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
      "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
-     "--help", false},
+     NULL, false, NULL},
     {"completion", command_completion, true, false, "completion [bash|zsh|fish]",
      "Prints a script that completes commands, options, sets and files in that shell, bash if none "
      "is\n"
      "named: source <(delaunay completion bash), or in fish: delaunay completion fish | source\n",
-     "--help", false},
-    {"triangulate", NULL, false, true, "triangulate SET [METHOD auto|shelling|divide]",
-     "Computes the Delaunay triangulation; shows progress while it takes long.\n", "--help", false},
-    {"lists", NULL, false, true, "lists SET [ID ...] [CW]",
-     "Each point with the ring of its neighbours, interior points first, then along the hull.\n",
-     "--help", false},
-    {"triangles", NULL, false, true, "triangles SET [A [B [C]]] [CW]",
-     "Every triangle, or those at a point, at an edge, next to a triangle.\n", "--help", false},
-    {"edges", NULL, false, true, "edges SET [A] [CW]", "Every edge, or those at a point.\n",
-     "--help", false},
-    {"hull", NULL, false, true, "hull SET [CW]", "The points of the convex hull.\n", "--help",
-     false},
-    {"nearest", NULL, false, true, "nearest SET X Y [K]", "The K nearest points, nearest first.\n",
-     "--help", false},
-    {"within", NULL, false, true, "within SET X0 Y0 X1 Y1 | within SET X Y R",
-     "The points in a closed box or disc.\n", "--help", false},
-    {"locate", NULL, false, true, "locate SET X Y", "The triangle, edge or point where X Y lies.\n",
-     "--help", false},
-    {"create", NULL, false, true, "create SET [TOL T]",
-     "A new, empty set with coincidence tolerance T.\n", "--help", false},
-    {"add", NULL, false, true, "add SET X Y [X Y ...]", "Adds points.\n", "--help", false},
-    {"move", NULL, false, true, "move SET ID X Y", "Moves a point, which keeps its id.\n", "--help",
-     false},
-    {"del", NULL, false, true, "del SET ID [ID ...]", "Deletes points.\n", "--help", false},
-    {"get", NULL, false, true, "get SET ID [ID ...]", "The coordinates of points.\n", "--help",
-     false},
-    {"coincident", NULL, false, true, "coincident SET", "Every alias and its representative.\n",
-     "--help", false},
-    {"points", NULL, false, true, "points SET", "Every point: id, x, y.\n", "--help", false},
-    {"stat", NULL, false, true, "stat SET", "Counts and memory of a set.\n", "--help", false},
-    {"digest", NULL, false, true, "digest SET",
-     "A number of everything in a set, with its version: equal sets have the same.\n", "--help",
-     false},
-    {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help",
-     false},
-    {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help", false},
-    {"expire", NULL, false, true, "expire SET SECONDS",
-     "Drops the set after this number of seconds.\n", "--help", false},
-    {"ttl", NULL, false, true, "ttl SET", "In how many seconds a set is dropped.\n", "--help",
-     false},
-    {"persist", NULL, false, true, "persist SET", "Takes expire back: the set stays.\n", "--help",
-     false},
-    {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help",
-     false},
+     NULL, false, "bash zsh fish"},
     {"info", NULL, false, false, "info [SECTION ...]",
      "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
      "replication, commands) those of these only.\n",
-     "server clients memory stats sets durability replication commands --help", false},
+     NULL, false, "server clients memory stats sets durability replication commands"},
     {"follow", NULL, false, false, "follow ADDRESS PORT [confirm] | follow none",
      "Lets the server follow another one, its leader; none makes it a leader. With confirm its "
      "own\n"
      "changes are discarded where the leader does not have them.\n",
-     "none confirm --help", false},
-    {"wait", NULL, false, false, "wait FOLLOWERS SECONDS",
-     "Waits until this number of followers is connected and receives the log.\n", "--help", false},
-    {"backup", NULL, false, false, "backup NAME",
-     "Writes a backup of the data directory, in use, below the server's --backup-dir.\n", "--help",
-     false},
-    {"client", NULL, false, false, "client LIST | client KILL ID | client KILL ADDRESS",
-     "Who is connected to the server; ends connections.\n", "LIST KILL --help", false},
-    {"slowlog", NULL, false, false, "slowlog GET [N] | slowlog LEN | slowlog RESET",
-     "The last requests that took long.\n", "GET LEN RESET --help", false},
+     NULL, false, "none confirm"},
+#include "clients/cli/requests.h"
 };
 
 const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];

@@ -9,8 +9,10 @@ struct subcommand {
     int (*run)(struct delaunay_client *c, int argc, char **argv); /* NULL: sent as a request line */
     bool alone;                                                   /* it needs no connection */
     bool set; /* the first argument names a set */
-    const char *usage, *help, *options;
-    bool files; /* it takes names of files */
+    const char *usage, *help;
+    const char *options; /* besides --help and --json; NULL: none */
+    bool files;          /* it takes names of files */
+    const char *words;   /* arguments that completion offers; NULL: none */
 };
 
 extern const struct subcommand subcommands[];

@@ -75,13 +75,23 @@ static void put_value_cases(const char *before, const char *after)
            colours, after, valued);
 }
 
-/* A case for each subcommand's options, which are words of `before` ... `after`. */
+/* A case for the options of each subcommand that has some, which are words of `before` ... `after`. */
 static void put_option_cases(const char *before, const char *after)
 {
     printf("        '') %s%s%s ;;\n", before, global_options, after);
     for (size_t i = 0; i < subcommand_count; i++)
-        printf("        %s) %s%s --json%s ;;\n", subcommands[i].name, before,
-               subcommands[i].options, after);
+        if (subcommands[i].options != NULL)
+            printf("        %s) %s%s --help --json%s ;;\n", subcommands[i].name, before,
+                   subcommands[i].options, after);
+    printf("        *) %s--help --json%s ;;\n", before, after);
+}
+
+/* A case for each subcommand's words. */
+static void put_word_cases(const char *before, const char *after)
+{
+    for (size_t i = 0; i < subcommand_count; i++)
+        if (subcommands[i].words != NULL)
+            printf("    %s) %s%s%s ;;\n", subcommands[i].name, before, subcommands[i].words, after);
 }
 
 /* ---- bash ---- */
@@ -106,11 +116,9 @@ static void put_bash(void)
            "    esac\n    case $command in\n    ",
            reply, read_sets, end);
     put_names(KIND_FILES, " | ");
-    puts(") compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
-         "    client) COMPREPLY=($(compgen -W \"LIST KILL\" -- \"$word\")) ;;\n"
-         "    slowlog) COMPREPLY=($(compgen -W \"GET LEN RESET\" -- \"$word\")) ;;\n"
-         "    completion) COMPREPLY=($(compgen -W \"bash zsh fish\" -- \"$word\")) ;;\n"
-         "    esac\n}\ncomplete -F _delaunay delaunay");
+    puts(") compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- \"$word\")) ;;");
+    put_word_cases(reply, end);
+    puts("    esac\n}\ncomplete -F _delaunay delaunay");
 }
 
 /* ---- zsh ---- */
@@ -132,8 +140,9 @@ static void put_zsh(void)
            "    esac\n    case $command in\n    ",
            read_sets);
     put_names(KIND_FILES, " | ");
-    puts(") _files ;;\n    client) compadd LIST KILL ;;\n    slowlog) compadd GET LEN RESET ;;\n"
-         "    completion) compadd bash zsh fish ;;\n    esac\n}\n"
+    puts(") _files ;;");
+    put_word_cases("compadd ", "");
+    puts("    esac\n}\n"
          "if [[ ${zsh_eval_context[-1]} == loadautofunc ]]; then _delaunay \"$@\"; else compdef "
          "_delaunay "
          "delaunay; fi");
@@ -207,11 +216,13 @@ static void put_fish(void)
           "complete -c delaunay -n '__fish_seen_subcommand_from load export trace raster contour "
           "voronoi alpha; and not "
           "__delaunay_at "
-          "2' -F\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from client' -a 'LIST KILL'\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from slowlog' -a 'GET LEN RESET'\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'\n",
+          "2' -F\n",
           stdout);
+    for (size_t i = 0; i < subcommand_count; i++)
+        if (subcommands[i].words != NULL)
+            printf("complete -c delaunay -n '__fish_seen_subcommand_from %s%s' -a '%s'\n",
+                   subcommands[i].name, subcommands[i].set ? "; and not __delaunay_at 2" : "",
+                   subcommands[i].words);
 }
 
 int command_completion(struct delaunay_client *c, int argc, char **argv)

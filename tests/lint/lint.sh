@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Checks the rules for the source. Prints each breach as FILE:LINE: what; exits 1 if there is one.
 #
-#     lint.sh [BUILD_DIR]      with a build directory, object files of core/ are checked for variables and calls, too
+#     lint.sh [BUILD_DIR]      with a build directory, object files of core/ are checked for variables and calls, too, and generated files
+#                              are compared with what its daemon makes of them
 #
 # LINT_STRICT=1 makes a missing tool (clang-format-14, clang-tidy, cppcheck, mypy) a failure; otherwise it is only mentioned.
 set -uo pipefail
@@ -127,6 +128,12 @@ file_rules() {
     files . | xargs grep -HnIE '(^|[^A-Za-z])/([w]ork|[r]oot|[t]mp/(wt|bash))(/|$)' | sed 's|$|    (path of one machine)|'
 }
 
+# Parts of the clients follow from the table of commands.
+generated() {
+    have python3 || return
+    clients/generate/generate.py "$build/delaunayd" --check
+}
+
 # ---- tools ----
 
 have() { # NAME
@@ -176,6 +183,7 @@ types() {
     [ -z "$build" ] || core_has_no_globals
     [ -z "$build" ] || core_calls_no_room_above
     file_rules
+    [ -z "$build" ] || generated
     format
     check
     tidy

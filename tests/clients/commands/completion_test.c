@@ -54,6 +54,9 @@ TEST(completion_offers_commands_options_and_their_values)
     expect("delaunay export t x.svg --colour q", "quality");
     expect("delaunay completion f", "fish");
     expect("delaunay slowlog L", "LEN");
+    expect("delaunay hull cities \"\"", "CW");
+    expect("delaunay weights cities 1 2 METHOD n", "natural");
+    expect("delaunay fdrop cities --h", "--help");
     cli_finish();
 }
 

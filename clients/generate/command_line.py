@@ -1,0 +1,47 @@
+"""The commands as subcommands of `delaunay`: a list of rows for clients/cli/subcommand.c."""
+
+import re
+import textwrap
+
+from table import WITH_EVENTS
+
+WIDTH = 100
+
+
+def is_value(word):
+    return word != "auto" and re.fullmatch(r"[a-z][a-z0-9]*(,[a-z]+)*", word)
+
+
+def usage(command):
+    """`move SET id x y` as `move SET ID X Y`, which is how the command line shows values; choices stay as they are."""
+    words = re.split(r"([A-Za-z0-9,|]+)", command.usage)
+    shown = [w.lower() if w == command.name else w.upper() if is_value(w) else w for w in words]
+    return "".join(shown)
+
+
+def help_text(command):
+    """The help as a sentence, with names of values of one or two characters as in the usage. "a" is an article."""
+    named = {w for w in re.findall(r"[a-z][0-9]?\b", command.usage)} - {"a"}
+    shown = re.sub(r"\b[a-z][0-9]?\b", lambda w: w[0].upper() if w[0] in named else w[0], command.help)
+    return textwrap.fill(shown[0].upper() + shown[1:] + ".", WIDTH) + "\n"
+
+
+def quoted(text):
+    return '"%s"' % text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+
+
+def row(command):
+    fields = [".name = " + quoted(command.name.lower())]
+    if command.about == "set":
+        fields.append(".set = true")
+    fields.append(".usage = " + quoted(usage(command)))
+    fields.append(".help = " + quoted(help_text(command)))
+    if command.keywords():
+        fields.append(".words = " + quoted(" ".join(command.keywords())))
+    return "{%s},\n" % ",\n ".join(fields)
+
+
+def generate(commands, by_hand, says):
+    """`by_hand`: the rows that are not generated. A body is binary; `load` and other subcommands send it."""
+    rows = [row(c) for c in commands if not c.body and c.name not in WITH_EVENTS and c.name.lower() not in by_hand]
+    return "/* requests.h - rows of the table in subcommand.c.\n * %s */\n/* clang-format off */\n" % says + "".join(rows)
