@@ -220,13 +220,6 @@ static void deliver(void *ctx, struct job *j)
         server_finish_abandoned(&d.server, j);
 }
 
-static void answer_joined(struct server *server, uint64_t id, struct job *j)
-{
-    struct session *s = clients_find(server->clients, id);
-    if (s != NULL)
-        session_job_shared(s, j);
-}
-
 static void on_workers(struct source *source, uint32_t events)
 {
     (void)source, (void)events;
@@ -368,22 +361,13 @@ static void check_client(struct session *s)
     session_check_timeouts(s);
 }
 
-static void send_progress_to(uint64_t id, const struct job *j)
-{
-    struct session *s = clients_find(&d.clients, id);
-    if (s != NULL)
-        session_progress(s, j);
-}
-
 static void send_progress(void)
 {
     for (const struct job *j = job_first(&d.server), *next; j != NULL; j = next) {
         next = job_next(&d.server, j);
-        if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
-            continue;
-        send_progress_to(j->owner, j);
-        for (unsigned i = 0; i < j->also_n; i++)
-            send_progress_to(j->also[i], j);
+        struct session *s = clients_find(&d.clients, j->owner);
+        if (s != NULL && d.loop.now_ms - j->queued_ns / 1000000 > SESSION_PROGRESS_MS)
+            session_progress(s, j);
     }
 }
 
@@ -493,7 +477,6 @@ static bool start(struct config *config)
         !watch(&d.workers, workers_event(d.server.workers), on_workers))
         return false;
     d.server.clients = &d.clients;
-    d.server.answer_joined = answer_joined;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
     if (!follower_prepare(&d.server, &d.loop))

@@ -1,4 +1,7 @@
-/* cmd_build.c - TRIANGULATE and CHECK: jobs that read every point of a set. */
+/* cmd_build.c - TRIANGULATE and CHECK: jobs that read every point of a set.
+ *
+ * Single flight: a request that had to wait for a job which did the same gets the result of that job, unless the set has
+ * changed since. */
 #include "server/command/command.h"
 
 #include "server/jobs/job.h"
@@ -77,13 +80,33 @@ static void answer_triangulation(struct answer *a, const struct dataset *set, do
     answer_version(a, set->version);
 }
 
+static struct dataset_result result_of(const struct job *j)
+{
+    return (struct dataset_result){.ended_ns = clock_ns(),
+                                   .version = j->set->version,
+                                   .ms = ((const struct build *)j)->ms,
+                                   .method = j->options.method,
+                                   .rebuilt = j->options.rebuild};
+}
+
 static void triangulate_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
-    if (j->status == DT_OK)
-        answer_triangulation(a, j->set, ((struct build *)j)->ms);
-    else
+    if (j->status != DT_OK) {
         answer_status(a, j->status);
+        return;
+    }
+    j->set->triangulation = result_of(j);
+    answer_triangulation(a, j->set, j->set->triangulation.ms);
+}
+
+/* Whether the request waited for that result. */
+static bool waited_for(struct server *s, const struct answer *a, const struct dataset *set,
+                       const struct dataset_result *r)
+{
+    bool waited = a->since_ns != 0 && a->since_ns < r->ended_ns && r->version == set->version;
+    s->count.shared += waited;
+    return waited;
 }
 
 static bool read_method(struct answer *a, const struct request *q, enum dt_method *method)
@@ -104,19 +127,6 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
     }
     answer_usage(a, q);
     return false;
-}
-
-bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
-                      struct answer *a)
-{
-    enum dt_method method;
-    struct job *j = set->writer;
-    if (j == NULL || j->done != triangulate_done || j->cancel)
-        return false;
-    if (!read_method(a, q, &method))
-        return true;
-    bool same = q->n == 2 || (j->options.rebuild && j->options.method == method);
-    return same && job_join(s, a, j);
 }
 
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
@@ -156,8 +166,14 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
 void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
                      struct answer *a)
 {
+    const struct dataset_result *r = &set->triangulation;
     enum dt_method method;
-    if (read_method(a, q, &method))
+    if (!read_method(a, q, &method))
+        return;
+    bool same = q->n == 2 || (r->rebuilt && r->method == method);
+    if (same && waited_for(s, a, set, r))
+        answer_triangulation(a, set, r->ms);
+    else
         triangulate(s, a, set, method, q->n > 2); /* METHOD: rebuilt even if it is current */
 }
 
@@ -168,6 +184,14 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
 static void run_check(struct job *j)
 {
     j->status = dt_check(j->dt, &j->options, &((struct build *)j)->fault);
+}
+
+static void answer_proved(struct answer *a, const struct dataset *set)
+{
+    reply_ok(a->out, 0);
+    reply_key_text(a->out, "delaunay", "yes");
+    append_counts(a, &set->current->sum);
+    reply_end(a->out);
 }
 
 static void check_done(struct server *s, struct job *j, struct answer *a)
@@ -182,18 +206,17 @@ static void check_done(struct server *s, struct job *j, struct answer *a)
         answer_status(a, j->status);
         return;
     }
-    reply_ok(a->out, 0);
-    reply_key_text(a->out, "delaunay", "yes");
-    append_counts(a, &j->base->sum);
-    reply_end(a->out);
+    j->set->proof = result_of(j);
+    answer_proved(a, j->set);
 }
 
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
-    struct job *other = set->writer;
-    if (other != NULL && other->run == run_check && !other->cancel && job_join(s, a, other))
+    if (waited_for(s, a, set, &set->proof)) {
+        answer_proved(a, set);
         return;
+    }
     if (!dataset_admits(set, true, a->turn)) {
         answer_wait(a, &set->queue, true);
         return;

@@ -316,8 +316,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
     if (set == NULL)
         return true;
     if (!dataset_admits(set, writes, a->turn)) {
-        if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
-            answer_wait(a, &set->queue, writes);
+        answer_wait(a, &set->queue, writes);
         return false;
     }
     if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {

@@ -155,11 +155,6 @@ command_handler cmd_triangulate, cmd_check;                                     
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
                  bool rebuild);
 
-/* Whether a TRIANGULATE of a set with a writer is done with: it waits for the result of a job that does the same, or
- * its ERR line has been written. */
-bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
-                      struct answer *a);
-
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
 command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,

@@ -37,6 +37,7 @@ struct answer {
     uint64_t owner;   /* the id of the connection; 0: none */
     enum role role;   /* of the connection; AUTH changes it */
     unsigned token;   /* the number of the token that gave the role; 0: none */
+    int64_t since_ns; /* when the request was first carried out, if it has waited; 0: it has not */
     unsigned command; /* index in the table of commands, or STATS_OTHER */
     bool typed;       /* replies of the connection in RESP are typed; HELLO changes it */
     bool multi;  /* the connection is in a transaction, all of which is refused; MULTI changes it */

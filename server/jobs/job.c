@@ -27,7 +27,6 @@ void job_free(struct job *j)
     if (j->clear != NULL)
         j->clear(j);
     reservation_set(&j->memory, 0);
-    free(j->also);
     free(j);
 }
 
@@ -249,36 +248,6 @@ void job_apart(struct server *s, struct answer *a, struct job *j)
         start(s, a, j, JOB_HEAVY);
 }
 
-/* ---- single flight ---- */
-
-bool job_join(struct server *s, struct answer *a, struct job *j)
-{
-    uint64_t *also = realloc(j->also, (j->also_n + 1) * sizeof *also);
-    if (also == NULL)
-        return false;
-    also[j->also_n++] = a->owner;
-    j->also = also;
-    a->next = ANSWER_JOB;
-    a->job = j;
-    s->count.shared++;
-    return true;
-}
-
-bool job_leave(struct job *j, uint64_t who)
-{
-    if (j->also_n == 0) {
-        j->cancel = true;
-        return false;
-    }
-    uint64_t last = j->also[--j->also_n];
-    if (j->owner == who)
-        j->owner = last;
-    for (unsigned i = 0; i < j->also_n; i++)
-        if (j->also[i] == who)
-            j->also[i] = last;
-    return true;
-}
-
 void job_drain(struct job *j)
 {
     if (j->what != NULL && j->changes == 0)
@@ -342,24 +311,17 @@ bool job_install(struct server *s, struct job *j)
     return false;
 }
 
-void job_answer(struct server *s, struct job *j, struct answer *a)
-{
-    a->lsn = j->lsn;
-    if (j->shown > a->shown)
-        a->shown = j->shown;
-    j->done(s, j, a);
-}
-
 /* Sets the changes that the reply acknowledges or shows. A writer without a record, such as an update of the
  * triangulation before a query, only shows changes of others. */
-static void note_changes(struct job *j)
+static void note_changes(const struct job *j, struct answer *a)
 {
+    a->lsn = 0;
     if (j->base == NULL || j->status == DT_CANCELLED)
         return;
     if (j->record != NULL)
-        j->lsn = j->set->current->lsn;
-    else
-        j->shown = j->base->lsn;
+        a->lsn = j->set->current->lsn;
+    else if (j->base->lsn > a->shown)
+        a->shown = j->base->lsn;
 }
 
 void job_finish(struct server *s, struct job *j, struct answer *a)
@@ -376,10 +338,8 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
         j->record(s, j);
     if (edits_in_place(j))
         j->base->edited = false;
-    note_changes(j);
-    for (unsigned i = 0; i < j->also_n; i++)
-        s->answer_joined(s, j->also[i], j);
-    job_answer(s, j, a);
+    note_changes(j, a);
+    j->done(s, j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);
     job_free(j);

@@ -30,12 +30,8 @@ struct job {
     void (*clear)(struct job *j);
     void (*record)(struct server *s, struct job *j);
     void (*install)(struct job *j);
-    const char *what; /* for the progress line; NULL: none */
-    uint64_t owner;   /* the id of the connection that gets the reply */
-    uint64_t *also;   /* owns: ids of other connections that get it (job_join) */
-    unsigned also_n;
-    uint64_t lsn;          /* when it is done: the change that the reply acknowledges; 0: none */
-    uint64_t shown;        /* when it is done: the last change that the reply shows; 0: none */
+    const char *what;      /* for the progress line; NULL: none */
+    uint64_t owner;        /* the id of the connection that gets the reply */
     int64_t queued_ns;     /* when it was submitted to the workers; 0: it ran at once */
     int64_t began_ns;      /* when a worker began */
     struct dataset *set;   /* of a writer; NULL for a reader */
@@ -90,14 +86,6 @@ void job_beside(struct server *s, struct answer *a, struct job *j, struct datase
 /* The same for a job without a set, which a worker carries out. */
 void job_apart(struct server *s, struct answer *a, struct job *j);
 
-/* Single flight: the request gets the result of a job that is already under way: ANSWER_JOB. False when out of
- * memory. */
-bool job_join(struct server *s, struct answer *a, struct job *j);
-
-/* The connection `who` does not wait for the job any more. True: the job continues for others. False: there are
- * none, so it is cancelled. */
-bool job_leave(struct job *j, uint64_t who);
-
 /* Cancels the job because the server is stopping, unless it changes points or makes a piece of a reply. */
 void job_drain(struct job *j);
 
@@ -122,11 +110,7 @@ bool job_give_up_early(struct server *s, struct job *j);
 /* Installs what a job beside its set has made. False: a worker will do so, and the job has not ended. */
 bool job_install(struct server *s, struct job *j);
 
-/* Writes the reply for one of the connections that wait for the job. */
-void job_answer(struct server *s, struct job *j, struct answer *a);
-
-/* Ends a job that the workers have done: publishes its result, answers the connections that have joined it
- * (server.answer_joined) and then its owner through a, and frees it. */
+/* Ends a job that the workers have done: publishes its result, answers its owner through a, and frees it. */
 void job_finish(struct server *s, struct job *j, struct answer *a);
 
 /* Submits a job without a set and without a reply to the workers. */

@@ -59,18 +59,16 @@ struct server {
     struct watching watching; /* the sets that clients watch */
     struct list jobs;         /* those of the workers, until they are collected and ended */
     struct list early;        /* of these, finished readers that wait for an edit (job_is_early) */
-    /* Answers a connection that has joined a job (job_answer) and does nothing else. */
-    void (*answer_joined)(struct server *s, uint64_t id, struct job *j);
-    struct dt_pages *pages;        /* owns; the page cache for large arrays (keep.h) */
-    uint64_t uses;                 /* of the cache, at the last tick */
-    unsigned idle_ticks;           /* ticks in a row without a use */
-    bool excess;                   /* the cache exceeds its limit (keep_turn_end) */
-    bool releasing;                /* a job is returning pages */
-    bool preparing;                /* a job is prefaulting pages */
-    size_t expected;               /* bytes to prefault for points that are being received */
-    struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
-    struct request request;        /* owns; the words of the current request */
-    struct ahead *ahead;           /* owns; the requests after it in the connection's input */
+    struct dt_pages *pages;   /* owns; the page cache for large arrays (keep.h) */
+    uint64_t uses;            /* of the cache, at the last tick */
+    unsigned idle_ticks;      /* ticks in a row without a use */
+    bool excess;              /* the cache exceeds its limit (keep_turn_end) */
+    bool releasing;           /* a job is returning pages */
+    bool preparing;           /* a job is prefaulting pages */
+    size_t expected;          /* bytes to prefault for points that are being received */
+    struct dt_ids scratch;    /* owns; the result of a query that is answered at once */
+    struct request request;   /* owns; the words of the current request */
+    struct ahead *ahead;      /* owns; the requests after it in the connection's input */
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;

@@ -281,7 +281,7 @@ static void on_closed(struct conn *c)
     timer_clear(&s->awaited_timer);
     timer_clear(&s->probe);
     if (s->state == SESSION_WORKING)
-        job_leave(s->job, s->id);
+        s->job->cancel = true;
     if (s->state == SESSION_STREAMING)
         stream_free(s->server, s->stream);
     if (s->state == SESSION_LISTING)
@@ -311,9 +311,8 @@ static void on_later(struct timer *t)
     conn_again(&s->conn);
 }
 
-/* The deadline has passed. The request is answered now if it waits in a queue, if its job continues for other
- * sessions, or if its job has finished but waits for an edit. Any other job is cancelled, and its end brings the
- * answer. */
+/* The deadline has passed. The request is answered now if it waits in a queue, or if its job has finished but waits for
+ * an edit. Any other job is cancelled, and its end brings the answer. */
 static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
@@ -321,11 +320,13 @@ static void pass_deadline(struct timer *t)
     if (s->conn.closed)
         return;
     s->timed_out = true;
-    if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line) {
+    if (s->state == SESSION_WORKING) {
+        s->job->cancel = true;
+        if (job_give_up_early(s->server, s->job))
+            session_job_done(s, s->job);
+    } else if (in_line) {
         give_up(s);
         conn_again(&s->conn);
-    } else if (s->state == SESSION_WORKING && job_give_up_early(s->server, s->job)) {
-        session_job_done(s, s->job);
     }
 }
 
@@ -394,11 +395,9 @@ void session_not_saved(struct hold *h)
 
 /* ---- events of the workers ---- */
 
-/* Ends the job by `answer`. The next request is carried out in the next turn of the loop: otherwise a client with a
- * pipeline would overtake requests that already wait for the set, and a session that has joined the job could use
- * the set while the job is being ended. */
-static void end_job(struct session *s, struct job *j,
-                    void (*answer)(struct server *, struct job *, struct answer *))
+/* The next request is carried out in the next turn of the loop: otherwise a client with a pipeline would overtake requests
+ * that already wait for the set. */
+void session_job_done(struct session *s, struct job *j)
 {
     struct answer a = session_answer(s);
     size_t mark = buf_len(a.out);
@@ -406,7 +405,7 @@ static void end_job(struct session *s, struct job *j,
     s->state = SESSION_READING;
     bool room = buf_reserve(a.out, REPLY_ERR_ROOM) != NULL;
     account_job(s, j);
-    answer(s->server, j, &a);
+    job_finish(s->server, j, &a);
     if (a.out->failed && room)
         command_out_of_memory(s->server, &a, mark);
     session_take_over(s, &a);
@@ -414,16 +413,6 @@ static void end_job(struct session *s, struct job *j,
         conn_close(&s->conn);
     end_turn(s);
     conn_again(&s->conn);
-}
-
-void session_job_done(struct session *s, struct job *j)
-{
-    end_job(s, j, job_finish);
-}
-
-void session_job_shared(struct session *s, struct job *j)
-{
-    end_job(s, j, job_answer);
 }
 
 void session_progress(struct session *s, const struct job *j)

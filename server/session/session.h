@@ -16,9 +16,6 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 /* Ends a finished job of this session. */
 void session_job_done(struct session *s, struct job *j);
 
-/* Answers the session with the result of a job of another session, which it has joined. */
-void session_job_shared(struct session *s, struct job *j);
-
 /* More output of this session's connection may be sent. */
 void session_released(struct hold *h);
 

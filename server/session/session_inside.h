@@ -21,6 +21,7 @@ static inline struct answer session_answer(struct session *s)
     a.token = s->token;
     a.typed = s->typed;
     a.multi = s->multi;
+    a.since_ns = s->pause.began_ns;
     a.command = s->command;
     a.turn = wait_turn(&s->waiter);
     a.waited = s->waited;

@@ -34,12 +34,22 @@ struct version {
     struct version *next; /* there */
 };
 
+/* What a job has found about a set, for requests that waited for it. */
+struct dataset_result {
+    int64_t ended_ns; /* 0: there is none */
+    uint64_t version; /* of the set */
+    double ms;        /* that it took */
+    enum dt_method method;
+    bool rebuilt; /* although it was current */
+};
+
 struct dataset {
     struct dataset *next; /* in its bucket */
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
     uint64_t version;   /* after its last change, as clients see it (registry_version) */
+    struct dataset_result triangulation, proof; /* the last TRIANGULATE and CHECK */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
     bool triangulated;  /* the log has a TRIANGULATE of it (with --data) */

@@ -89,7 +89,7 @@ TEST(build_that_is_cancelled_changes_nothing)
     struct dataset *set = local_set(&l, "t");
     uint64_t before = set->version;
     struct job *j = begin(&l);
-    CHECK(!job_leave(j, 1));
+    j->cancel = true;
     while (set->writer != NULL)
         collect(&l);
     CHECK(set->version == before ||

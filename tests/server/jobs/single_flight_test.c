@@ -1,5 +1,4 @@
 /* single_flight_test.c - a request for what a job already computes waits for its result. */
-#include "server/jobs/job.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -53,6 +52,22 @@ TEST(check_that_two_clients_request_runs_once)
     expect_shared("CHECK t\n", "CHECK t\n");
 }
 
+TEST(request_that_comes_after_a_result_does_not_get_it)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", POINTS);
+    say(fd, "TRIANGULATE t\nCHECK t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 ", 5) == 0 && strncmp(hear_line(fd), "OK 0 ", 5) == 0);
+    await_info(&d, "jobs_running", 0);
+    uint64_t jobs = daemon_info(&d, "jobs");
+    say(fd, "CHECK t\nCHECK t\nTRIANGULATE t METHOD divide\nTRIANGULATE t METHOD divide\n");
+    for (int i = 0; i < 4; i++)
+        CHECK(strncmp(hear_line(fd), "OK 0 ", 5) == 0);
+    CHECK(daemon_info(&d, "jobs") >= jobs + 4 && daemon_info(&d, "jobs_shared") == 0);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
 TEST(triangulate_by_another_method_runs_separately)
 {
     struct daemon d = daemon_start(NULL);
@@ -77,7 +92,7 @@ static void reset(int fd)
     close(fd);
 }
 
-TEST(job_continues_for_clients_that_joined_when_its_owner_disconnects)
+TEST(clients_that_wait_for_the_job_of_a_client_that_disconnects_get_a_result)
 {
     struct daemon d = daemon_start(NULL);
     int stays = daemon_connect(&d);
@@ -119,49 +134,4 @@ TEST(check_that_was_cancelled_is_not_joined)
     CHECK(strncmp(hear_line(stays), "OK 0 delaunay=yes points=100000 ", 32) == 0);
     CHECK(strncmp(hear_line(busy), "OK 0 points=400000 ", 19) == 0);
     daemon_end(&d);
-}
-
-/* ---- clients that wait for a job ---- */
-
-static void run_nothing(struct job *j)
-{
-    (void)j;
-}
-
-static void done_nothing(struct server *s, struct job *j, struct answer *a)
-{
-    (void)s, (void)j, (void)a;
-}
-
-TEST(job_is_cancelled_when_its_last_client_disconnects)
-{
-    static struct server s;
-    for (uint64_t first = 1; first <= 3; first++) {
-        struct job *j = job_new(sizeof *j, run_nothing, done_nothing);
-        CHECK(j != NULL);
-        j->owner = 1;
-        for (uint64_t id = 2; id <= 3; id++) {
-            struct answer a = {.owner = id};
-            CHECK(job_join(&s, &a, j) && a.next == ANSWER_JOB && a.job == j);
-        }
-        CHECK(job_leave(j, first) && j->owner != first);
-        uint64_t second = j->also[0];
-        CHECK(second != first && job_leave(j, second) && j->also_n == 0);
-        CHECK(j->owner == 6 - first - second && !j->cancel);
-        CHECK(!job_leave(j, j->owner) && j->cancel);
-        job_free(j);
-    }
-    CHECK(s.count.shared == 6);
-}
-
-TEST(join_without_memory_leaves_the_job_as_it_was)
-{
-    static struct server s;
-    struct answer a = {.owner = 2};
-    struct job *j = job_new(sizeof *j, run_nothing, done_nothing);
-    CHECK(j != NULL);
-    test_fail_alloc(1);
-    CHECK(!job_join(&s, &a, j) && j->also_n == 0 && a.next == ANSWER_WHOLE && s.count.shared == 0);
-    test_fail_alloc(0);
-    job_free(j);
 }

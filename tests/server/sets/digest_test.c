@@ -406,7 +406,7 @@ TEST(digest_of_a_large_set_is_a_job_that_is_cancelled_with_its_client)
     version_lock_edit(v); /* so that the worker waits */
     ask(&l, &a, "DIGEST t");
     CHECK(a.next == ANSWER_JOB && strcmp(a.job->what, "reading") == 0);
-    CHECK(!job_leave(a.job, 1));
+    a.job->cancel = true;
     version_unlock(v);
     while (!list_is_empty(&l.server.jobs)) {
         struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
