@@ -1,18 +1,6 @@
 /* hold.c - see hold.h. */
 #include "server/disk/hold.h"
 
-static void enter(struct holders *in, struct hold *h)
-{
-    if (h->in != NULL)
-        return;
-    h->in = in;
-    h->prev = NULL;
-    h->next = in->first;
-    if (h->next != NULL)
-        h->next->prev = h;
-    in->first = h;
-}
-
 static void add(struct holders *in, struct hold *h, struct hold_group g)
 {
     if (g.lsn <= in->durable)
@@ -26,7 +14,8 @@ static void add(struct holders *in, struct hold *h, struct hold_group g)
     } else {
         h->group[h->groups++] = g;
     }
-    enter(in, h);
+    if (!list_holds(&h->link))
+        list_append(&in->holds, &h->link);
 }
 
 void hold_acknowledgement(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
@@ -43,15 +32,7 @@ void hold_view(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
 void hold_clear(struct hold *h)
 {
     h->groups = 0;
-    if (h->in == NULL)
-        return;
-    if (h->prev == NULL)
-        h->in->first = h->next;
-    else
-        h->prev->next = h->next;
-    if (h->next != NULL)
-        h->next->prev = h->prev;
-    h->in = NULL;
+    list_remove(&h->link);
 }
 
 static bool may_go(const struct holders *in, const struct hold_group *g)
@@ -80,8 +61,8 @@ static void look_again(struct holders *in)
     if (durable == in->durable)
         return;
     in->durable = durable;
-    for (struct hold *h = in->first, *next; h != NULL; h = next) {
-        next = h->next;
+    for (struct hold *h = list_first(&in->holds), *next; h != NULL; h = next) {
+        next = list_next(&in->holds, h);
         release(in, h);
     }
 }
@@ -110,8 +91,8 @@ void holders_follow_none(struct holders *in)
 void holders_fail(struct holders *in, enum hold_cause cause)
 {
     in->failing |= cause;
-    for (struct hold *h = in->first, *next; h != NULL; h = next) {
-        next = h->next;
+    for (struct hold *h = list_first(&in->holds), *next; h != NULL; h = next) {
+        next = list_next(&in->holds, h);
         release(in, h);
         if (h->groups > 0)
             in->not_saved(h);

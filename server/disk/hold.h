@@ -17,14 +17,13 @@
 #ifndef SERVER_HOLD_H
 #define SERVER_HOLD_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "server/system/list.h"
+
 #include <stdint.h>
 
 struct hold {
-    struct hold *prev, *next;
-    struct holders *in; /* NULL: nothing is held */
-    unsigned groups;
+    struct list_link link; /* first */
+    unsigned groups;       /* 0: nothing is held */
     struct hold_group {
         uint64_t lsn, from;
         bool acknowledges;
@@ -33,7 +32,7 @@ struct hold {
 
 /* All holds that wait, in no particular order. */
 struct holders {
-    struct hold *first;
+    struct list holds;
     uint64_t
         durable; /* replies about changes up to this lsn may be sent: the lesser of the next two */
     uint64_t saved;       /* changes up to this lsn are durable here, */

@@ -4,6 +4,7 @@
 
 #include "core/delaunay.h"
 #include "server/disk/log_file.h"
+#include "server/system/list.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 
@@ -27,7 +28,7 @@ enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_TEND };
 
 /* An element of the queue: many small records, the points of a large one, or a command. */
 struct piece {
-    struct piece *next;
+    struct list_link link; /* first */
     enum piece_kind kind;
     unsigned records;
     uint64_t last;           /* the lsn of its last record */
@@ -41,7 +42,7 @@ struct piece {
 };
 
 struct queue {
-    struct piece *first, *last;
+    struct list pieces;
     unsigned records;
 };
 
@@ -74,15 +75,12 @@ struct log {
 
 /* ---- the I/O thread's side ---- */
 
-static void push(struct queue *q, struct piece *p)
+/* Moves everything to the end of another queue. */
+static void move(struct queue *to, struct queue *from)
 {
-    p->next = NULL;
-    if (q->first == NULL)
-        q->first = p;
-    else
-        q->last->next = p;
-    q->last = p;
-    q->records += p->records;
+    list_move(&to->pieces, &from->pieces);
+    to->records += from->records;
+    from->records = 0;
 }
 
 static struct piece *new_piece(struct log *log, enum piece_kind kind)
@@ -94,7 +92,7 @@ static struct piece *new_piece(struct log *log, enum piece_kind kind)
     }
     p->kind = kind;
     p->last = log->next - 1;
-    push(&log->open, p);
+    list_append(&log->open.pieces, &p->link);
     return p;
 }
 
@@ -118,7 +116,7 @@ static void free_piece(struct log *log, struct piece *p)
 /* The piece for one more small record; NULL: out of memory. */
 static struct piece *open_piece(struct log *log)
 {
-    struct piece *p = log->open.last;
+    struct piece *p = list_last(&log->open.pieces);
     log->next++;
     if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
         p = new_piece(log, PIECE_BYTES);
@@ -208,22 +206,14 @@ void log_fill(struct log *log, uint64_t lsn)
 
 void log_push(struct log *log)
 {
-    if (log->open.first == NULL && !log->lost)
+    if (list_is_empty(&log->open.pieces) && !log->lost)
         return;
     pthread_mutex_lock(&log->mutex);
-    if (log->open.first != NULL) {
-        if (log->queue.first == NULL)
-            log->queue.first = log->open.first;
-        else
-            log->queue.last->next = log->open.first;
-        log->queue.last = log->open.last;
-        log->queue.records += log->open.records;
-    }
+    move(&log->queue, &log->open);
     if (log->lost)
         log->broken = log->next - 1;
     pthread_cond_signal(&log->wake);
     pthread_mutex_unlock(&log->mutex);
-    log->open = (struct queue){0};
     log->lost = false;
 }
 
@@ -363,13 +353,12 @@ static void carry_out(struct log *log, struct piece *p)
     buf_free(&out);
 }
 
-/* Writes a list of pieces and frees them. After a failure the rest is only freed: a snapshot will have those
+/* Writes the pieces of a list and frees them. After a failure the rest is only freed: a snapshot will have those
  * changes. Returns the last lsn. */
-static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
+static uint64_t write_pieces(struct log *log, struct list *pieces, uint64_t last)
 {
     log_file_mark(&log->file);
-    while (p != NULL) {
-        struct piece *next = p->next;
+    for (struct piece *p; (p = list_pop(pieces)) != NULL;) {
         if (log->file.error == 0)
             carry_out(log, p);
         else
@@ -377,7 +366,6 @@ static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
         if (p->last > last)
             last = p->last;
         free_piece(log, p);
-        p = next;
     }
     return last;
 }
@@ -446,15 +434,15 @@ static void publish(struct log *log, uint64_t last, unsigned records)
 /* One turn without a failure before it. The mutex is held on entry and on return, not in between. */
 static void write_queue(struct log *log, bool sync)
 {
-    struct queue q = log->queue;
+    struct queue q = {.records = 0};
     uint64_t last = log->status.durable;
-    log->queue = (struct queue){0};
+    move(&q, &log->queue);
     bool broken = log->broken != 0;
     pthread_mutex_unlock(&log->mutex);
     if (broken)
         log_file_fail(&log->file, ENOMEM);
     size_t before = atomic_load(&log->freed);
-    last = write_pieces(log, q.first, last);
+    last = write_pieces(log, &q.pieces, last);
     if (atomic_load(&log->freed) - before >= MUCH) /* there is room before the sync ends */
         notify(log);
     if (sync || log->policy == LOG_ALWAYS || sync_is_due(log))
@@ -468,19 +456,19 @@ static void write_queue(struct log *log, bool sync)
 static void resume(struct log *log)
 {
     uint64_t first = log->resume, digest = log->resume_digest;
-    struct queue q = log->queue, keep = {0};
+    struct queue q = {.records = 0};
+    struct list keep = {0};
     log->resume = 0;
     bool broken = log->broken >= first;
     log->broken = broken ? log->broken : 0;
-    log->queue = (struct queue){0};
+    move(&q, &log->queue);
     pthread_mutex_unlock(&log->mutex);
-    for (struct piece *p = q.first, *next; p != NULL; p = next) {
-        next = p->next;
+    for (struct piece *p; (p = list_pop(&q.pieces)) != NULL;) {
         if (p->last < first || p->kind == PIECE_ROTATE) {
             take_lineage(&log->file, p);
             free_piece(log, p);
         } else
-            push(&keep, p);
+            list_append(&keep, &p->link);
     }
     if (broken)
         log_file_fail(&log->file, ENOMEM);
@@ -488,7 +476,7 @@ static void resume(struct log *log)
         log_file_restart(&log->file, first, digest);
     if (log->file.error == 0)
         log_file_reserve(&log->file);
-    uint64_t last = write_pieces(log, keep.first, first - 1);
+    uint64_t last = write_pieces(log, &keep, first - 1);
     sync_file(log);
     pthread_mutex_lock(&log->mutex);
     publish(log, last, 0);
@@ -502,7 +490,7 @@ static void *serve(void *arg)
         bool failed = log->status.state == LOG_FAILED;
         if (failed && log->resume != 0)
             resume(log);
-        else if (!failed && (log->queue.first != NULL || log->broken != 0)) {
+        else if (!failed && (!list_is_empty(&log->queue.pieces) || log->broken != 0)) {
             gather(log);
             write_queue(log, false);
         } else if (!failed && (sync_is_due(log) || (log->stopping && log->file.unsynced))) {
@@ -586,13 +574,11 @@ void log_free(struct log *log)
          * end. */
         if (!log->unmarked)
             log_append(log, &close);
-        write_pieces(log, log->open.first, 0);
+        write_pieces(log, &log->open.pieces, 0);
         log_file_sync(&log->file);
     }
-    for (struct piece *p = log->queue.first, *next; p != NULL; p = next) {
-        next = p->next;
+    for (struct piece *p; (p = list_pop(&log->queue.pieces)) != NULL;)
         free_piece(log, p);
-    }
     log_file_clear(&log->file);
     pthread_cond_destroy(&log->wake);
     pthread_mutex_destroy(&log->mutex);

@@ -264,7 +264,7 @@ void follower_stop(struct server *s)
 
 void follower_hear(struct follower *f)
 {
-    if (f->question != NULL && f->question->state != ANNOUNCE_TRYING && f->asking.first != NULL)
+    if (f->question != NULL && f->question->state != ANNOUNCE_TRYING)
         wait_wake_all(&f->asking);
 }
 

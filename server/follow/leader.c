@@ -16,7 +16,7 @@ struct leader {
     struct source source; /* first: the eventfd of the threads */
     struct server *server;
     struct loop *loop;
-    struct sender *first;
+    struct list followers;
     uint64_t durable;        /* what the threads know */
     unsigned least;          /* followers without which replies wait */
     struct wait_queue queue; /* of WAIT */
@@ -31,8 +31,10 @@ struct leader {
 unsigned leader_count(const struct server *s, uint64_t lsn)
 {
     unsigned n = 0;
-    for (const struct sender *f = s->leader == NULL ? NULL : s->leader->first; f != NULL;
-         f = f->next)
+    if (s->leader == NULL)
+        return 0;
+    const struct list *all = &s->leader->followers;
+    for (const struct sender *f = list_first(all); f != NULL; f = list_next(all, f))
         n += f->state == SENDER_LOG && f->acked >= lsn;
     return n;
 }
@@ -42,9 +44,10 @@ unsigned leader_count(const struct server *s, uint64_t lsn)
 static unsigned count_connected(const struct leader *l, unsigned *answer)
 {
     int64_t most = (int64_t)l->server->config->follower_timeout_s * 1000, now = clock_ms();
+    const struct list *all = &l->followers;
     unsigned n = 0;
     *answer = 0;
-    for (const struct sender *f = l->first; f != NULL; f = f->next) {
+    for (const struct sender *f = list_first(all); f != NULL; f = list_next(all, f)) {
         int64_t silent = f->silent_ms;
         bool connected = f->state == SENDER_LOG;
         n += connected;
@@ -56,8 +59,9 @@ static unsigned count_connected(const struct leader *l, unsigned *answer)
 /* The lsn that at least n followers have reached. Cost: quadratic in the followers, which are few. */
 static uint64_t reached_by(const struct server *s, unsigned n)
 {
+    const struct list *all = &s->leader->followers;
     uint64_t best = 0;
-    for (const struct sender *f = s->leader->first; f != NULL; f = f->next) {
+    for (const struct sender *f = list_first(all); f != NULL; f = list_next(all, f)) {
         uint64_t lsn = f->acked;
         if (lsn > best && leader_count(s, lsn) >= n)
             best = lsn;
@@ -128,29 +132,29 @@ struct wait_queue *leader_queue(struct server *s, int64_t at_ms)
 
 static void remove_ended(struct server *s)
 {
-    for (struct sender **at = &s->leader->first; *at != NULL;) {
-        struct sender *f = *at;
-        if (f->state == SENDER_ENDED) {
-            char peer[SOCK_PEER_TEXT];
-            sock_peer_text(&f->peer, peer);
-            notice(NOTICE_INFO, "the follower %s is disconnected", peer);
-            *at = f->next;
-            sender_end(f);
-        } else {
-            at = &f->next;
-        }
+    struct list *all = &s->leader->followers;
+    for (struct sender *f = list_first(all), *next; f != NULL; f = next) {
+        char peer[SOCK_PEER_TEXT];
+        next = list_next(all, f);
+        if (f->state != SENDER_ENDED)
+            continue;
+        sock_peer_text(&f->peer, peer);
+        notice(NOTICE_INFO, "the follower %s is disconnected", peer);
+        list_remove(&f->link);
+        sender_end(f);
     }
 }
 
 /* Begins a snapshot if a follower waits for one. */
 static void save_for_followers(struct server *s)
 {
+    const struct list *all = &s->leader->followers;
     struct durable_facts facts;
     uint64_t lsn;
-    if (s->leader->first == NULL)
+    if (list_is_empty(all))
         return;
     durable_facts(s, &facts);
-    for (struct sender *f = s->leader->first; f != NULL; f = f->next) {
+    for (struct sender *f = list_first(all); f != NULL; f = list_next(all, f)) {
         uint64_t wants = f->wants_snapshot;
         bool there = facts.snapshots > 0 && facts.snapshot_lsn + 1 >= wants;
         if (wants != 0 && !there && f->durable + 1 >= wants) {
@@ -169,8 +173,7 @@ static void on_event(struct source *source, uint32_t events)
     remove_ended(l->server);
     save_for_followers(l->server);
     release(l->server);
-    if (l->queue.first != NULL)
-        wait_wake_all(&l->queue);
+    wait_wake_all(&l->queue);
 }
 
 /* ---- the life of followers ---- */
@@ -195,8 +198,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
         free(f);
         return false;
     }
-    f->next = l->first;
-    l->first = f;
+    list_prepend(&l->followers, &f->link);
     char text[SOCK_PEER_TEXT];
     sock_peer_text(peer, text);
     notice(NOTICE_INFO, "the follower %s is connected", text);
@@ -205,25 +207,24 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
 
 void leader_dismiss(struct server *s)
 {
-    struct leader *l = s->leader;
-    for (struct sender *f = l->first, *next; f != NULL; f = next) {
-        next = f->next;
+    for (struct sender *f; (f = list_pop(&s->leader->followers)) != NULL;)
         sender_end(f);
-    }
-    l->first = NULL;
 }
 
 void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),
                  void *ctx)
 {
-    for (const struct sender *f = s->leader == NULL ? NULL : s->leader->first; f != NULL;
-         f = f->next)
+    if (s->leader == NULL)
+        return;
+    const struct list *all = &s->leader->followers;
+    for (const struct sender *f = list_first(all); f != NULL; f = list_next(all, f))
         visit(f, ctx);
 }
 
 static void note_lag(struct leader *l, uint64_t last)
 {
-    for (struct sender *f = l->first; f != NULL; f = f->next) {
+    const struct list *all = &l->followers;
+    for (struct sender *f = list_first(all); f != NULL; f = list_next(all, f)) {
         if (f->acked >= last)
             f->behind_ms = 0;
         else if (f->behind_ms == 0)
@@ -237,14 +238,15 @@ void leader_turn_end(struct server *s)
     const struct log_status *log = durable_status(s);
     if (l == NULL || log == NULL)
         return;
+    const struct list *all = &l->followers;
     if (least_followers(s) != l->least)
         release(s);
-    if (l->first != NULL)
+    if (!list_is_empty(all))
         note_lag(l, log_last(durable_log(s)));
     if (log->durable == l->durable)
         return;
     l->durable = log->durable;
-    for (struct sender *f = l->first; f != NULL; f = f->next)
+    for (struct sender *f = list_first(all); f != NULL; f = list_next(all, f))
         sender_advance(f, l->durable);
 }
 

@@ -168,8 +168,7 @@ static bool pass_on(void *ctx, const char *bytes, size_t n)
         pthread_mutex_lock(&l->mutex);
         room = l->queued.bytes < READ_BYTES + QUEUE_BYTES;
         if (room) {
-            *l->last = p;
-            l->last = &p->next;
+            list_append(&l->pieces, &p->link);
             reservation_set(&l->queued, l->queued.bytes + n);
         }
         pthread_mutex_unlock(&l->mutex);
@@ -370,7 +369,6 @@ static void *serve(void *arg)
 
 bool link_start(struct link *l)
 {
-    l->last = &l->first;
     l->dial.host = l->host;
     l->dial.patience_ms = PATIENCE_MS;
     l->queued = (struct reservation){.budget = l->budget, .kind = BUDGET_LOG};
@@ -410,7 +408,7 @@ void link_end(struct link *l)
 bool link_wants_position(struct link *l)
 {
     pthread_mutex_lock(&l->mutex);
-    bool wants = l->wants_position && !l->may_go && l->first == NULL;
+    bool wants = l->wants_position && !l->may_go && list_is_empty(&l->pieces);
     pthread_mutex_unlock(&l->mutex);
     return wants;
 }
@@ -427,13 +425,9 @@ void link_go(struct link *l, const struct position *from)
 struct link_piece *link_take(struct link *l)
 {
     pthread_mutex_lock(&l->mutex);
-    struct link_piece *p = l->first;
-    if (p != NULL) {
-        l->first = p->next;
-        if (l->first == NULL)
-            l->last = &l->first;
+    struct link_piece *p = list_pop(&l->pieces);
+    if (p != NULL)
         reservation_set(&l->queued, l->queued.bytes - buf_len(&p->bytes));
-    }
     pthread_mutex_unlock(&l->mutex);
     if (p != NULL)
         dial_wake(&l->dial);

@@ -12,6 +12,7 @@
 #include "server/follow/dial.h"
 #include "server/follow/role.h"
 #include "server/sets/budget.h"
+#include "server/system/list.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -28,7 +29,7 @@ enum link_state {
 
 /* Headers of segments, and records, as they came. */
 struct link_piece {
-    struct link_piece *next;
+    struct list_link link; /* first */
     struct buf bytes;
     uint64_t end; /* bytes of the stream up to its end */
 };
@@ -57,8 +58,8 @@ struct link {
     bool wants_position;  /* the thread waits for link_go */
     struct position from; /* from link_go */
     bool may_go;
-    struct link_piece *first, **last; /* pieces to take, */
-    struct reservation queued;        /* their bytes, and those of the buffer for input */
+    struct list pieces;           /* those to take, */
+    struct reservation queued;    /* their bytes, and those of the buffer for input */
     struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */

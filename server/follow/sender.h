@@ -18,6 +18,7 @@
 #include "server/disk/datadir.h"
 #include "server/follow/position.h"
 #include "server/sets/budget.h"
+#include "server/system/list.h"
 #include "server/system/sock.h"
 
 #include <pthread.h>
@@ -31,10 +32,10 @@
 enum sender_state { SENDER_STARTING, SENDER_SNAPSHOT, SENDER_LOG, SENDER_ENDED };
 
 struct sender {
-    struct sender *next; /* the leader's list */
-    int fd;              /* owns; a socket */
-    int wake;            /* owns; an eventfd: `durable` has grown, or `stop` */
-    int event;           /* borrows; an eventfd that is written when something below has changed */
+    struct list_link link; /* first: in the leader's list */
+    int fd;                /* owns; a socket */
+    int wake;              /* owns; an eventfd: `durable` has grown, or `stop` */
+    int event; /* borrows; an eventfd that is written when something below has changed */
     const struct datadir *dir; /* borrows */
     struct lineage lineage;    /* of the leader */
     struct position from;      /* the follower's */

@@ -63,7 +63,7 @@ static void begin_awaited(struct session *s)
 
 void session_limit_hold(struct session *s, uint64_t lsn)
 {
-    if (s->conn.hold.in == NULL)
+    if (s->conn.hold.groups == 0)
         return;
     s->last_awaited = (struct session_awaited){lsn, s->deadline_ms + 1};
     if (!timer_is_set(&s->awaited_timer))
@@ -74,14 +74,15 @@ void session_limit_hold(struct session *s, uint64_t lsn)
 void session_on_awaited(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, awaited_timer));
-    const struct holders *in = s->conn.hold.in;
+    const struct holders *in = &s->server->held;
+    bool held = s->conn.hold.groups > 0;
     if (s->conn.closed)
         return;
-    if (in != NULL && s->awaited.lsn > in->durable && s->awaited.lsn <= in->saved) {
+    if (held && s->awaited.lsn > in->durable && s->awaited.lsn <= in->saved) {
         session_not_saved(&s->conn.hold);
         return;
     }
-    if (in != NULL && s->awaited.lsn > in->saved)
+    if (held && s->awaited.lsn > in->saved)
         s->awaited.at_ms = s->conn.loop->now_ms + LATE_AGAIN_MS;
     else
         s->awaited.lsn = 0;

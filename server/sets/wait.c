@@ -1,33 +1,6 @@
 /* wait.c - see wait.h. */
 #include "server/sets/wait.h"
 
-static void link_between(struct wait_queue *q, struct waiter *prev, struct waiter *w,
-                         struct waiter *next)
-{
-    w->prev = prev;
-    w->next = next;
-    if (prev == NULL)
-        q->first = w;
-    else
-        prev->next = w;
-    if (next == NULL)
-        q->last = w;
-    else
-        next->prev = w;
-}
-
-static void unlink_waiter(struct wait_queue *q, struct waiter *w)
-{
-    if (w->prev == NULL)
-        q->first = w->next;
-    else
-        w->prev->next = w->next;
-    if (w->next == NULL)
-        q->last = w->prev;
-    else
-        w->next->prev = w->prev;
-}
-
 void wait_enter(struct wait_queue *q, struct waiter *w)
 {
     bool front = w->called && w->queue == q;
@@ -39,9 +12,9 @@ void wait_enter(struct wait_queue *q, struct waiter *w)
     }
     w->queue = q;
     if (front)
-        link_between(q, NULL, w, q->first);
+        list_prepend(&q->waiting, &w->link);
     else
-        link_between(q, q->last, w, NULL);
+        list_append(&q->waiting, &w->link);
 }
 
 void wait_served(struct waiter *w)
@@ -51,7 +24,7 @@ void wait_served(struct waiter *w)
         return;
     w->queue = NULL;
     if (!w->called) {
-        unlink_waiter(q, w);
+        list_remove(&w->link);
         return;
     }
     w->called = false;
@@ -61,12 +34,12 @@ void wait_served(struct waiter *w)
 
 void wait_call(struct wait_queue *q)
 {
-    struct waiter *w = q->called == NULL ? q->first : NULL;
+    struct waiter *w = q->called == NULL ? list_first(&q->waiting) : NULL;
     while (w != NULL && q->admits != NULL && !q->admits(q, w))
-        w = w->next;
+        w = list_next(&q->waiting, w);
     if (w == NULL)
         return;
-    unlink_waiter(q, w);
+    list_remove(&w->link);
     w->called = true;
     q->called = w;
     w->wake(w);
@@ -80,8 +53,7 @@ void wait_wake_all(struct wait_queue *q)
         w->called = false;
         q->called = NULL;
     }
-    while ((w = q->first) != NULL) {
-        unlink_waiter(q, w);
+    while ((w = list_pop(&q->waiting)) != NULL) {
         w->queue = NULL;
         w->wake(w);
     }

@@ -6,12 +6,11 @@
 #ifndef SERVER_WAIT_H
 #define SERVER_WAIT_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "server/system/list.h"
 
 /* A request that waits; part of its session. */
 struct waiter {
-    struct waiter *prev, *next;
+    struct list_link link;    /* first */
     struct wait_queue *queue; /* borrows while it waits or is called; NULL: neither */
     bool writes; /* in a set's queue: it can continue only when the set has no writer */
     bool called; /* it has left the queue and has its turn */
@@ -19,7 +18,7 @@ struct waiter {
 };
 
 struct wait_queue {
-    struct waiter *first, *last;
+    struct list waiting;
     struct waiter *called; /* the waiter that has its turn; NULL: none */
     /* Whether w can continue now; NULL: every waiter can. */
     bool (*admits)(const struct wait_queue *q, const struct waiter *w);
@@ -28,7 +27,7 @@ struct wait_queue {
 /* Whether no other request is ahead of a request; turn: the queue that has called it, NULL: none. */
 static inline bool wait_is_first(const struct wait_queue *q, const struct wait_queue *turn)
 {
-    return turn == q || (q->first == NULL && q->called == NULL);
+    return turn == q || (list_is_empty(&q->waiting) && q->called == NULL);
 }
 
 /* Enters the queue at its end, or at its front if the queue has called w. A waiter is in one queue at a time:

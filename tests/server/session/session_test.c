@@ -45,7 +45,7 @@ TEST(change_whose_client_was_killed_in_the_same_turn_delays_no_reply)
     struct answer a = session_answer(b.session);
     a.lsn = 1;
     session_take_over(b.session, &a);
-    CHECK(b.l.server.held.first == NULL);
+    CHECK(list_is_empty(&b.l.server.held.holds));
     end(&b);
 }
 
