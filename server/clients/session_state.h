@@ -10,10 +10,9 @@
 /* What the session is doing. */
 enum session_state {
     SESSION_READING,   /* takes requests, or the points of `load`, from its connection */
-    SESSION_WAITING,   /* its request waits in a queue (waiter) */
-    SESSION_DELAYED,   /* its request waits until a time (later) */
+    SESSION_WAITING,   /* its request waits in a queue (waiter), or until a time (later) */
     SESSION_WORKING,   /* a worker has `job` */
-    SESSION_STREAMING, /* sends the rows of `stream` */
+    SESSION_STREAMING, /* sends `stream` */
     SESSION_LISTING    /* sends those of `listing` */
 };
 
@@ -38,7 +37,7 @@ struct session {
     bool noted; /* `note` has the words of the request that has paused */
     char note[SLOW_TEXT];
     size_t held; /* bytes of the current request, which stay in the input until it is answered */
-    struct timer later;    /* ends SESSION_DELAYED */
+    struct timer later;    /* ends the waiting until a time */
     int64_t limit_ms;      /* TIMEOUT of the current request; 0: none */
     int64_t deadline_ms;   /* when that is over; 0: none */
     struct timer deadline; /* runs at that time */

@@ -58,7 +58,7 @@ void account_end(struct session *s, const struct answer *a, bool error)
 
 void account_pause(struct session *s, const struct answer *a)
 {
-    stats_pause(&s->server->stats, &s->pause, a->next == ANSWER_WAIT || a->next == ANSWER_LATER);
+    stats_pause(&s->server->stats, &s->pause, a->next == ANSWER_WAIT && a->wait_for != WAIT_JOB);
     if (!s->noted)
         quote(s, s->note);
     s->noted = true;

@@ -17,7 +17,7 @@ void cmd_ping(struct server *s, struct dataset *set, const struct request *q, st
 void cmd_quit(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     cmd_ping(s, set, q, a);
-    a->next = ANSWER_CLOSING;
+    a->closes = true;
 }
 
 static void help_row(struct answer *a, const struct command *c)

@@ -39,8 +39,7 @@ static bool must_wait(struct server *s, struct answer *a, const struct session *
     if (at <= now)
         return false;
     s->count.delayed_tokens++;
-    a->next = ANSWER_LATER;
-    a->later_ms = at;
+    answer_wait_until(a, at);
     return true;
 }
 

@@ -24,7 +24,6 @@ static const char *state_of(const struct session *s)
     case SESSION_LISTING:
         return "working";
     case SESSION_WAITING:
-    case SESSION_DELAYED:
         return "waiting";
     case SESSION_STREAMING:
         return "sending";
@@ -150,7 +149,7 @@ static void kill_one(struct server *s, struct answer *a, struct session *victim)
     notice(NOTICE_INFO, "the client %s was killed by another client", peer);
     s->count.killed++;
     if (victim->id == a->owner)
-        a->next = ANSWER_CLOSING; /* after this reply */
+        a->closes = true; /* after this reply */
     else
         conn_close(&victim->conn);
 }

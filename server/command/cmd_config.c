@@ -117,7 +117,7 @@ static void reload(struct server *s, struct answer *a)
         a->role = who->role;
         a->token = who->token;
         if (who->role == ROLE_NONE)
-            a->next = ANSWER_CLOSING;
+            a->closes = true;
     }
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "tokens", s->auth.n);

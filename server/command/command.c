@@ -243,10 +243,10 @@ static void run_refresh(struct job *j)
 static void refresh_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
-    if (j->status == DT_OK)
-        a->next = ANSWER_AGAIN;
-    else
+    if (j->status != DT_OK)
         answer_status(a, j->status);
+    else
+        answer_again(a);
 }
 
 /* Whether the triangulation is current. If not, a job updates it first, or the request waits. */
@@ -271,11 +271,11 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
     j->memory = memory;
     j->what = "triangulating";
     job_write(s, a, j, set, large ? JOB_HEAVY : 0);
-    if (a->next == ANSWER_JOB)
-        a->next = ANSWER_PREPARING;
-    if (a->next != ANSWER_AGAIN)
+    if (a->next == ANSWER_WORK)
+        answer_wait_job(a, a->job);
+    if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING)
         return false;
-    a->next = ANSWER_WHOLE; /* the job was done at once */
+    a->next = ANSWER_DONE; /* the job was done at once */
     return true;
 }
 
@@ -348,7 +348,7 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
     } else if (word_is(q->word, "TIMEOUT") || command_find(q->word) == NULL) {
         for (size_t i = 1; i < q->n; i++)
             if (takes_body(&q->word[i]))
-                a->next = ANSWER_CLOSING;
+                a->closes = true;
     }
 }
 
@@ -418,7 +418,7 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
     if (a->next == ANSWER_LISTING)
         listing_free(a->listing);
     if (a->next == ANSWER_STREAM || a->next == ANSWER_LISTING)
-        a->next = ANSWER_WHOLE;
+        a->next = ANSWER_DONE;
     buf_rewind(a->out, mark);
     if (a->busy)
         answer_err(a, ERR_BUSY, "not enough free memory for the reply at the moment; try again");
@@ -430,7 +430,7 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
 {
     size_t mark = buf_len(a->out);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* no memory for an error line */
-        a->next = ANSWER_BROKEN;
+        a->broken = true;
         return;
     }
     dispatch(s, q, a);
@@ -442,7 +442,7 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
 {
     size_t mark = buf_len(a->out);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
-        a->next = ANSWER_BROKEN;
+        a->broken = true;
         return;
     }
     if (l->refused || load_refuse(s, l, a))

@@ -68,7 +68,7 @@ static void begin(struct server *s, const struct request *q, struct answer *a, b
     struct load *l = new_load(s, q, adds && shape->coordinates > 0);
     if (l == NULL) {
         answer_out_of_memory(a);
-        a->next = ANSWER_CLOSING; /* the body could not be distinguished from requests */
+        a->closes = true; /* the body could not be distinguished from requests */
         return;
     }
     size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
@@ -142,7 +142,7 @@ void load_start(struct server *s, const struct request *q, struct answer *a, boo
     const struct word *w = count_of(q, q->n);
     answer_err(a, ERR_NUMBER, "%.*s is not a number of points", (int)(w->len < 32 ? w->len : 32),
                w->text);
-    a->next = ANSWER_CLOSING;
+    a->closes = true;
 }
 
 void load_skip(struct server *s, const struct request *q, struct answer *a)
@@ -150,7 +150,7 @@ void load_skip(struct server *s, const struct request *q, struct answer *a)
     struct shape shape;
     /* Those who have shown no token may not keep the server reading. */
     if (a->role == ROLE_NONE || !load_has_words(q) || !read_shape(q, &shape)) {
-        a->next = ANSWER_CLOSING;
+        a->closes = true;
         return;
     }
     begin(s, q, a, false, &shape);

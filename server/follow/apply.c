@@ -75,7 +75,7 @@ static enum applied outcome(struct apply *p, const struct answer *a)
         p->waiter.writes = a->wait_writes;
         wait_enter(a->wait, &p->waiter);
         return APPLY_WAIT;
-    case ANSWER_JOB:
+    case ANSWER_WORK:
         return APPLY_JOB;
     default:
         break;

@@ -141,7 +141,7 @@ void cmd_sync(struct server *s, struct dataset *set, const struct request *q, st
         answer_out_of_memory(a);
         return;
     }
-    a->next = ANSWER_BROKEN; /* the connection is that of the follower's thread now */
+    a->broken = true; /* the connection is that of the follower's thread now */
 }
 
 /* ---- WAIT ---- */

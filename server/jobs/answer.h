@@ -16,17 +16,20 @@ struct dataset;
 struct load;
 
 enum answer_next {
-    ANSWER_WHOLE,     /* the reply is complete */
-    ANSWER_CLOSING,   /* the reply is complete, and the connection is closed after it */
-    ANSWER_STREAM,    /* the rest of the reply comes from a stream of rows */
-    ANSWER_LISTING,   /* the rest, or all of it, comes from a listing */
-    ANSWER_JOB,       /* a worker has the job, whose end brings the reply */
-    ANSWER_PREPARING, /* a worker prepares the set; then the request is carried out */
-    ANSWER_AGAIN,     /* the set has been prepared: the request is to be carried out now */
-    ANSWER_WAIT,      /* the request is carried out when the queue calls it */
-    ANSWER_LATER,     /* the request is carried out at later_ms */
-    ANSWER_BODY,      /* the body, which follows the request */
-    ANSWER_BROKEN     /* the reply cannot be completed: the connection must be closed */
+    ANSWER_DONE,   /* nothing: the reply is complete */
+    ANSWER_WAIT,   /* the request is carried out again, when what it waits for has come */
+    ANSWER_WORK,   /* a worker has the job, whose end brings the reply */
+    ANSWER_BODY,   /* the body of the request is received */
+    ANSWER_STREAM, /* the rest of the reply comes from a stream of rows */
+    ANSWER_LISTING /* the rest, or all of it, comes from a listing */
+};
+
+/* What a request waits for (ANSWER_WAIT). */
+enum answer_wait {
+    WAIT_NOTHING, /* nothing any more: it is carried out now */
+    WAIT_QUEUE,   /* the call of a queue */
+    WAIT_JOB,     /* the end of a job, which prepares the set */
+    WAIT_TIME     /* a time */
 };
 
 struct answer {
@@ -41,7 +44,7 @@ struct answer {
     unsigned command; /* index in the table of commands, or STATS_OTHER */
     bool typed;       /* replies of the connection in RESP are typed; HELLO changes it */
     bool multi;  /* the connection is in a transaction, all of which is refused; MULTI changes it */
-    bool waited; /* the request has waited until later_ms */
+    bool waited; /* the request has waited for its time */
     bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */
     bool busy;         /* out of memory because of other requests */
     bool of_leader;    /* a change of the leader: limits of this daemon on counts do not hold */
@@ -49,15 +52,18 @@ struct answer {
     const struct wait_queue *turn; /* the queue that has called the request; NULL: none */
     bool refused;                  /* there is an ERR line (answer_err), of this code */
     enum reply_code code;
+    bool closes; /* the connection is closed after the reply */
+    bool broken; /* the reply cannot be completed: the connection is closed at once */
     enum answer_next next;
-    bool wait_writes; /* ANSWER_WAIT for a set: until it has no writer, else until it can be read */
+    enum answer_wait wait_for; /* ANSWER_WAIT */
+    bool wait_writes; /* WAIT_QUEUE of a set: until it has no writer, else until it can be read */
     union {
         struct stream *stream;   /* ANSWER_STREAM: moves to the caller */
         struct listing *listing; /* ANSWER_LISTING: moves to the caller */
-        struct job *job;         /* ANSWER_JOB, ANSWER_PREPARING: borrows */
+        struct job *job;         /* ANSWER_WORK, WAIT_JOB: borrows */
         struct wait_queue
-            *wait;         /* ANSWER_WAIT: borrows; to be entered before anything else happens */
-        int64_t later_ms;  /* ANSWER_LATER */
+            *wait;         /* WAIT_QUEUE: borrows; to be entered before anything else happens */
+        int64_t wait_ms;   /* WAIT_TIME */
         struct load *load; /* ANSWER_BODY: moves to the caller */
     };
 };
@@ -94,8 +100,32 @@ static inline void answer_changed(struct answer *a, uint64_t version)
 static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
 {
     a->next = ANSWER_WAIT;
+    a->wait_for = WAIT_QUEUE;
     a->wait = q;
     a->wait_writes = writes;
+}
+
+/* The request waits for the end of the job, which a worker has; then it is carried out again. */
+static inline void answer_wait_job(struct answer *a, struct job *j)
+{
+    a->next = ANSWER_WAIT;
+    a->wait_for = WAIT_JOB;
+    a->job = j;
+}
+
+/* That job has ended. */
+static inline void answer_again(struct answer *a)
+{
+    a->next = ANSWER_WAIT;
+    a->wait_for = WAIT_NOTHING;
+}
+
+/* The request waits until a time of the loop. */
+static inline void answer_wait_until(struct answer *a, int64_t ms)
+{
+    a->next = ANSWER_WAIT;
+    a->wait_for = WAIT_TIME;
+    a->wait_ms = ms;
 }
 
 /* Out of memory: the caller of the handler replaces the reply by an error. */

@@ -110,7 +110,7 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
         job_drain(j);
     s->count.jobs++;
     list_append(&s->jobs, &j->link);
-    a->next = ANSWER_JOB;
+    a->next = ANSWER_WORK;
     a->job = j;
     workers_submit(s->workers, work_kind(how), &j->work);
 }

@@ -64,7 +64,7 @@ void *job_new(size_t size, void (*run)(struct job *),
 void job_free(struct job *j);
 
 /* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply is
- * complete on return, else a->next is ANSWER_JOB. ERR BUSY if too many long jobs are queued already. */
+ * complete on return, else a->next is ANSWER_WORK. ERR BUSY if too many long jobs are queued already. */
 void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how);
 
 /* The same for a job that edits the set, which must have no writer. */

@@ -224,7 +224,8 @@ void listing_refill(struct server *s, struct answer *a)
     }
     if (l->phase != SENDING || !send_rows(l, a))
         return;
-    a->next = a->out->failed ? ANSWER_BROKEN : ANSWER_WHOLE;
+    a->next = ANSWER_DONE;
+    a->broken = a->out->failed;
     listing_free(l);
 }
 

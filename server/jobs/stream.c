@@ -33,8 +33,7 @@ struct stream {
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used, most;
     unsigned in_work;
-    bool
-        passed; /* a piece needs the copy: no other is begun, and when none is in work, the copy is made */
+    bool passed; /* a piece needs the copy, which is made when no piece is in work; none is begun */
     struct job *copying;       /* borrows; not NULL: a worker makes it */
     struct past past;          /* owns: the copy, if there is one */
     size_t past_bytes;         /* of the copy */
@@ -595,6 +594,7 @@ void stream_refill(struct server *s, struct answer *a)
     }
     if (status == DT_OK && !done)
         return;
-    a->next = status == DT_OK ? ANSWER_WHOLE : ANSWER_BROKEN;
+    a->next = ANSWER_DONE;
+    a->broken = status != DT_OK;
     stream_free(s, st);
 }

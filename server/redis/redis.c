@@ -366,7 +366,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
     stats_begin(&s->stats, a->command);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
-        a->next = ANSWER_BROKEN;
+        a->broken = true;
         return true;
     }
     if (a->role == ROLE_NONE && !open)

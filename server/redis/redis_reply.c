@@ -130,7 +130,7 @@ bool redis_ask(struct server *s, const struct request *q, struct answer *a, cons
     a->out = &t->lines;
     command_run(s, q, a);
     a->out = out;
-    if (a->next == ANSWER_WHOLE || a->next == ANSWER_CLOSING)
+    if (a->next == ANSWER_DONE && !a->broken)
         return line_reply_split(t, a, eol);
     line_reply_clear(t);
     return false;

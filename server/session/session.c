@@ -174,8 +174,7 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     }
     s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
     s->bulk_left = resp->body;
-    if (resp->has_body && a.next == ANSWER_WHOLE)
-        a.next = ANSWER_CLOSING;
+    a.closes |= resp->has_body && a.next == ANSWER_DONE;
     return session_take_over(s, &a);
 }
 
@@ -220,7 +219,7 @@ static bool step_request(struct session *s)
 
 static bool step(struct session *s)
 {
-    if (s->state == SESSION_WAITING || s->state == SESSION_DELAYED || s->state == SESSION_WORKING)
+    if (s->state == SESSION_WAITING || s->state == SESSION_WORKING)
         return false;
     if (conn_full(&s->conn)) { /* gives up its turn: the client may not read for long */
         wait_served(&s->waiter);
@@ -316,7 +315,7 @@ static void on_later(struct timer *t)
 static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
-    bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
+    bool in_line = s->waiter.queue != NULL || s->state == SESSION_WAITING;
     if (s->conn.closed)
         return;
     s->timed_out = true;

@@ -36,7 +36,7 @@ static bool reframe(struct session *s)
 bool session_deliver(struct session *s, const struct answer *a)
 {
     bool framed = a->out != &s->server->lines || reframe(s);
-    return framed && a->next != ANSWER_BROKEN;
+    return framed && !a->broken;
 }
 
 void session_consume(struct session *s)
@@ -48,26 +48,12 @@ void session_consume(struct session *s)
 static void account(struct session *s, const struct answer *a)
 {
     s->command = a->command;
-    switch (a->next) {
-    case ANSWER_AGAIN:
-        break;
-    case ANSWER_BODY:
-        s->refused = a->refused;
-        account_pause(s, a);
-        break;
-    case ANSWER_LISTING:
-    case ANSWER_JOB:
-    case ANSWER_PREPARING:
-    case ANSWER_WAIT:
-    case ANSWER_LATER:
-        account_pause(s, a);
-        break;
-    case ANSWER_WHOLE:
-    case ANSWER_CLOSING:
-    case ANSWER_STREAM:
-    case ANSWER_BROKEN:
+    if (a->next == ANSWER_DONE || a->next == ANSWER_STREAM) {
         account_end(s, a, a->refused || s->refused);
         s->refused = false;
+    } else if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING) {
+        s->refused = a->refused;
+        account_pause(s, a);
     }
 }
 
@@ -81,7 +67,7 @@ static void on_piece(void *ctx)
 static void hold_reply(struct session *s, const struct answer *a)
 {
     struct holders *in = &s->server->held;
-    if (s->conn.closed || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
+    if (s->conn.closed || a->next == ANSWER_WORK || a->next == ANSWER_BODY)
         return;
     if (a->lsn != 0)
         s->edited = a->lsn;
@@ -91,6 +77,27 @@ static void hold_reply(struct session *s, const struct answer *a)
         session_limit_hold(s, a->lsn);
     if (a->shown != 0)
         hold_view(in, &s->conn.hold, a->shown, a->mark);
+}
+
+static void begin_waiting(struct session *s, const struct answer *a)
+{
+    switch (a->wait_for) {
+    case WAIT_NOTHING:
+        break;
+    case WAIT_QUEUE:
+        s->state = SESSION_WAITING;
+        s->waiter.writes = a->wait_writes;
+        wait_enter(a->wait, &s->waiter);
+        break;
+    case WAIT_JOB:
+        s->state = SESSION_WORKING;
+        s->job = a->job;
+        break;
+    case WAIT_TIME:
+        s->state = SESSION_WAITING;
+        loop_at(s->conn.loop, &s->later, a->wait_ms);
+        break;
+    }
 }
 
 /* Enters the state that the answer requires. */
@@ -109,36 +116,19 @@ static void enter_state(struct session *s, const struct answer *a)
         listing_notify(s->listing, on_piece, s);
         conn_yield(&s->conn);
         break;
-    case ANSWER_JOB:
-    case ANSWER_PREPARING:
+    case ANSWER_WORK:
         s->state = SESSION_WORKING;
         s->job = a->job;
         break;
     case ANSWER_WAIT:
-        s->state = SESSION_WAITING;
-        s->waiter.writes = a->wait_writes;
-        wait_enter(a->wait, &s->waiter);
-        break;
-    case ANSWER_LATER:
-        s->state = SESSION_DELAYED;
-        loop_at(s->conn.loop, &s->later, a->later_ms);
+        begin_waiting(s, a);
         break;
     case ANSWER_BODY:
         s->load = a->load;
         break;
-    case ANSWER_WHOLE:
-    case ANSWER_CLOSING:
-    case ANSWER_AGAIN:
-    case ANSWER_BROKEN:
+    case ANSWER_DONE:
         break;
     }
-}
-
-/* Whether the request is still to be carried out. */
-static bool keeps_request(const struct answer *a)
-{
-    return a->next == ANSWER_PREPARING || a->next == ANSWER_AGAIN || a->next == ANSWER_WAIT ||
-           a->next == ANSWER_LATER;
 }
 
 /* The request has been carried out, or a worker has it. */
@@ -146,7 +136,7 @@ static void end_request(struct session *s, const struct answer *a)
 {
     if ((a->lsn | a->shown) != 0)
         hold_reply(s, a);
-    if (!s->waiter.called || a->next == ANSWER_JOB ||
+    if (!s->waiter.called || a->next == ANSWER_WORK ||
         a->next == ANSWER_BODY) /* else see end_turn */
         wait_served(&s->waiter);
     session_consume(s);
@@ -154,11 +144,11 @@ static void end_request(struct session *s, const struct answer *a)
         load_free(s->server, s->load);
         s->load = NULL;
     }
-    if (a->next != ANSWER_JOB) {
+    if (a->next != ANSWER_WORK) {
         s->deadline_ms = 0;
         timer_clear(&s->deadline);
     }
-    if (a->next == ANSWER_CLOSING)
+    if (a->closes)
         conn_finish(&s->conn);
 }
 
@@ -170,17 +160,16 @@ bool session_take_over(struct session *s, struct answer *a)
     s->token = a->token;
     s->typed = a->typed;
     s->multi = a->multi;
-    s->waited = s->waited && a->next == ANSWER_LATER;
+    s->waited = s->waited && a->next == ANSWER_WAIT;
     enter_state(s, a);
     if (!delivered) {
         conn_close(&s->conn);
         return false;
     }
-    if (!keeps_request(a))
+    if (a->next != ANSWER_WAIT)
         end_request(s, a);
-    return a->next != ANSWER_CLOSING &&
-           (s->state == SESSION_READING || s->state == SESSION_STREAMING ||
-            s->state == SESSION_LISTING);
+    return !a->closes && (s->state == SESSION_READING || s->state == SESSION_STREAMING ||
+                          s->state == SESSION_LISTING);
 }
 
 bool session_refuse(struct session *s, enum reply_code code, const char *why)

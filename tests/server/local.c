@@ -34,7 +34,7 @@ struct delivery {
 
 static bool has_job(const struct answer *a)
 {
-    return a->next == ANSWER_JOB || a->next == ANSWER_PREPARING;
+    return a->next == ANSWER_WORK || (a->next == ANSWER_WAIT && a->wait_for == WAIT_JOB);
 }
 
 static void deliver(void *ctx, struct job *j)
@@ -44,7 +44,7 @@ static void deliver(void *ctx, struct job *j)
         server_finish_abandoned(to->server, j);
         return;
     }
-    to->answer->next = ANSWER_WHOLE;
+    to->answer->next = ANSWER_DONE;
     job_finish(to->server, j, to->answer);
 }
 
@@ -81,7 +81,8 @@ static void refill(struct local *l, struct answer *a)
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
 static bool complete(struct local *l, struct answer *a)
 {
-    if (a->next == ANSWER_WAIT) { /* its grid is being rebuilt: there is no other client */
+    if (a->next == ANSWER_WAIT &&
+        a->wait_for == WAIT_QUEUE) { /* its grid is being rebuilt: there is no other client */
         collect(l, a);
         return true;
     }
@@ -89,8 +90,8 @@ static bool complete(struct local *l, struct answer *a)
         wait_for_job(l, a);
         refill(l, a);
     } while (has_job(a) || a->next == ANSWER_STREAM || a->next == ANSWER_LISTING);
-    l->closed = l->closed || a->next == ANSWER_CLOSING || a->next == ANSWER_BROKEN;
-    return a->next == ANSWER_AGAIN;
+    l->closed = l->closed || a->closes || a->broken;
+    return a->next == ANSWER_WAIT;
 }
 
 static struct answer new_answer(struct local *l)

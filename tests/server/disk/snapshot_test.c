@@ -487,7 +487,7 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     CHECK(request_split(q, "MOVE t 1 7 7", 12));
     buf_rewind(&l.out, 0);
     command_run(&l.server, q, &a);
-    CHECK(a.next == ANSWER_JOB && buf_len(&l.out) == 0);
+    CHECK(a.next == ANSWER_WORK && buf_len(&l.out) == 0);
     CHECK_STR(local_ask(&l, "MOVE other 0 6 6\nPING\n"), "OK 0\nOK 0\n");
     CHECK(!version_try_edit(v));
     version_unlock(v);

@@ -32,7 +32,7 @@ static struct job *begin(struct local *l)
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
-    CHECK(a.next == ANSWER_JOB && a.job == local_set(l, "t")->writer);
+    CHECK(a.next == ANSWER_WORK && a.job == local_set(l, "t")->writer);
     return a.job;
 }
 

@@ -149,9 +149,9 @@ TEST(load_whose_points_have_arrived_waits_for_its_turn)
     command_run_body(&l.server, load, &a);
     CHECK(a.next == ANSWER_WAIT && a.wait == &set->queue && set->current->sum.points == 1);
     set->writer = NULL;
-    a.next = ANSWER_WHOLE;
+    a.next = ANSWER_DONE;
     command_run_body(&l.server, load, &a);
-    CHECK(a.next == ANSWER_WHOLE && set->current->sum.points == 2);
+    CHECK(a.next == ANSWER_DONE && set->current->sum.points == 2);
     load_free(&l.server, load);
     local_stop(&l);
 }

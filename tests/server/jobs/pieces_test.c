@@ -29,7 +29,7 @@ static struct job *begin(struct local *l, const char *line)
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
-    CHECK(a.next == ANSWER_JOB && job_first(&l->server) == a.job);
+    CHECK(a.next == ANSWER_WORK && job_first(&l->server) == a.job);
     return a.job;
 }
 

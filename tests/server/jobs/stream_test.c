@@ -128,7 +128,7 @@ TEST(reply_whose_rows_do_not_fit_into_the_output_is_broken)
     buf_free(&l.out);
     test_fail_alloc(1);
     stream_refill(&l.server, &a);
-    CHECK(test_alloc_failed() && a.next == ANSWER_BROKEN);
+    CHECK(test_alloc_failed() && a.broken);
     collect_all(&l);
     free(load);
     local_stop(&l);
@@ -228,7 +228,7 @@ TEST_TIMEOUT(row_that_is_very_long_is_sent_in_parts, 60)
         stream_refill(&some.server, &a);
         CHECK(buf_len(&some.out) - before <= MOST);
     }
-    CHECK(a.next == ANSWER_WHOLE && want.n == buf_len(&some.out) + 1 &&
+    CHECK(a.next == ANSWER_DONE && want.n == buf_len(&some.out) + 1 &&
           memcmp(buf_head(&some.out), want.bytes, want.n - 1) == 0);
     free(want.bytes);
     free(text);

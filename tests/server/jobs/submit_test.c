@@ -54,7 +54,7 @@ static void drop_t(struct waiter *w)
     struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = wait_turn(w)};
     CHECK(request_split(q, "DROP t", 6));
     command_run(&b->l.server, q, &a);
-    CHECK(a.next == ANSWER_WHOLE && set_t(b) == NULL);
+    CHECK(a.next == ANSWER_DONE && set_t(b) == NULL);
 }
 
 /* The snapshot pins the set while it is being dropped. If the snapshot said that the set has the change
@@ -147,7 +147,7 @@ static struct answer run(struct bench *b, const char *request)
 static struct job *ask(struct bench *b, const char *request)
 {
     struct answer a = run(b, request);
-    CHECK(a.next == ANSWER_JOB);
+    CHECK(a.next == ANSWER_WORK);
     return a.job;
 }
 

@@ -405,7 +405,7 @@ TEST(digest_of_a_large_set_is_a_job_that_is_cancelled_with_its_client)
     struct version *v = local_set(&l, "t")->current;
     version_lock_edit(v); /* so that the worker waits */
     ask(&l, &a, "DIGEST t");
-    CHECK(a.next == ANSWER_JOB && strcmp(a.job->what, "reading") == 0);
+    CHECK(a.next == ANSWER_WORK && strcmp(a.job->what, "reading") == 0);
     a.job->cancel = true;
     version_unlock(v);
     while (!list_is_empty(&l.server.jobs)) {
@@ -429,7 +429,7 @@ TEST(digest_is_refused_when_too_many_requests_wait_for_a_worker)
     for (int i = 0; i < 2 * LIMIT_QUEUED_JOBS && l.out.failed == false; i++) {
         buf_consume(&l.out, buf_len(&l.out));
         ask(&l, &a, "DIGEST t");
-        if (a.next != ANSWER_JOB)
+        if (a.next != ANSWER_WORK)
             break;
     }
     buf_append_char(&l.out, '\0');
