@@ -133,6 +133,22 @@ static bool read_points(struct points_file *f, int fd, const struct las_header *
     return true;
 }
 
+/* Counts what may be points behind the last one. From version 1.3 on other records may be there. */
+static bool look_behind(struct points_file *f, int fd, const struct las_header *h,
+                        unsigned char *block, struct las_notes *notes)
+{
+    const size_t whole = (size_t)(BLOCK / h->record) * h->record;
+    size_t got = h->minor < 3 ? whole : 0;
+    while (got == whole) {
+        ssize_t n = read_whole(fd, block, whole);
+        if (n < 0)
+            return points_file_stop(f, "%s", strerror(errno));
+        got = (size_t)n;
+        notes->behind += got / h->record;
+    }
+    return true;
+}
+
 /* Reads the header, and what is between it and the points. */
 static bool start(struct points_file *f, int fd, struct las_header *h, unsigned char *block)
 {
@@ -187,7 +203,7 @@ bool las_file_read(struct points_file *f, int fd, struct table_fields *t, struct
             table_fields_add(t, 4, "classification", 14);
         }
         f->fields = t->n;
-        ok = read_points(f, fd, &h, block, notes);
+        ok = read_points(f, fd, &h, block, notes) && look_behind(f, fd, &h, block, notes);
     }
     free(block);
     return ok;

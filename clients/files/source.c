@@ -124,6 +124,8 @@ static bool read_geojson(struct source *s, struct points_file *f, int fd)
     struct geojson_notes notes;
     bool ok = geojson_file_read(f, fd, &s->table.fields, &notes);
     show_geojson(s, &f->report, &notes);
+    if (ok)
+        survey_note_swapped(f);
     return ok;
 }
 
@@ -160,6 +162,10 @@ static bool read_las(struct source *s, struct points_file *f, const struct input
         report_add(&f->report, NOTE_UNUSED,
                    "not used: intensity, classification, times and others%s",
                    compressed ? "" : " (--fields keeps intensity and classification)");
+    if (ok && !compressed && notes.behind > 0)
+        report_add(&f->report, NOTE_DOUBT,
+                   "the file has room for %ju more points than its header says; they are not read",
+                   (uintmax_t)notes.behind);
     if (ok && !compressed && notes.withheld > 0)
         report_add(&f->report, NOTE_DOUBT,
                    "%ju points are marked as withheld; they are loaded, too",

@@ -196,14 +196,21 @@ static uint64_t count_beyond(const struct points_file *f, size_t axis, double mo
     return n;
 }
 
+bool survey_note_swapped(struct points_file *f)
+{
+    uint64_t latitudes = count_beyond(f, 1, 90);
+    if (latitudes == 0 || count_beyond(f, 0, 90) > 0 || count_beyond(f, 1, 360) > 0)
+        return false;
+    report_add(&f->report, NOTE_DOUBT,
+               "latitudes beyond 90 degrees: %ju, longitudes: none; they seem to be swapped",
+               (uintmax_t)latitudes);
+    return true;
+}
+
 static void check_degrees(struct points_file *f)
 {
     uint64_t latitudes = count_beyond(f, 1, 90), longitudes = count_beyond(f, 0, 360);
-    if (latitudes > 0 && count_beyond(f, 0, 90) == 0)
-        report_add(&f->report, NOTE_DOUBT,
-                   "latitudes beyond 90 degrees: %ju, longitudes: none; they seem to be swapped",
-                   (uintmax_t)latitudes);
-    else if (latitudes > 0)
+    if (!survey_note_swapped(f) && latitudes > 0)
         report_add(&f->report, NOTE_DOUBT, "latitudes beyond 90 degrees: %ju",
                    (uintmax_t)latitudes);
     if (longitudes > 0)

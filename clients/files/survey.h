@@ -35,6 +35,9 @@ bool survey(struct points_file *f, struct table_file *t, const struct survey_wis
 
 struct range survey_range(const struct points_file *f, size_t column);
 
+/* Adds to the report that longitudes and latitudes seem to be swapped, if they do: some y are beyond 90, no x is. */
+bool survey_note_swapped(struct points_file *f);
+
 /* False if out of memory. Cost: O(n). */
 bool survey_coincident(const struct points_file *f, struct coincidence *c);
 

@@ -23,6 +23,7 @@ struct reader {
     size_t usual;      /* a row with this number of values needs no check; SIZE_MAX: none */
     bool plain;        /* numbers are plain ones most often */
     bool in_order;     /* and the columns are x, y and the fields, nothing else */
+    char srid[24];     /* of the first geometry that has one; "" */
 };
 
 static void count(struct rows_seen *rows, uint64_t line)
@@ -214,13 +215,26 @@ static bool check_length(const struct reader *r, size_t n)
     return true;
 }
 
+/* Whether the point is in the reference system of the first point that names one. */
+static bool check_system(struct reader *r, struct value point)
+{
+    struct value srid = wkt_srid(point);
+    if (srid.len == 0 || srid.len >= sizeof r->srid)
+        return true;
+    if (r->srid[0] == '\0')
+        memcpy(r->srid, srid.text, srid.len);
+    return (strlen(r->srid) == srid.len && memcmp(r->srid, srid.text, srid.len) == 0) ||
+           points_file_bad(r->f, "the point has another reference system (SRID) than %s", r->srid);
+}
+
 /* The place of the row that was split. */
 static bool read_place(struct reader *r, double *point, int *values)
 {
     const struct plan *p = &r->t->plan;
     if (p->geometry)
-        return wkt_read_point(r->value[p->x], point, values) ||
-               fault_value(r->f, p, p->x, r->value[p->x], "not a point");
+        return wkt_read_point(r->value[p->x], point, values)
+                   ? check_system(r, r->value[p->x])
+                   : fault_value(r->f, p, p->x, r->value[p->x], "not a point");
     const struct value x = r->value[p->x], y = r->value[p->y];
     if (r->plain && proto_read_double(x.text, x.len, &point[0]) &&
         proto_read_double(y.text, y.len, &point[1]))
@@ -279,6 +293,8 @@ static void look_at_comment(struct reader *r, const char *s, const char *end)
     double v;
     while (s < end && (value_is_blank(*s) || *s == '#' || *s == '%' || *s == '/'))
         s++;
+    if (end - s > 5 && memcmp(s, "name:", 5) == 0) /* of Octave */
+        count(&r->t->matrices, r->f->line);
     size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
     if (p->columns < 2 || n != p->columns || p->geometry || p->x >= n || p->y >= n)
         return;
@@ -422,6 +438,10 @@ static void note_rows(const struct table_file *t, struct report *report)
     note(report, &t->empty, "has only empty values", "have only empty values");
     note(report, &t->segments, "begins with >: what it separates is one set",
          "begin with >: the segments that they separate are one set");
+    if (t->matrices.n > 0)
+        report_add(report, NOTE_DOUBT,
+                   "another matrix begins in line %ju; the rows of %ju matrices become one set",
+                   (uintmax_t)t->matrices.line, (uintmax_t)t->matrices.n + 1);
     note(report, &t->comments, "looks like a row but is a comment, and is not read",
          "look like rows but are comments, and are not read");
     if (t->spanning.n > 0)

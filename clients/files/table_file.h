@@ -25,7 +25,8 @@ struct table_file {
     char using[5 * PLAN_NAME + 80];    /* which columns were taken, "" where that is obvious */
     struct odd_value odd[FIELDS_MOST]; /* the first one of each field; line 0: none */
     struct rows_seen empty, segments,
-        comments; /* rows of empty values, lines of GMT, comments that look like rows */
+        comments, /* rows of empty values, lines of GMT, comments that look like rows, */
+        matrices; /* and those that begin another matrix of Octave */
     struct rows_seen spanning, lone_quotes;
     uint64_t spanning_end; /* the last line of the first row that spans lines */
     double row[FIELDS_MOST];

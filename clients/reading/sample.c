@@ -199,7 +199,7 @@ struct number_style sample_numbers(struct sample *s, const struct plan *p, struc
         style.comma = either && seen[SHAPE_COMMA_GROUPS] > 0 ? COMMA_UNKNOWN : COMMA_DECIMAL;
     else if (seen[SHAPE_COMMA_GROUPS] > 0 || (either && seen[SHAPE_POINT] > 0))
         style.comma = COMMA_GROUPS;
-    else if (either ? !separates : p->row.separator == ';')
+    else if (either ? !separates : p->row.separator == ';' && seen[SHAPE_POINT] == 0)
         style.comma = COMMA_DECIMAL;
     style.commas =
         either || seen[SHAPE_COMMA] + seen[SHAPE_COMMA_GROUPS] > 0 || seen[SHAPE_POINT_GROUPS] > 0;

@@ -15,6 +15,14 @@ static bool read_word(struct value *v, const char *word)
     return true;
 }
 
+struct value wkt_srid(struct value v)
+{
+    const char *semicolon = memchr(v.text, ';', v.len);
+    if (semicolon == NULL || !read_word(&v, "SRID="))
+        return (struct value){"", 0};
+    return value_trim(v.text, semicolon);
+}
+
 bool wkt_read_point(struct value v, double xyz[3], int *values)
 {
     const char *semicolon = memchr(v.text, ';', v.len);

@@ -115,6 +115,19 @@ TEST(las_is_known_by_its_first_bytes_and_read_from_pipes_and_archives)
     cli_finish();
 }
 
+TEST(points_behind_those_that_the_header_of_a_las_file_counts_are_a_doubt)
+{
+    struct las l = make_las(2, 1);
+    int status;
+    cli_begin();
+    put(&l, 107, 2, 4);
+    write_las("a.las", &l);
+    const char *out = load("a.las", "", &status);
+    CHECK_MSG(status == 0 && strstr(out, "room for 1 more points than its header says") != NULL,
+              "%s", out);
+    cli_finish();
+}
+
 TEST(las_that_is_damaged_is_refused_with_the_reason)
 {
     static const struct {

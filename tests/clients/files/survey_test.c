@@ -50,6 +50,16 @@ TEST(latitudes_beyond_90_degrees_are_a_doubt)
     tables_expect(CSV, "x,y\n148,151\n", "148 151", "");
 }
 
+TEST(positions_of_geojson_whose_axes_seem_to_be_swapped_are_a_doubt)
+{
+    tables_expect(".geojson",
+                  "{\"type\":\"MultiPoint\",\"coordinates\":[[-33.9,151.2],[-37.8,145.0]]}",
+                  "-33.9 151.2; -37.8 145", "they seem to be swapped");
+    tables_expect(".geojson",
+                  "{\"type\":\"MultiPoint\",\"coordinates\":[[151.2,-33.9],[145.0,-37.8]]}",
+                  "151.2 -33.9; 145 -37.8", "");
+}
+
 TEST(places_that_may_mean_missing_are_a_doubt)
 {
     tables_expect(CSV, "x,y\n500,700\n501,700\n502,701\n-9999,-9999\n",

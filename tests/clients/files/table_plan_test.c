@@ -83,6 +83,16 @@ TEST(a_comma_that_may_be_decimal_or_between_thousands_is_a_doubt)
     tables_refuse(CSV, "x,y\n\"1,234\",\"2,345\"\n", "not a number without doubt");
 }
 
+TEST(a_comma_that_comes_late_among_decimal_points_is_not_decimal)
+{
+    char text[20000] = "x;y;z\n";
+    size_t n = strlen(text);
+    for (int i = 0; i < PLAN_ROWS + 5; i++)
+        n += (size_t)sprintf(text + n, "%d;%d.5;1\n", i, i);
+    strcpy(text + n, "1,250;7;1\n");
+    tables_refuse(CSV, text, "not a number without doubt, because of its comma: \"1,250\"");
+}
+
 TEST(exponents_of_fortran_signs_and_unicode_minus_are_read)
 {
     tables_expect(TXT, " 0.1D+01  0.2D+02\n-.5D0 +3.\n", "1 20; -0.5 3", NULL);
@@ -400,6 +410,25 @@ TEST(semicolons_in_wkt_do_not_separate_columns_between_commas)
 {
     tables_expect(CSV, "id,geom\n1,SRID=4326;POINT(1 2)\n2,SRID=4326;POINT(3 4)\n", "1 2; 3 4",
                   "using x y of geom");
+}
+
+TEST(points_in_wkt_are_in_one_reference_system)
+{
+    tables_expect(CSV, "id|geom\n1|POINT(1 2)\n2|SRID=4326;POINT(3 4)\n3|SRID=4326;POINT(5 6)\n",
+                  "1 2; 3 4; 5 6", NULL);
+    tables_refuse(CSV, "id|geom\n1|SRID=4326;POINT(1 2)\n2|SRID=25832;POINT(5e5 5e6)\n",
+                  "3: the point has another reference system (SRID) than 4326");
+}
+
+TEST(matrices_of_octave_that_become_one_set_are_a_doubt)
+{
+    tables_expect(
+        TXT,
+        "# Created by Octave\n# name: a\n# type: matrix\n# rows: 2\n# columns: 2\n 0 0\n 1 "
+        "0\n\n\n# name: b\n# type: matrix\n# rows: 1\n# columns: 2\n 1 1\n",
+        SQUARE, "another matrix begins in line 10; the rows of 2 matrices become one set");
+    tables_expect(TXT, "# name: a\n# type: matrix\n# rows: 3\n# columns: 2\n 0 0\n 1 0\n 1 1\n",
+                  SQUARE, "");
 }
 
 TEST(points_in_wkt_may_have_heights_and_other_geometries_are_bad)
