@@ -1,7 +1,7 @@
 /* catalog.c - see catalog.h. */
 #include "server/catalog.h"
 
-#include "server/command/command.h"
+#include "server/commands.h"
 
 /* Texts of the table contain no character that JSON would escape. */
 static void print_text(FILE *out, const char *key, const char *text)

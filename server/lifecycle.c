@@ -2,6 +2,7 @@
 #include "server/lifecycle.h"
 
 #include "server/command/ahead.h"
+#include "server/commands.h"
 #include "server/follow/follower.h"
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
@@ -23,6 +24,8 @@ static void discard(void *ctx, struct dt *dt)
 bool server_init(struct server *s, struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
+    s->commands = commands;
+    s->command_count = command_count;
     s->pages = dt_pages_new(config->max_memory);
     budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);

@@ -25,14 +25,14 @@ struct session {
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it connected */
     struct sock_peer peer;
-    char *name;            /* owns; from CLIENT SETNAME; NULL: none */
-    uint64_t requests;     /* answered so far */
-    unsigned command;      /* the last or the current one; as in struct answer */
-    unsigned wrong_tokens; /* AUTH failures so far */
-    struct timer probe;    /* sends a comment that shows whether the client is still connected */
-    bool probed;           /* a comment has been sent: one is enough */
-    bool waited;           /* `later` has run for the current request */
-    bool evicted;          /* closed to make room for another client */
+    char *name;                    /* owns; from CLIENT SETNAME; NULL: none */
+    uint64_t requests;             /* answered so far */
+    const struct command *command; /* the last or the current one; NULL: an unknown one */
+    unsigned wrong_tokens;         /* AUTH failures so far */
+    struct timer probe; /* sends a comment that shows whether the client is still connected */
+    bool probed;        /* a comment has been sent: one is enough */
+    bool waited;        /* `later` has run for the current request */
+    bool evicted;       /* closed to make room for another client */
     struct stats_pause pause;
     bool noted; /* `note` has the words of the request that has paused */
     char note[SLOW_TEXT];

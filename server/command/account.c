@@ -46,8 +46,9 @@ void account_end(struct session *s, const struct answer *a, bool error)
 {
     struct server *server = s->server;
     int64_t limit_us = server->config->slowlog_us;
-    bool quick = a->command < command_count && (commands[a->command].flags & CMD_QUICK) != 0;
-    struct stats_outcome took = stats_end(&server->stats, &s->pause, a->command, quick, error);
+    bool quick = a->command != NULL && (a->command->flags & CMD_QUICK) != 0;
+    struct stats_outcome took =
+        stats_end(&server->stats, &s->pause, command_number(server, a->command), quick, error);
     s->requests++;
     server->count.commands++;
     server->count.errors += error;

@@ -29,17 +29,17 @@ static void help_row(struct answer *a, const struct command *c)
 
 void cmd_help(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)s, (void)set;
-    const struct command *one = q->n == 2 ? command_find(&q->word[1]) : NULL;
+    (void)set;
+    const struct command *one = q->n == 2 ? command_find(s, &q->word[1]) : NULL;
     if (q->n == 2 && one == NULL) {
         answer_err(a, ERR_UNKNOWN, "there is no command %.*s", QUOTED(&q->word[1]));
         return;
     }
-    reply_ok(a->out, one != NULL ? 1 : command_count);
+    reply_ok(a->out, one != NULL ? 1 : s->command_count);
     reply_end(a->out);
-    for (size_t i = 0; i < command_count; i++)
-        if (one == NULL || one == &commands[i])
-            help_row(a, &commands[i]);
+    for (size_t i = 0; i < s->command_count; i++)
+        if (one == NULL || one == &s->commands[i])
+            help_row(a, &s->commands[i]);
 }
 
 void cmd_hello(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -125,7 +125,7 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
         if (word_is(name, "DIVIDE"))
             return true;
     }
-    answer_usage(a, q);
+    answer_usage(a);
     return false;
 }
 

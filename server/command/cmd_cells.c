@@ -281,7 +281,7 @@ static bool read_request(struct answer *a, const struct request *q, const struct
     if (!read_options(a, q, j, &words))
         return false;
     if (words > 2 && j->rows.form == ROW_AREA) {
-        answer_usage(a, q);
+        answer_usage(a);
         return false;
     }
     return words == 2 || read_sites(a, dt, &q->word[2], words - 2, &j->rows.ids);

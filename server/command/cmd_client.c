@@ -58,9 +58,9 @@ void client_row(struct buf *out, const struct session *s)
     reply_key_u64(out, "watching", s->watches);
     reply_key_u64(out, "requests", s->requests);
     reply_key_text(out, "command",
-                   s->command < command_count ? commands[s->command].name
-                   : s->requests > 0          ? "OTHER"
-                                              : "");
+                   s->command != NULL ? s->command->name
+                   : s->requests > 0  ? "OTHER"
+                                      : "");
     reply_end(out);
 }
 
@@ -160,7 +160,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
     struct target target = {0};
     uint64_t n = 0;
     if (!read_target(q, &target)) {
-        answer_usage(a, q);
+        answer_usage(a);
         return;
     }
     for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
@@ -227,7 +227,7 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
     } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
         answer_self(s, a, what->len > 2);
     } else {
-        answer_usage(a, q);
+        answer_usage(a);
     }
 }
 
@@ -298,6 +298,6 @@ void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q,
         slowlog_reset(&s->slowlog);
         answer_ok(a);
     } else {
-        answer_usage(a, q);
+        answer_usage(a);
     }
 }

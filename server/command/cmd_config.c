@@ -133,7 +133,7 @@ void cmd_config(struct server *s, struct dataset *none, const struct request *q,
     if (q->n >= 3 && word_is(what, "GET"))
         get(s, q, a);
     else if (!sets && !reloads)
-        answer_usage(a, q);
+        answer_usage(a);
     else if (check_write_role(a))
         sets ? set(s, q, a) : reload(s, a);
 }

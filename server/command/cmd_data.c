@@ -59,7 +59,7 @@ static bool read_making(struct server *s, struct answer *a, const struct request
             if (!read_length(a, &q->word[++i], "tolerance", &x->change.a))
                 return false;
         } else {
-            answer_usage(a, q);
+            answer_usage(a);
             return false;
         }
     }
@@ -255,7 +255,7 @@ void cmd_points(struct server *s, struct dataset *set, const struct request *q, 
     const struct dt_field **field = NULL;
     size_t fields = 0;
     if (q->n != (names ? 4u : 2u) + binary)
-        answer_usage(a, q);
+        answer_usage(a);
     else if (!names || (field = find_fields(a, set, &q->word[3], &fields)) != NULL)
         stream_answer_points(s, a, set->current, binary, field, fields);
 }

@@ -31,11 +31,11 @@ static struct tail read_tail(const struct request *q)
 }
 
 /* Whether the number of words and the options are valid for the command; else the ERR line has been written. */
-static bool check_tail(struct answer *a, const struct request *q, const struct tail *t, size_t most)
+static bool check_tail(struct answer *a, const struct tail *t, size_t most)
 {
     if (t->n <= most && (!t->binary || t->n == 2 || t->within))
         return true;
-    answer_usage(a, q);
+    answer_usage(a);
     return false;
 }
 
@@ -72,7 +72,7 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
 void cmd_lists(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct tail t = read_tail(q);
-    if (!check_tail(a, q, &t, SIZE_MAX))
+    if (!check_tail(a, &t, SIZE_MAX))
         return;
     if (t.n == 2)
         stream_answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
@@ -88,7 +88,7 @@ void cmd_triangles(struct server *s, struct dataset *set, const struct request *
 {
     struct tail t = read_tail(q);
     struct query query = {.kind = QUERY_TRIANGLES, .cw = t.cw};
-    if (!check_tail(a, q, &t, t.within ? 7 : 5))
+    if (!check_tail(a, &t, t.within ? 7 : 5))
         return;
     if (t.within) {
         answer_within(s, set, q, &t, QUERY_TRIANGLES, a);
@@ -108,7 +108,7 @@ void cmd_edges(struct server *s, struct dataset *set, const struct request *q, s
 {
     struct tail t = read_tail(q);
     struct query query = {.kind = QUERY_EDGES, .corners = 1, .cw = t.cw};
-    if (!check_tail(a, q, &t, 3))
+    if (!check_tail(a, &t, 3))
         return;
     if (t.n == 2)
         stream_answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
@@ -121,7 +121,7 @@ void cmd_hull(struct server *s, struct dataset *set, const struct request *q, st
     struct tail t = read_tail(q);
     (void)s;
     if (t.n > 2 || t.binary)
-        answer_usage(a, q);
+        answer_usage(a);
     else
         stream_answer_table(s, a, set->current, DT_HULL, t.cw, false);
 }

@@ -32,7 +32,7 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
     bool method =
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
     if (q->n > 4 && (!method || query.how == DT_CLOSEST))
-        answer_usage(a, q);
+        answer_usage(a);
     else if (read_place(s, a, q, &query.place))
         query_answer(s, a, set, &query);
 }
@@ -86,14 +86,14 @@ static bool read_step(struct answer *a, const struct word *w, double *v)
 }
 
 /* The value of an option. */
-static bool read_option(struct answer *a, const struct request *q, enum option option,
-                        const struct word *w, struct surface *out)
+static bool read_option(struct answer *a, enum option option, const struct word *w,
+                        struct surface *out)
 {
     switch (option) {
     case OPTION_METHOD:
         if (read_method(w, &out->how))
             return true;
-        answer_usage(a, q);
+        answer_usage(a);
         return false;
     case OPTION_MAXEDGE:
         return read_length(a, w, "length", &out->max_edge);
@@ -114,13 +114,13 @@ static bool read_options(struct answer *a, const struct request *q, size_t at, u
     while (at < q->n) {
         enum option option = option_of(&q->word[at++]);
         if ((option & allowed) == 0 || (option != OPTION_BINARY && at == q->n)) {
-            answer_usage(a, q);
+            answer_usage(a);
             return false;
         }
         allowed &= ~(unsigned)option;
         if (option == OPTION_BINARY)
             out->binary = true;
-        else if (!read_option(a, q, option, &q->word[at++], out))
+        else if (!read_option(a, option, &q->word[at++], out))
             return false;
     }
     return true;
@@ -166,7 +166,7 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
         !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE, &surface))
         return;
     if (end == 3)
-        answer_usage(a, q);
+        answer_usage(a);
     else if (end % 2 == 0)
         answer_err(a, ERR_SYNTAX, "odd number of coordinates");
     else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
@@ -278,7 +278,7 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
                       &surface))
         return;
     if ((end == 3) != every)
-        answer_usage(a, q);
+        answer_usage(a);
     else if (every || read_levels(a, q, end, &surface))
         surface_answer(s, a, set, &surface);
     else

@@ -16,151 +16,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    READS = CMD_SET | CMD_EXISTING,
-    QUERIES = READS | CMD_FRESH | CMD_LIVE,
-    SEARCHES = QUERIES | CMD_SEARCH,
-    POINT_SEARCHES = SEARCHES & ~CMD_LIVE, /* these need no triangulation */
-    EDITS = CMD_SET | CMD_WRITE
-};
-
-const struct command commands[] = {
-    {"SETS", 1, 1, CMD_ALL_SETS, cmd_sets, "SETS", "the sets, with their number of points"},
-    {"CREATE", 2, 5, EDITS, cmd_create, "CREATE set [TOL t] [TEMPORARY]",
-     "a new, empty set with coincidence tolerance t, for good or as long as the connection"},
-    {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
-    {"EXPIRE", 3, 3, EDITS | CMD_EXISTING, cmd_expire, "EXPIRE set seconds",
-     "drops the set after this number of seconds"},
-    {"TTL", 2, 2, READS, cmd_ttl, "TTL set", "in how many seconds a set is dropped"},
-    {"PERSIST", 2, 2, EDITS | CMD_EXISTING, cmd_persist, "PERSIST set",
-     "takes EXPIRE back: the set stays"},
-    {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
-    {"DIGEST", 2, 2, READS, cmd_digest, "DIGEST set",
-     "a number of everything in a set: equal sets have the same"},
-    {"ADD", 4, 0, EDITS, cmd_add,
-     "ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]",
-     "adds points, with values of fields"},
-    {"LOAD", 2, 5, EDITS | CMD_BODY, cmd_load, "LOAD set [n] [FIELDS a,b]",
-     "adds points: n lines `x y` follow, or lines up to a single `.`; with FIELDS `x y a b`"},
-    {"LOADB", 3, 5, EDITS | CMD_BODY, cmd_load, "LOADB set n [FIELDS a,b]",
-     "adds points: n pairs of little-endian doubles follow; with FIELDS their values, too"},
-    {"DEL", 3, 0, EDITS | CMD_EXISTING | CMD_FREES, cmd_del, "DEL set id [id ...]",
-     "deletes points"},
-    {"MOVE", 5, 5, EDITS | CMD_EXISTING, cmd_move, "MOVE set id x y",
-     "moves a point, which keeps its id"},
-    {"GET", 3, 0, READS, cmd_get, "GET set id [id ...]", "the coordinates of points"},
-    {"POINTS", 2, 5, READS, cmd_points, "POINTS set [FIELDS a,b] [BINARY]",
-     "every point, by id, with its values"},
-    {"COINCIDENT", 2, 2, READS, cmd_coincident, "COINCIDENT set",
-     "every alias and its representative"},
-    {"FIELDS", 2, 2, READS, cmd_fields, "FIELDS set",
-     "the fields, which are named values at points: how many values, the least, the greatest"},
-    {"FSET", 5, 0, EDITS | CMD_EXISTING, cmd_fset, "FSET set field id value [id value ...]",
-     "sets values of points; nan takes one away"},
-    {"FSETB", 5, 5, EDITS | CMD_EXISTING | CMD_BODY, cmd_fsetb, "FSETB set field first n",
-     "sets the values of n ids from first on: n little-endian doubles follow"},
-    {"FGET", 4, 0, READS, cmd_fget, "FGET set field id [id ...]", "the values of points"},
-    {"FDROP", 3, 3, EDITS | CMD_EXISTING | CMD_FREES, cmd_fdrop, "FDROP set field",
-     "deletes a field"},
-    {"TRIANGULATE", 2, 4, EDITS | CMD_EXISTING, cmd_triangulate,
-     "TRIANGULATE set [METHOD auto|shelling|divide]",
-     "computes the Delaunay triangulation, which edits then keep current"},
-    {"CHECK", 2, 2, SEARCHES, cmd_check, "CHECK set", "proves the triangulation exactly"},
-    {"LISTS", 2, 0, QUERIES, cmd_lists,
-     "LISTS set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | LISTS set id [id ...] [CW]",
-     "each point, or those in a box, with the ring of its neighbours, interior points first, then "
-     "along the hull"},
-    {"TRIANGLES", 2, 9, QUERIES, cmd_triangles,
-     "TRIANGLES set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]",
-     "every triangle, or those that meet a box, at a point, at an edge, next to a triangle"},
-    {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [CW] [BINARY] | EDGES set a [CW]",
-     "every edge, or those at a point"},
-    {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
-    {"LOCATE", 4, 4, SEARCHES, cmd_locate, "LOCATE set x y",
-     "the triangle, edge or point where x y lies"},
-    {"NEAREST", 4, 5, POINT_SEARCHES, cmd_nearest, "NEAREST set x y [k]",
-     "the k nearest points, nearest first"},
-    {"LOCATEB", 3, 3, SEARCHES | CMD_BODY, cmd_locateb, "LOCATEB set n",
-     "the triangles of n places: n pairs of little-endian doubles follow"},
-    {"NEARESTB", 3, 4, SEARCHES | CMD_BODY, cmd_nearestb, "NEARESTB set n [k]",
-     "the k points nearest to each of n places: n pairs of little-endian doubles follow"},
-    {"WITHIN", 5, 6, POINT_SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
-     "the points in a closed box or disc"},
-    {"WEIGHTS", 4, 6, SEARCHES, cmd_weights, "WEIGHTS set x y [METHOD linear|natural|laplace]",
-     "with which weights the points around count at x y"},
-    {"VORONOI", 2, 0, QUERIES, cmd_voronoi, "VORONOI set [id ...] [BOX x0 y0 x1 y1] [BINARY]",
-     "the Voronoi cells, clipped to a box"},
-    {"AREAS", 2, 8, QUERIES, cmd_areas, "AREAS set [BOX x0 y0 x1 y1] [BINARY]",
-     "the areas of the Voronoi cells, clipped to a box"},
-    {"INTERPOLATE", 5, 0, SEARCHES, cmd_interpolate,
-     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
-     "the values of a field at places between its points"},
-    {"INTERPOLATEB", 4, 8, SEARCHES | CMD_BODY, cmd_interpolateb,
-     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
-     "the values of a field at n places: n pairs of little-endian doubles follow"},
-    {"RASTER", 9, 14, SEARCHES, cmd_raster,
-     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] [MAXEDGE "
-     "e] "
-     "[BINARY]",
-     "the values of a field at the centres of the cells of a box, row by row from the north"},
-    {"CONTOUR", 4, 0, QUERIES, cmd_contour,
-     "CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY step [BASE b] "
-     "[MAXEDGE e]",
-     "lines along which a field has a value, with the higher ground on their left"},
-    {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius",
-     "the boundary of the triangles whose circumradius is at most the radius"},
-    {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
-     "the steps of the shelling algorithm, for sets of up to 1000 points"},
-    {"WATCH", 2, 11, READS, cmd_watch,
-     "WATCH set [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS name,name,...]",
-     "sends what changes in the set, as it changes"},
-    {"UNWATCH", 2, 2, READS, cmd_unwatch, "UNWATCH set", "ends WATCH"},
-    {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},
-    {"HELP", 1, 2, CMD_OPEN, cmd_help, "HELP [command]", "the commands"},
-    {"HELLO", 1, 2, CMD_OPEN, cmd_hello, "HELLO [version]",
-     "who is there, and which protocol it speaks"},
-    {"AUTH", 2, 2, CMD_OPEN, cmd_auth, "AUTH token", "shows a token of --auth-file"},
-    {"INFO", 1, 0, 0, cmd_info, "INFO [section ...]", "facts about the server"},
-    {"CLIENT", 2, 4, 0, cmd_client,
-     "CLIENT LIST | KILL id | KILL address | SETNAME name | SETINFO key value | GETNAME | ID",
-     "who is connected; ends a connection; names one's own"},
-    {"SLOWLOG", 2, 3, CMD_ADMIN, cmd_slowlog, "SLOWLOG GET [n] | LEN | RESET",
-     "the last requests that took long"},
-    {"CONFIG", 2, 0, 0, cmd_config,
-     "CONFIG GET pattern [pattern ...] | SET name value [name value ...] | RELOAD",
-     "the settings; changes some of them; reads the tokens again"},
-    {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
-     "begins to write all sets to the data directory, and begins a new log"},
-    {"BACKUP", 2, 2, CMD_ALL_SETS | CMD_ADMIN, cmd_backup, "BACKUP name",
-     "writes a copy of the data directory, while it is in use, below --backup-dir"},
-    {"FOLLOW", 2, 4, CMD_ADMIN, cmd_follow, "FOLLOW address port [CONFIRM] | FOLLOW NONE",
-     "has everything that another daemon has, and refuses changes; NONE ends that"},
-    {"SYNC", 4, 4, CMD_ADMIN, cmd_sync, "SYNC history lsn digest",
-     "what a follower sends to its leader: the connection carries the log from then on"},
-    {"WAIT", 3, 3, 0, cmd_wait, "WAIT followers seconds",
-     "waits until so many followers have the changes of this connection on disk"},
-    {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
-     "carries out the command, or cancels it after this number of seconds"},
-    {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
-};
-
-const size_t command_count = sizeof commands / sizeof commands[0];
-_Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER,
-               "each command has statistics of its own");
-
-const struct command *command_find(const struct word *name)
+const struct command *command_find(const struct server *s, const struct word *name)
 {
-    for (size_t i = 0; i < command_count; i++)
-        if (word_is(name, commands[i].name))
-            return &commands[i];
+    for (size_t i = 0; i < s->command_count; i++)
+        if (word_is(name, s->commands[i].name))
+            return &s->commands[i];
     return NULL;
 }
 
 /* ---- checks before a handler runs ---- */
 
-void answer_usage(struct answer *a, const struct request *q)
+void answer_usage(struct answer *a)
 {
-    answer_err(a, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    answer_err(a, ERR_SYNTAX, "usage: %s", a->command->usage);
 }
 
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
@@ -168,7 +36,7 @@ static bool check_words(struct answer *a, const struct command *c, const struct 
     bool words = q->n >= c->least && (c->most == 0 || q->n <= c->most);
     if (words && ((c->flags & CMD_BODY) == 0 || load_has_words(q)))
         return true;
-    answer_usage(a, q);
+    answer_usage(a);
     return false;
 }
 
@@ -330,9 +198,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 
 /* ---- bodies of refused requests ---- */
 
-static bool takes_body(const struct word *name)
+static bool takes_body(const struct server *s, const struct word *name)
 {
-    const struct command *c = command_find(name);
+    const struct command *c = command_find(s, name);
     return c != NULL && (c->flags & CMD_BODY) != 0;
 }
 
@@ -343,11 +211,11 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
         rest.word += 2;
         rest.n -= 2;
     }
-    if (takes_body(rest.word)) {
+    if (takes_body(s, rest.word)) {
         load_skip(s, &rest, a);
-    } else if (word_is(q->word, "TIMEOUT") || command_find(q->word) == NULL) {
+    } else if (word_is(q->word, "TIMEOUT") || command_find(s, q->word) == NULL) {
         for (size_t i = 1; i < q->n; i++)
-            if (takes_body(&q->word[i]))
+            if (takes_body(s, &q->word[i]))
                 a->closes = true;
     }
 }
@@ -357,7 +225,7 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
 const struct command *command_find_again(struct server *s, const struct word *name)
 {
     if (s->command == NULL || !word_is(name, s->command->name))
-        s->command = command_find(name);
+        s->command = command_find(s, name);
     return s->command;
 }
 
@@ -371,8 +239,8 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
 {
     const struct command *c = command_find_again(s, &q->word[0]);
     struct dataset *set;
-    a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
-    stats_begin(&s->stats, a->command);
+    a->command = c;
+    stats_begin(&s->stats, command_number(s, c));
     if (c == NULL) {
         answer_err(a, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
         command_skip_body(s, q, a);

@@ -36,10 +36,14 @@ struct command {
     const char *usage, *help;
 };
 
-extern const struct command commands[];
-extern const size_t command_count;
+/* NULL: there is none of that name. */
+const struct command *command_find(const struct server *s, const struct word *name);
 
-const struct command *command_find(const struct word *name);
+/* Its index in the table, which is that of its statistics; NULL: an unknown command. */
+static inline unsigned command_number(const struct server *s, const struct command *c)
+{
+    return c != NULL ? (unsigned)(c - s->commands) : STATS_OTHER;
+}
 
 /* Whether the request is one that even a turn of the loop that is already long can carry out: PING and the like. */
 bool command_is_quick(struct server *s, const struct request *q);
@@ -70,7 +74,7 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 #define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
 
 /* The error of a request whose words are not those that its command takes. */
-void answer_usage(struct answer *a, const struct request *q);
+void answer_usage(struct answer *a);
 
 /* Whether the asker's role lets it write; if not, the ERR line has been written. */
 bool check_write_role(struct answer *a);
@@ -120,12 +124,6 @@ uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
 enum shown { SHOWN_WRONG, SHOWN_GOOD, SHOWN_LATER };
 enum shown client_show_token(struct server *s, struct answer *a, const struct word *token);
 
-/* Appends facts `key value` to INFO. */
-struct facts;
-void facts_add(struct facts *f, const char *key, uint64_t value);
-void facts_add_text(struct facts *f, const char *key, const char *value);
-void info_replication(const struct server *s, struct facts *f); /* server/follow/cmd_follow.c */
-
 /* CLIENT LIST, in lines or, for RESP, as one bulk string. */
 void client_list(struct server *s, struct answer *a, enum listing_frame frame);
 
@@ -161,13 +159,10 @@ command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,
     cmd_contour;                                         /* cmd_surface.c */
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
-command_handler cmd_follow, cmd_sync, cmd_wait;          /* server/follow/cmd_follow.c */
-command_handler cmd_watch, cmd_unwatch;                  /* server/watch/cmd_watch.c */
-command_handler cmd_digest;                              /* server/follow/cmd_digest.c */
+command_handler cmd_digest;                              /* cmd_digest.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
 command_handler cmd_snapshot, cmd_backup;                /* cmd_admin.c */
 command_handler cmd_auth;                                /* cmd_auth.c */
-command_handler cmd_info;                                /* cmd_info.c */
 command_handler cmd_client, cmd_slowlog;                 /* cmd_client.c */
 command_handler cmd_config;                              /* cmd_config.c */
 command_handler cmd_timeout;                             /* command.c */

@@ -1,5 +1,5 @@
-/* cmd_follow.c - FOLLOW, SYNC, WAIT, and what INFO says about leaders and followers. */
-#include "server/command/command.h"
+/* cmd_follow.c - see cmd_follow.h. */
+#include "server/follow/cmd_follow.h"
 
 #include "proto/number.h"
 #include "server/clients/clients.h"
@@ -82,7 +82,7 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
     bool confirmed = q->n == 4 && word_is(&q->word[3], "CONFIRM");
     (void)set;
     if (!none && q->n != 3 && !confirmed)
-        answer_usage(a, q);
+        answer_usage(a);
     else if (!check_data(s, a))
         ;
     else if (none)
@@ -122,7 +122,7 @@ void cmd_sync(struct server *s, struct dataset *set, const struct request *q, st
     (void)set;
     if (!history_read(q->word[1].text, q->word[1].len, &from.history) ||
         !read_lsn(&q->word[2], &from.lsn) || !read_digest(&q->word[3], &from.digest)) {
-        answer_usage(a, q);
+        answer_usage(a);
         return;
     }
     if (!check_data(s, a))
@@ -211,7 +211,7 @@ static void add_follower(const struct sender *f, void *ctx)
     facts_add_text(l->f, key, value);
 }
 
-void info_replication(const struct server *s, struct facts *f)
+void follow_facts(const struct server *s, struct facts *f)
 {
     struct follower_facts own;
     const struct datadir *dir = durable_dir(s);

@@ -14,6 +14,7 @@ struct listing;
 struct job;
 struct dataset;
 struct load;
+struct command;
 
 enum answer_next {
     ANSWER_DONE,   /* nothing: the reply is complete */
@@ -41,8 +42,8 @@ struct answer {
     enum role role;   /* of the connection; AUTH changes it */
     unsigned token;   /* the number of the token that gave the role; 0: none */
     int64_t since_ns; /* when the request was first carried out, if it has waited; 0: it has not */
-    unsigned command; /* index in the table of commands, or STATS_OTHER */
-    bool typed;       /* replies of the connection in RESP are typed; HELLO changes it */
+    const struct command *command; /* NULL: none of that name */
+    bool typed;  /* replies of the connection in RESP are typed; HELLO changes it */
     bool multi;  /* the connection is in a transaction, all of which is refused; MULTI changes it */
     bool waited; /* the request has waited for its time */
     bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */

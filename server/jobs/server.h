@@ -69,6 +69,8 @@ struct server {
     struct dt_ids scratch;    /* owns; the result of a query that is answered at once */
     struct request request;   /* owns; the words of the current request */
     struct ahead *ahead;      /* owns; the requests after it in the connection's input */
+    const struct command *commands; /* borrows; the table, server/commands.c */
+    size_t command_count;
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;

@@ -72,14 +72,14 @@ static void describe(struct answer *a, const struct command *c)
 }
 
 /* All commands, each written by `put`. With `asked`: these n commands, and null for each that does not exist. */
-static void list_commands(struct answer *a, const struct word *asked, size_t n,
-                          void (*put)(struct answer *a, const struct command *c))
+static void list_commands(const struct server *s, struct answer *a, const struct word *asked,
+                          size_t n, void (*put)(struct answer *a, const struct command *c))
 {
-    resp_array(a->out, asked != NULL ? n : command_count);
-    for (size_t i = 0; asked == NULL && i < command_count; i++)
-        put(a, &commands[i]);
+    resp_array(a->out, asked != NULL ? n : s->command_count);
+    for (size_t i = 0; asked == NULL && i < s->command_count; i++)
+        put(a, &s->commands[i]);
     for (size_t i = 0; asked != NULL && i < n; i++) {
-        const struct command *c = command_find(&asked[i]);
+        const struct command *c = command_find(s, &asked[i]);
         if (c != NULL)
             put(a, c);
         else
@@ -90,15 +90,14 @@ static void list_commands(struct answer *a, const struct word *asked, size_t n,
 static void command(struct server *s, const struct request *q, struct answer *a)
 {
     const struct word *what = &q->word[1];
-    (void)s;
     if (q->n == 1)
-        list_commands(a, NULL, 0, describe);
+        list_commands(s, a, NULL, 0, describe);
     else if (word_is(what, "COUNT"))
-        redis_integer(a, (int64_t)command_count);
+        redis_integer(a, (int64_t)s->command_count);
     else if (word_is(what, "LIST"))
-        list_commands(a, NULL, 0, put_name);
+        list_commands(s, a, NULL, 0, put_name);
     else if (word_is(what, "INFO"))
-        list_commands(a, q->n > 2 ? q->word + 2 : NULL, q->n - 2, describe);
+        list_commands(s, a, q->n > 2 ? q->word + 2 : NULL, q->n - 2, describe);
     else if (word_is(what, "DOCS"))
         redis_map(a, 0);
     else
@@ -362,9 +361,8 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     if (handler == NULL)
         return false;
     size_t mark = buf_len(a->out);
-    const struct command *c = command_find(&q->word[0]);
-    a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
-    stats_begin(&s->stats, a->command);
+    a->command = command_find(s, &q->word[0]);
+    stats_begin(&s->stats, command_number(s, a->command));
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
         a->broken = true;
         return true;

@@ -158,9 +158,9 @@ static void add_calls(struct buf *out, const char *name, const struct command_st
 static void add_commandstats(struct server *s, const struct buf *ours, struct buf *out)
 {
     (void)ours;
-    for (size_t i = 0; i < command_count; i++)
+    for (size_t i = 0; i < s->command_count; i++)
         if (s->stats.of[i].calls > 0)
-            add_calls(out, commands[i].name, &s->stats.of[i]);
+            add_calls(out, s->commands[i].name, &s->stats.of[i]);
 }
 
 static void add_cluster(struct server *s, const struct buf *ours, struct buf *out)

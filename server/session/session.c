@@ -341,7 +341,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->role = auth_initial_role(&server->auth);
     s->since_ms = loop->awake_ms;
     s->peer = *peer;
-    s->command = STATS_OTHER;
+    s->command = NULL;
     s->waiter.wake = on_wake;
     s->probe.run = session_on_probe;
     s->later.run = on_later;

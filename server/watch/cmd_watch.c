@@ -1,5 +1,5 @@
-/* cmd_watch.c - WATCH and UNWATCH. */
-#include "server/command/command.h"
+/* cmd_watch.c - see cmd_watch.h. */
+#include "server/watch/cmd_watch.h"
 
 #include "server/clients/clients.h"
 #include "server/watch/watch.h"
@@ -66,7 +66,7 @@ static bool read_options(struct answer *a, const struct dataset *set, const stru
             fields = w + 1;
             good = true;
         } else {
-            answer_usage(a, q);
+            answer_usage(a);
             good = false;
         }
         if (!good)

@@ -1,5 +1,5 @@
 /* lifecycle_test.c - starting, stopping, vanishing clients, and running out of system resources. */
-#include "server/command/command.h"
+#include "server/commands.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

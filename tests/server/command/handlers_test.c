@@ -1,6 +1,6 @@
 /* handlers_test.c - the commands without sockets: with and without workers, and with memory that
  * runs out. */
-#include "server/command/command.h"
+#include "server/commands.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
@@ -22,13 +22,16 @@ static char *parabola(int n)
 
 TEST(commands_are_named_once_and_explained)
 {
+    struct local l;
+    local_start(&l, 0);
     for (size_t i = 0; i < command_count; i++) {
         struct word name = {commands[i].name, strlen(commands[i].name)};
-        CHECK(command_find(&name) == &commands[i]);
+        CHECK(command_find(&l.server, &name) == &commands[i]);
         CHECK(strncmp(commands[i].usage, commands[i].name, name.len) == 0);
         CHECK(commands[i].least >= 1 && commands[i].help[0] != '\0');
         CHECK((commands[i].flags & CMD_EXISTING) == 0 || (commands[i].flags & CMD_SET) != 0);
     }
+    local_stop(&l);
 }
 
 /* Clients know by its name whether a body follows a request: proto/request.h. */

@@ -5,7 +5,7 @@
 #include "proto/line.h"
 #include "proto/request.h"
 #include "proto/resp.h"
-#include "server/command/command.h"
+#include "server/commands.h"
 #include "server/disk/backup.h"
 #include "server/ops/config.h"
 #include "server/ops/limits.h"

@@ -1,10 +1,12 @@
-/* cmd_info.c - INFO: facts about the server in sections, lines `key:value`. */
-#include "server/command/command.h"
+/* info.c - see info.h. Facts are in sections, rows `key:value`. */
+#include "server/info.h"
 
 #include "proto/version.h"
 #include "server/clients/clients.h"
+#include "server/follow/cmd_follow.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
+#include "server/ops/facts.h"
 #include "server/system/loop.h"
 #include "server/system/machine.h"
 
@@ -12,26 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-struct facts {
-    struct buf text; /* owns: the lines */
-    uint64_t n;      /* their number */
-};
-
-void facts_add_text(struct facts *f, const char *key, const char *value)
-{
-    buf_append_text(&f->text, key);
-    buf_append_char(&f->text, ':');
-    reply_row_text(&f->text, value);
-    f->n++;
-}
-
-void facts_add(struct facts *f, const char *key, uint64_t value)
-{
-    char text[24];
-    snprintf(text, sizeof text, "%" PRIu64, value);
-    facts_add_text(f, key, text);
-}
 
 /* ---- sections ---- */
 
@@ -149,8 +131,8 @@ static void add_command(struct facts *f, const char *name, const struct command_
 
 static void add_commands(const struct server *s, struct facts *f)
 {
-    for (size_t i = 0; i < command_count; i++)
-        add_command(f, commands[i].name, &s->stats.of[i]);
+    for (size_t i = 0; i < s->command_count; i++)
+        add_command(f, s->commands[i].name, &s->stats.of[i]);
     add_command(f, "OTHER", &s->stats.of[STATS_OTHER]);
 }
 
@@ -158,14 +140,9 @@ static const struct section {
     const char *name;
     void (*add)(const struct server *s, struct facts *f);
 } sections[] = {
-    {"SERVER", add_server},
-    {"CLIENTS", add_clients},
-    {"MEMORY", add_memory},
-    {"STATS", add_stats},
-    {"SETS", add_sets},
-    {"DURABILITY", add_durability},
-    {"REPLICATION", info_replication},
-    {"COMMANDS", add_commands},
+    {"SERVER", add_server},        {"CLIENTS", add_clients},   {"MEMORY", add_memory},
+    {"STATS", add_stats},          {"SETS", add_sets},         {"DURABILITY", add_durability},
+    {"REPLICATION", follow_facts}, {"COMMANDS", add_commands},
 };
 
 enum { SECTIONS = sizeof sections / sizeof sections[0] };
