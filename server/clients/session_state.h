@@ -56,7 +56,7 @@ struct session {
     };
     uint64_t edited;               /* the lsn of its last change; 0: it has made none */
     int64_t wait_ms;               /* when its WAIT ends; 0: it has none */
-    struct watcher *watching;      /* owns; the sets that it watches (server/watch), */
+    struct list watching;          /* owns; the sets that it watches (server/watch), */
     uint32_t watches;              /* so many */
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
     struct load *load; /* owns: the body that is being received, or that of the current request */

@@ -31,8 +31,7 @@ struct counters {
 
 /* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
 struct watching {
-    struct watched *all, *busy, *now; /* owns those in `all` */
-    struct watched *deserted, *deserted_last;
+    struct list all, busy, now, deserted; /* owns those in `all` */
 };
 
 struct server {

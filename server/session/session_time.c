@@ -42,7 +42,7 @@ void session_check_timeouts(struct session *s)
         load_free(s->server, s->load);
         s->load = NULL;
         conn_turn(c);
-    } else if (idle_ms > 0 && is_listening(s) && s->watching == NULL &&
+    } else if (idle_ms > 0 && is_listening(s) && list_is_empty(&s->watching) &&
                now - c->heard_ms > idle_ms && !conn_has_input(c)) {
         session_refuse(s, ERR_TIMEOUT, "idle for too long");
         conn_turn(c);

@@ -3,78 +3,50 @@
 
 void agenda_enter(struct watched *k)
 {
-    struct watching *w = &k->server->watching;
-    k->next = w->all;
-    k->link = &w->all;
-    if (k->next != NULL)
-        k->next->link = &k->next;
-    w->all = k;
+    list_append(&k->server->watching.all, &k->link);
+}
+
+void agenda_leave(struct watched *k)
+{
+    list_remove(&k->link);
+    list_remove(&k->busy);
+    list_remove(&k->deserted);
 }
 
 /* ---- busy ---- */
 
 void agenda_call(struct watched *k)
 {
-    struct watching *w = &k->server->watching;
-    if (k->busy)
-        return;
-    k->busy = true;
-    k->busy_next = w->busy;
-    w->busy = k;
+    if (!list_holds(&k->busy))
+        list_prepend(&k->server->watching.busy, &k->busy);
 }
 
 void agenda_begin(struct server *s)
 {
-    s->watching.now = s->watching.busy;
-    s->watching.busy = NULL;
+    list_move(&s->watching.now, &s->watching.busy);
 }
 
 struct watched *agenda_next(struct server *s)
 {
-    struct watched *k = s->watching.now;
-    if (k == NULL)
-        return NULL;
-    s->watching.now = k->busy_next;
-    k->busy = false;
-    return k;
+    return list_owner(list_pop(&s->watching.now), offsetof(struct watched, busy));
 }
 
 /* ---- deserted ---- */
 
 void agenda_desert(struct watched *k, int64_t now_ms)
 {
-    struct watching *w = &k->server->watching;
-    if (k->deserted_ms != 0)
+    if (list_holds(&k->deserted))
         return;
     k->deserted_ms = now_ms;
-    k->deserted_next = NULL;
-    k->deserted_before = w->deserted_last;
-    *(w->deserted_last != NULL ? &w->deserted_last->deserted_next : &w->deserted) = k;
-    w->deserted_last = k;
+    list_append(&k->server->watching.deserted, &k->deserted);
 }
 
 void agenda_return(struct watched *k)
 {
-    struct watching *w = &k->server->watching;
-    struct watched *next = k->deserted_next, *before = k->deserted_before;
-    if (k->deserted_ms == 0)
-        return;
-    k->deserted_ms = 0;
-    *(before != NULL ? &before->deserted_next : &w->deserted) = next;
-    *(next != NULL ? &next->deserted_before : &w->deserted_last) = before;
+    list_remove(&k->deserted);
 }
 
-void agenda_leave(struct watched *k)
+struct watched *agenda_deserted(const struct server *s)
 {
-    struct watching *w = &k->server->watching;
-    agenda_return(k);
-    for (struct watched **at = &w->busy; k->busy && *at != NULL; at = &(*at)->busy_next) {
-        if (*at == k) {
-            *at = k->busy_next;
-            break;
-        }
-    }
-    *k->link = k->next;
-    if (k->next != NULL)
-        k->next->link = k->link;
+    return list_owner(list_first(&s->watching.deserted), offsetof(struct watched, deserted));
 }

@@ -26,4 +26,7 @@ struct watched *agenda_next(struct server *s);
 void agenda_desert(struct watched *k, int64_t now_ms);
 void agenda_return(struct watched *k);
 
+/* The one that was deserted first; NULL: none is. */
+struct watched *agenda_deserted(const struct server *s);
+
 #endif

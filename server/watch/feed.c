@@ -103,30 +103,22 @@ static void count_memory(struct watcher *w)
 static void take_out(struct watcher *w)
 {
     struct feed *f = w->feed;
-    struct watcher **at = w->late ? &f->of->late : &f->first;
-    while (*at != w)
-        at = &(*at)->next;
-    *at = w->next;
-    f->late -= w->late;
     if (f->unsent == w)
-        f->unsent = w->next;
+        f->unsent = list_next(&f->watchers, w);
+    f->late -= w->late;
+    list_remove(&w->link);
 }
 
 void feed_join(struct watcher *w)
 {
     w->late = false;
-    w->next = w->feed->first;
-    w->feed->first = w;
+    list_prepend(&w->feed->watchers, &w->link);
     count_memory(w);
 }
 
 void feed_join_late(struct watcher *w)
 {
-    struct watcher **at = &w->feed->of->late;
-    while (*at != NULL)
-        at = &(*at)->next;
-    *at = w;
-    w->next = NULL;
+    list_append(&w->feed->of->late, &w->link);
     w->late = true;
     w->feed->late++;
     count_memory(w);
@@ -134,11 +126,8 @@ void feed_join_late(struct watcher *w)
 
 void feed_leave(struct watcher *w)
 {
-    struct watcher **at = &w->session->watching;
     take_out(w);
-    while (*at != w)
-        at = &(*at)->also;
-    *at = w->also;
+    list_remove(&w->also);
     w->session->watches--;
     w->session->server->count.watchers--;
     backlog_clear(&w->own);
@@ -215,8 +204,8 @@ static void become_late(struct watcher *w, bool lacks_event)
 static void leave_late_behind(struct feed *f)
 {
     bool lacks_event = false;
-    for (struct watcher *w = f->first, *next; w != NULL; w = next) {
-        next = w->next;
+    for (struct watcher *w = list_first(&f->watchers), *next; w != NULL; w = next) {
+        next = list_next(&f->watchers, w);
         lacks_event = lacks_event || w == f->unsent;
         if (!feed_can_take(w))
             become_late(w, lacks_event);
@@ -227,7 +216,7 @@ static void begin_sending(struct feed *f, const struct event *e)
 {
     event_free(&f->sending);
     f->sending = *e;
-    f->unsent = f->first;
+    f->unsent = list_first(&f->watchers);
 }
 
 void feed_send(struct server *s, struct feed *f, int64_t end_ns)
@@ -235,7 +224,7 @@ void feed_send(struct server *s, struct feed *f, int64_t end_ns)
     for (struct watcher *w; (w = f->unsent) != NULL;) {
         if (feed_can_take(w)) {
             send_event(s, w, &f->sending);
-            f->unsent = w->next;
+            f->unsent = list_next(&f->watchers, w);
         } else {
             become_late(w, true);
         }
@@ -272,7 +261,7 @@ void feed_part(struct server *s, struct feed *f)
     if (f->unsent != NULL)
         return;
     leave_late_behind(f);
-    if (f->first == NULL) {
+    if (list_is_empty(&f->watchers)) {
         backlog_clear(&f->shared);
         return;
     }
@@ -381,13 +370,13 @@ void feed_change(struct server *s, struct feed *f, const struct feed_change *c, 
                  k->ids - c->from <= SHARED_KEYS && !all && !backlog_lags(&f->shared) &&
                  (c->rows + k->ids - c->from) * feed_line(k) <= LINE_STEPS;
     leave_late_behind(f);
-    for (struct watcher *w = k->late; w != NULL; w = w->next) {
+    for (struct watcher *w = list_first(&k->late); w != NULL; w = list_next(&k->late, w)) {
         if (w->feed == f && all)
             backlog_all(&w->own);
         else if (w->feed == f)
             mark_late(w, c);
     }
-    if (f->first == NULL)
+    if (list_is_empty(&f->watchers))
         return;
     if (now && small && f->unsent == NULL)
         share(s, f, c);
@@ -410,18 +399,19 @@ static void tell_dropped(struct server *s, struct watcher *w)
     feed_leave(w);
 }
 
-void feed_dropped(struct server *s, struct watched *k)
+static void tell_all_dropped(struct server *s, const struct list *watchers)
 {
-    for (struct watcher *w = k->late, *next; w != NULL; w = next) {
-        next = w->next;
+    for (struct watcher *w = list_first(watchers), *next; w != NULL; w = next) {
+        next = list_next(watchers, w);
         tell_dropped(s, w);
     }
-    for (struct feed *f = k->feeds; f != NULL; f = f->next) {
-        for (struct watcher *w = f->first, *next; w != NULL; w = next) {
-            next = w->next;
-            tell_dropped(s, w);
-        }
-    }
+}
+
+void feed_dropped(struct server *s, struct watched *k)
+{
+    tell_all_dropped(s, &k->late);
+    for (struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
+        tell_all_dropped(s, &f->watchers);
 }
 
 size_t feed_memory(const struct feed *f)

@@ -31,20 +31,18 @@ struct backlog {
 
 /* A set that is watched, was until lately, or was when it was dropped. */
 struct watched {
-    struct server *server;         /* borrows */
-    struct watched *next, **link;  /* in the list of all (agenda.h) */
-    struct watched *busy_next;     /* in that of the busy ones, */
-    bool busy;                     /* if it is there */
-    struct watched *deserted_next, /* in that of the deserted ones, */
-        *deserted_before;
-    int64_t deserted_ms;   /* since when; 0: it is not there */
-    struct dataset *set;   /* borrows; NULL: dropped */
-    struct feed *feeds;    /* own their watchers */
-    struct watcher *late;  /* owns; in the order in which they get parts */
-    uint64_t version;      /* what has been collected so far */
-    uint32_t ids;          /* the next id at that time */
-    bool values;           /* changes of values are collected, */
-    uint64_t values_since; /* from this version on */
+    struct list_link link;     /* first: in the list of all (agenda.h), */
+    struct list_link busy;     /* in that of the busy ones, */
+    struct list_link deserted; /* in that of the deserted ones, */
+    int64_t deserted_ms;       /* since when */
+    struct server *server;     /* borrows */
+    struct dataset *set;       /* borrows; NULL: dropped */
+    struct list feeds;         /* own their watchers */
+    struct list late;          /* owns watchers; in the order in which they get parts */
+    uint64_t version;          /* what has been collected so far */
+    uint32_t ids;              /* the next id at that time */
+    bool values;               /* changes of values are collected, */
+    uint64_t values_since;     /* from this version on */
     struct recent recent;
     int64_t retry_ms;     /* no triangulation for watchers before */
     uint64_t changing;    /* the version at the end of the last turn, */
@@ -59,21 +57,20 @@ struct watched {
 };
 
 struct feed {
-    struct feed *next;
+    struct list_link link; /* first */
     struct watched *of;
     struct scope scope;
-    struct watcher *first; /* those that are not late */
-    unsigned late;         /* how many are */
+    struct list watchers; /* those that are not late */
+    unsigned late;        /* how many are */
     struct backlog shared;
-    struct event sending; /* owns; the last event */
-    struct watcher
-        *unsent;        /* of the first ones: it and those behind it have not been sent that yet */
-    struct known known; /* with a box: points that a watcher may know */
+    struct event sending;   /* owns; the last event */
+    struct watcher *unsent; /* of `watchers`: it and those behind it have not been sent that yet */
+    struct known known;     /* with a box: points that a watcher may know */
 };
 
 struct watcher {
-    struct watcher *next; /* of the feed, or of those that are late */
-    struct watcher *also; /* of the session */
+    struct list_link link; /* first: of the feed, or of those that are late */
+    struct list_link also; /* of the session */
     struct feed *feed;
     struct session *session;
     bool typed; /* in RESP 3 */

@@ -43,7 +43,7 @@ static void wake(struct timer *t)
 static void count_memory(struct watched *k)
 {
     size_t bytes = sizeof *k + recent_memory(&k->recent);
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+    for (const struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
         bytes += feed_memory(f);
     reservation_set(&k->memory, bytes);
 }
@@ -61,7 +61,7 @@ static void collect(struct server *s, struct watched *k, bool now)
     k->ids = dt_next_id(dt);
     if (!c.values_known)
         k->values_since = k->version;
-    for (struct feed *f = k->feeds; f != NULL; f = f->next)
+    for (struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
         feed_change(s, f, &c, now);
     if (!c.rows_known) {
         recent_restart(&k->recent, k->version, k->ids);
@@ -145,10 +145,12 @@ static bool is_small(const struct watched *k)
 {
     const struct dt *dt = k->set->current->dt;
     int64_t ns = ((int64_t)dt_touched_count(dt) + dt_next_id(dt) - k->ids) * KEY_NS;
-    for (const struct feed *f = k->feeds; f != NULL && ns <= SMALL_NS; f = f->next) {
-        if (f->first != NULL && backlog_lags(&f->shared))
+    for (const struct feed *f = list_first(&k->feeds); f != NULL && ns <= SMALL_NS;
+         f = list_next(&k->feeds, f)) {
+        if (!list_is_empty(&f->watchers) && backlog_lags(&f->shared))
             return false;
-        for (const struct watcher *w = f->first; w != NULL && ns <= SMALL_NS; w = w->next)
+        for (const struct watcher *w = list_first(&f->watchers); w != NULL && ns <= SMALL_NS;
+             w = list_next(&f->watchers, w))
             ns += SEND_NS;
     }
     return ns <= SMALL_NS;
@@ -159,10 +161,10 @@ static bool serve_late(struct server *s, struct watched *k, int64_t end)
 {
     size_t n = 0;
     bool all = true;
-    for (const struct watcher *w = k->late; w != NULL; w = w->next)
+    for (const struct watcher *w = list_first(&k->late); w != NULL; w = list_next(&k->late, w))
         n++;
-    for (struct watcher *w = k->late, *next; n-- > 0; w = next) {
-        next = w->next;
+    for (struct watcher *w = list_first(&k->late), *next; n-- > 0; w = next) {
+        next = list_next(&k->late, w);
         if (!feed_late_part(s, w))
             continue;
         all = all && !w->late;
@@ -174,7 +176,7 @@ static bool serve_late(struct server *s, struct watched *k, int64_t end)
 
 static bool is_sending(const struct watched *k)
 {
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+    for (const struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
         if (f->unsent != NULL)
             return true;
     return false;
@@ -183,7 +185,7 @@ static bool is_sending(const struct watched *k)
 /* Continues to send events that have been begun. False: some watchers have not been sent theirs. */
 static bool send_begun(struct server *s, const struct watched *k, int64_t end)
 {
-    for (struct feed *f = k->feeds; f != NULL; f = f->next)
+    for (struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
         if (f->unsent != NULL)
             feed_send(s, f, end);
     return !is_sending(k);
@@ -191,43 +193,38 @@ static bool send_begun(struct server *s, const struct watched *k, int64_t end)
 
 static bool feeds_lag(const struct watched *k)
 {
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
-        if (f->first != NULL && backlog_lags(&f->shared))
+    for (const struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
+        if (!list_is_empty(&f->watchers) && backlog_lags(&f->shared))
             return true;
     return false;
-}
-
-/* The first feed becomes the last one. */
-static void rotate(struct watched *k)
-{
-    struct feed *f = k->feeds, **last = &k->feeds;
-    k->feeds = f->next;
-    f->next = NULL;
-    while (*last != NULL)
-        last = &(*last)->next;
-    *last = f;
 }
 
 /* Feeds get parts in order, as far as the time goes. */
 static void serve_feeds(struct server *s, struct watched *k, int64_t end)
 {
     size_t n = 0;
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+    for (const struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
         n++;
     for (; n > 0 && clock_ns() < end; n--) {
-        struct feed *f = k->feeds;
-        if (f->first != NULL && backlog_lags(&f->shared))
+        struct feed *f = list_first(&k->feeds);
+        if (!list_is_empty(&f->watchers) && backlog_lags(&f->shared))
             feed_part(s, f);
-        rotate(k);
+        list_append(&k->feeds, list_pop(&k->feeds)); /* the first one becomes the last one */
     }
+}
+
+static struct loop *loop_of_first(const struct list *watchers)
+{
+    const struct watcher *w = list_first(watchers);
+    return w == NULL ? NULL : w->session->conn.loop;
 }
 
 static struct loop *loop_of(const struct watched *k)
 {
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
-        if (f->first != NULL)
-            return f->first->session->conn.loop;
-    return k->late == NULL ? NULL : k->late->session->conn.loop;
+    for (const struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
+        if (!list_is_empty(&f->watchers))
+            return loop_of_first(&f->watchers);
+    return loop_of_first(&k->late);
 }
 
 /* Collects changes and makes events. False: more could be made at once. */
@@ -256,7 +253,7 @@ static void flush(struct server *s, struct watched *k)
     static struct task again = {.run = do_nothing};
     struct loop *loop = loop_of(k);
     bool changed = k->version != k->set->version, all = true;
-    if (!changed && k->late == NULL && !feeds_lag(k) && !is_sending(k))
+    if (!changed && list_is_empty(&k->late) && !feeds_lag(k) && !is_sending(k))
         return;
     int64_t before = processor_ns();
     if (is_ready(s, k, changed, loop)) {
@@ -278,13 +275,11 @@ static void flush(struct server *s, struct watched *k)
 
 static void free_deserted_feeds(struct watched *k)
 {
-    for (struct feed **at = &k->feeds; *at != NULL;) {
-        struct feed *f = *at;
-        if (f->first != NULL || f->late > 0) {
-            at = &f->next;
+    for (struct feed *f = list_first(&k->feeds), *next; f != NULL; f = next) {
+        next = list_next(&k->feeds, f);
+        if (!list_is_empty(&f->watchers) || f->late > 0)
             continue;
-        }
-        *at = f->next;
+        list_remove(&f->link);
         feed_free(f);
     }
 }
@@ -322,10 +317,12 @@ static bool is_busy(struct watched *k)
 {
     bool more = k->set != NULL && (feeds_lag(k) || is_sending(k) ||
                                    (k->version != k->set->version && loop_of(k) != NULL));
-    for (struct watcher *w = k->late; w != NULL; w = w->next)
+    for (struct watcher *w = list_first(&k->late); w != NULL; w = list_next(&k->late, w))
         more = can_take(w) || more;
-    for (const struct feed *f = k->feeds; k->set == NULL && f != NULL; f = f->next)
-        for (struct watcher *w = f->first; w != NULL; w = w->next)
+    for (const struct feed *f = list_first(&k->feeds); k->set == NULL && f != NULL;
+         f = list_next(&k->feeds, f))
+        for (struct watcher *w = list_first(&f->watchers); w != NULL;
+             w = list_next(&f->watchers, w))
             more = can_take(w) || more;
     return more;
 }
@@ -337,11 +334,12 @@ static void look_at(struct server *s, struct watched *k)
     else
         flush(s, k);
     free_deserted_feeds(k);
-    if (k->feeds == NULL && k->set == NULL) {
+    bool deserted = list_is_empty(&k->feeds);
+    if (deserted && k->set == NULL) {
         forget(k);
         return;
     }
-    if (k->feeds == NULL)
+    if (deserted)
         agenda_desert(k, clock_ms());
     if (is_busy(k))
         agenda_call(k);
@@ -351,9 +349,9 @@ static void look_at(struct server *s, struct watched *k)
 static void forget_deserted(struct server *s)
 {
     enum { MOST = 256 }; /* some microseconds each */
-    int64_t now = s->watching.deserted == NULL ? 0 : clock_ms();
+    int64_t now = agenda_deserted(s) == NULL ? 0 : clock_ms();
     struct watched *k;
-    for (int i = 0; i < MOST && (k = s->watching.deserted) != NULL; i++) {
+    for (int i = 0; i < MOST && (k = agenda_deserted(s)) != NULL; i++) {
         if (now - k->deserted_ms < KEEP_MS)
             return;
         agenda_return(k);
@@ -374,11 +372,10 @@ void watch_turn_end(struct server *s)
 
 void watch_clear(struct server *s)
 {
-    for (struct watched *k = s->watching.all, *next; k != NULL; k = next) {
-        next = k->next;
+    for (struct watched *k; (k = list_first(&s->watching.all)) != NULL;) {
+        agenda_leave(k);
         free_watched(k);
     }
-    s->watching = (struct watching){.all = NULL};
 }
 
 /* ---- who watches ---- */
@@ -404,21 +401,31 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     return k;
 }
 
+static struct watcher *first_of(const struct session *who)
+{
+    return list_owner(list_first(&who->watching), offsetof(struct watcher, also));
+}
+
+static struct watcher *next_of(const struct session *who, const struct watcher *w)
+{
+    return list_owner(list_next(&who->watching, &w->also), offsetof(struct watcher, also));
+}
+
 /* The session's watcher of a set of that name; NULL: none. */
 static struct watcher *find(const struct session *who, const char *name)
 {
-    struct watcher *w = who->watching;
+    struct watcher *w = first_of(who);
     while (w != NULL && strcmp(w->feed->of->name, name) != 0)
-        w = w->also;
+        w = next_of(who, w);
     return w;
 }
 
 /* The feed of that scope, which moves there. NULL: out of memory. */
 static struct feed *feed_of(struct watched *k, struct scope *scope)
 {
-    struct feed *f = k->feeds;
+    struct feed *f = list_first(&k->feeds);
     while (f != NULL && !scope_equal(&f->scope, scope))
-        f = f->next;
+        f = list_next(&k->feeds, f);
     if (f != NULL || (f = calloc(1, sizeof *f)) == NULL) {
         scope_clear(scope);
         return f;
@@ -427,8 +434,7 @@ static struct feed *feed_of(struct watched *k, struct scope *scope)
     f->scope = *scope;
     *scope = (struct scope){.names = NULL};
     scope_find(&f->scope, k->set->current->dt);
-    f->next = k->feeds;
-    k->feeds = f;
+    list_prepend(&k->feeds, &f->link);
     if (f->scope.names != NULL && !k->values) {
         k->values = true;
         k->values_since = k->set->version;
@@ -500,8 +506,7 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
     w->feed = f;
     w->session = who;
     w->typed = who->resp;
-    w->also = who->watching;
-    who->watching = w;
+    list_append(&who->watching, &w->also);
     who->watches++;
     s->count.watchers++;
     if (!mark_since(w, since))
@@ -535,13 +540,13 @@ bool watch_end(struct session *who, const struct dataset *set)
 
 void watch_leave(struct session *who)
 {
-    while (who->watching != NULL)
-        leave(who->watching);
+    for (struct watcher *w; (w = first_of(who)) != NULL;)
+        leave(w);
 }
 
 void watch_resume(struct session *who)
 {
-    for (const struct watcher *w = who->watching; w != NULL; w = w->also)
+    for (const struct watcher *w = first_of(who); w != NULL; w = next_of(who, w))
         if (w->late || w->feed->of->set == NULL)
             agenda_call(w->feed->of);
 }

@@ -77,8 +77,9 @@ static const char *heard(void)
 
 static unsigned busy(void)
 {
+    const struct list *all = &b.l.server.watching.busy;
     unsigned n = 0;
-    for (const struct watched *k = b.l.server.watching.busy; k != NULL; k = k->busy_next)
+    for (const struct list_link *k = list_first(all); k != NULL; k = list_next(all, k))
         n++;
     return n;
 }
@@ -86,11 +87,11 @@ static unsigned busy(void)
 /* Turns of the loop, until nothing is left to do. */
 static void settle(void)
 {
-    for (int i = 0; i < 1000 && b.l.server.watching.busy != NULL; i++) {
+    for (int i = 0; i < 1000 && busy() > 0; i++) {
         watch_turn_end(&b.l.server);
         turn();
     }
-    CHECK(b.l.server.watching.busy == NULL);
+    CHECK(busy() == 0);
 }
 
 static void watch_many(void)
@@ -157,17 +158,17 @@ TEST(set_that_is_watched_no_longer_is_forgotten_after_a_minute)
         settle();
     }
     struct watched *k = set->watched;
-    CHECK(k != NULL && k == b.l.server.watching.deserted);
-    CHECK(b.l.server.watching.deserted_last == local_set(&b.l, "s3")->watched);
+    CHECK(k != NULL && k == agenda_deserted(&b.l.server));
+    CHECK(list_last(&b.l.server.watching.deserted) == &local_set(&b.l, "s3")->watched->deserted);
     ask("WATCH s2\nDROP s3\n");
     settle();
-    CHECK(b.l.server.watching.deserted_last == k);
+    CHECK(list_last(&b.l.server.watching.deserted) == &k->deserted);
     k->deserted_ms -= MINUTE_MS - 1000;
     watch_turn_end(&b.l.server);
     CHECK(set->watched == k);
     k->deserted_ms -= 1000;
     watch_turn_end(&b.l.server);
-    CHECK(set->watched == NULL && b.l.server.watching.deserted == NULL);
+    CHECK(set->watched == NULL && list_is_empty(&b.l.server.watching.deserted));
     CHECK(local_set(&b.l, "s2")->watched != NULL);
     end();
 }
