@@ -71,7 +71,7 @@ static void deliver_all(struct server *s, struct list *done,
     for (struct job *j; (j = list_pop(done)) != NULL;)
         if (job_is_early(s, j))
             list_append(&s->early, &j->work.link);
-        else if (job_install(s, j))
+        else
             deliver(ctx, j);
 }
 

@@ -107,10 +107,12 @@ static void answer_backup(struct answer *a, const struct backup *b)
     reply_end(a->out);
 }
 
-static void backup_done(struct server *s, struct job *j, struct answer *a)
+static void end_backup(struct server *s, struct job *j, struct answer *a)
 {
     const struct backup_job *b = (struct backup_job *)j;
     const char *why = strerror(b->backup.error);
+    if (a == NULL)
+        return;
     switch (b->result) {
     case BACKUP_OK:
         durable_note_backup(s, &b->backup);
@@ -143,7 +145,7 @@ void cmd_backup(struct server *s, struct dataset *set, const struct request *q, 
                    "at the end");
         return;
     }
-    struct backup_job *b = job_new(sizeof *b, run_backup, backup_done);
+    struct backup_job *b = job_new(sizeof *b, run_backup, end_backup);
     if (b == NULL) {
         answer_out_of_memory(a);
         return;
@@ -156,9 +158,9 @@ void cmd_backup(struct server *s, struct dataset *set, const struct request *q, 
                               ? "there is no directory for backups (--backup-dir)"
                               : NULL;
     if (missing == NULL) {
-        job_apart(s, a, &b->job);
+        job_aside(s, a, &b->job, JOB_LONG);
         return;
     }
     answer_err(a, ERR_IO, "%s", missing);
-    job_free(&b->job);
+    job_free(s, &b->job);
 }

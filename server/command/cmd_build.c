@@ -14,6 +14,8 @@
 struct build {
     struct job job;
     struct dt_build *made; /* owns */
+    struct build *then;    /* owns: installs it */
+    size_t bytes;          /* that are reserved for both */
     double ms;
     const char *fault;
 };
@@ -53,23 +55,12 @@ static void run_build(struct job *j)
     take_time(b, start);
 }
 
-static void install_built(struct job *j)
+static void run_install(struct job *j)
 {
     struct build *b = (struct build *)j;
     if (b->made != NULL)
         dt_built(j->dt, b->made);
     b->made = NULL;
-}
-
-static void clear_build(struct job *j)
-{
-    dt_build_free(((struct build *)j)->made);
-}
-
-static void record_triangulate(struct server *s, struct job *j)
-{
-    if (!j->set->triangulated)
-        submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
 }
 
 static void answer_triangulation(struct answer *a, const struct dataset *set, double ms)
@@ -89,15 +80,28 @@ static struct dataset_result result_of(const struct job *j)
                                    .rebuilt = j->options.rebuild};
 }
 
-static void triangulate_done(struct server *s, struct job *j, struct answer *a)
+static void end_triangulate(struct server *s, struct job *j, struct answer *a)
 {
-    (void)s;
-    if (j->status != DT_OK) {
-        answer_status(a, j->status);
+    dt_build_free(((struct build *)j)->made);
+    if (!job_succeeded(j, a))
         return;
-    }
+    if (!j->set->triangulated)
+        submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
     j->set->triangulation = result_of(j);
     answer_triangulation(a, j->set, j->set->triangulation.ms);
+}
+
+static void end_build(struct server *s, struct job *j, struct answer *a)
+{
+    struct build *b = (struct build *)j, *then = b->then;
+    then->made = b->made;
+    then->ms = b->ms;
+    if (job_succeeded(j, a)) {
+        reservation_set(&then->job.memory, b->bytes);
+        job_change(s, a, &then->job, j->set, JOB_LIGHT);
+    } else {
+        job_free(s, &then->job);
+    }
 }
 
 /* Whether the request waited for that result. */
@@ -129,6 +133,30 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
     return false;
 }
 
+/* Builds beside the set; `then` installs what has been made. */
+static void build_beside(struct server *s, struct answer *a, struct dataset *set,
+                         struct build *then, struct reservation *memory)
+{
+    struct build *b = job_new(sizeof *b, run_build, end_build);
+    if (b == NULL) {
+        job_free(s, &then->job);
+        reservation_set(memory, 0);
+        answer_out_of_memory(a);
+        return;
+    }
+    then->job.run = run_install;
+    then->job.memory = server_reservation(s, BUDGET_BUILDS);
+    b->then = then;
+    b->bytes = memory->bytes;
+    b->job.memory = *memory;
+    b->job.logged = true;
+    b->job.what = then->job.what;
+    b->job.options.method = then->job.options.method;
+    b->job.options.rebuild = then->job.options.rebuild;
+    b->job.set = set;
+    job_read(s, a, &b->job, set->current, JOB_LONG);
+}
+
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
                  bool rebuild)
 {
@@ -141,26 +169,24 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
     struct reservation memory = server_reservation(s, BUDGET_BUILDS);
     if (large && !job_reserve_build(s, a, set, &memory))
         return;
-    struct build *b = job_new(sizeof *b, run_triangulate, triangulate_done);
+    struct build *b = job_new(sizeof *b, run_triangulate, end_triangulate);
     if (b == NULL) {
         reservation_set(&memory, 0);
         answer_out_of_memory(a);
         return;
     }
-    b->job.memory = memory;
-    b->job.record = record_triangulate;
+    b->job.logged = true;
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = rebuild;
     /* Readers of the points of a large set do not wait: it is built beside the set, or a copy is triangulated. */
     if (large && s->workers != NULL && dt_build_suits(set->current->dt, &b->job.options)) {
-        b->job.run = run_build;
-        b->job.install = install_built;
-        b->job.clear = clear_build;
-        job_beside(s, a, &b->job, set, JOB_HEAVY);
-    } else {
-        job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
+        build_beside(s, a, set, b, &memory);
+        return;
     }
+    b->job.memory = memory;
+    b->job.copies = large;
+    job_change(s, a, &b->job, set, large ? JOB_LONG : JOB_LIGHT);
 }
 
 void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
@@ -194,20 +220,16 @@ static void answer_proved(struct answer *a, const struct dataset *set)
     reply_end(a->out);
 }
 
-static void check_done(struct server *s, struct job *j, struct answer *a)
+static void end_check(struct server *s, struct job *j, struct answer *a)
 {
     const char *fault = ((struct build *)j)->fault;
     (void)s;
-    if (j->status == DT_CORRUPT && fault != NULL) {
+    if (a != NULL && j->status == DT_CORRUPT && fault != NULL) {
         answer_err(a, ERR_CORRUPT, "%s", fault);
-        return;
+    } else if (job_succeeded(j, a)) {
+        j->set->proof = result_of(j);
+        answer_proved(a, j->set);
     }
-    if (j->status != DT_OK) {
-        answer_status(a, j->status);
-        return;
-    }
-    j->set->proof = result_of(j);
-    answer_proved(a, j->set);
 }
 
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -221,12 +243,13 @@ void cmd_check(struct server *s, struct dataset *set, const struct request *q, s
         answer_wait(a, &set->queue, true);
         return;
     }
-    struct build *b = job_new(sizeof *b, run_check, check_done);
+    struct build *b = job_new(sizeof *b, run_check, end_check);
     if (b == NULL) {
         answer_out_of_memory(a);
         return;
     }
     b->job.what = "checking";
-    job_beside(s, a, &b->job, set,
-               cost_at_once(COST_BUILD, set->current->sum.points) ? 0 : JOB_HEAVY);
+    b->job.set = set;
+    job_read(s, a, &b->job, set->current,
+             cost_at_once(COST_BUILD, set->current->sum.points) ? JOB_LIGHT : JOB_LONG);
 }

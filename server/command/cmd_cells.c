@@ -179,29 +179,23 @@ static void reply_status(const struct cells_job *j, struct answer *a)
     reply_end(a->out);
 }
 
-static void cells_done(struct server *s, struct job *job, struct answer *a)
+static void answer_rows(struct server *s, struct cells_job *j, struct answer *a)
 {
-    struct cells_job *j = (struct cells_job *)job;
-    if (job->status != DT_OK) {
-        version_end_view(&s->sets, job->base, j->view);
-        j->view = NULL;
-        answer_status(a, job->status);
-        return;
-    }
-    j->rows.version = job->base;
+    j->rows.version = j->job.base;
     j->rows.view = j->view;
     j->view = NULL;
     reply_status(j, a);
-    reservation_set(&job->memory, 0); /* the stream reserves it */
     stream_answer(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
     if (a->next == ANSWER_STREAM)
         j->rows.made = NULL;
 }
 
-static void clear_cells(struct job *job)
+static void end_cells(struct server *s, struct job *job, struct answer *a)
 {
     struct cells_job *j = (struct cells_job *)job;
-    dt_view_end(j->view);
+    if (job_succeeded(job, a))
+        answer_rows(s, j, a);
+    job_end_view(s, job, j->view);
     dt_cells_made_free(j->rows.made);
     free(j->rows.ids.v);
 }
@@ -291,29 +285,28 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
                          enum row_form form, struct answer *a)
 {
     struct version *v = set->current;
-    struct cells_job *j = job_new(sizeof *j, run_cells, cells_done);
+    struct cells_job *j = job_new(sizeof *j, run_cells, end_cells);
     if (j == NULL) {
         answer_out_of_memory(a);
         return;
     }
-    j->job.clear = clear_cells;
     j->job.what = "computing cells";
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->rows = (struct rows){.form = form, .width = 1};
     if (!read_request(a, q, v->dt, j)) {
-        job_free(&j->job);
+        job_free(s, &j->job);
         return;
     }
     j->rows.heavy = s->workers != NULL && !is_light(j, v);
     if (j->rows.heavy && (j->view = dt_view_begin(v->dt, true)) == NULL) {
-        job_free(&j->job);
+        job_free(s, &j->job);
         answer_out_of_memory(a);
         return;
     }
     job_read(s, a, &j->job, v,
-             !j->rows.heavy                        ? 0
-             : j->rows.binary || is_made(&j->rows) ? JOB_HEAVY
-                                                   : JOB_HEAVY | JOB_BRIEF);
+             !j->rows.heavy                        ? JOB_LIGHT
+             : j->rows.binary || is_made(&j->rows) ? JOB_LONG
+                                                   : JOB_SHORT);
 }
 
 void cmd_voronoi(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -334,14 +327,7 @@ struct alpha_job {
     double radius;
     struct dt_ids ids; /* owns: the loops */
     size_t loops;
-    bool busy; /* no memory because of other requests */
 };
-
-static enum dt_status reserve_alpha(struct alpha_job *j, const struct dt_alpha *alpha)
-{
-    j->busy = !reservation_resize(&j->job.memory, dt_alpha_memory(alpha, STARS_LOCKED));
-    return j->busy ? DT_NOMEM : DT_OK;
-}
 
 static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
 {
@@ -350,7 +336,7 @@ static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
     dt_summary(j->job.dt, &sum);
     for (uint64_t stars = STARS_LOCKED, done = 0; status == DT_OK && !done; stars += STARS_LOCKED) {
         bool end = false;
-        status = reserve_alpha(j, alpha);
+        status = job_reserve(&j->job, dt_alpha_memory(alpha, STARS_LOCKED));
         if (status == DT_OK)
             status = dt_alpha_read(j->job.dt, alpha, STARS_LOCKED, &end);
         if (status == DT_OK)
@@ -377,29 +363,17 @@ static void run_alpha(struct job *job)
         version_lock_read(job->base);
 }
 
-static void alpha_done(struct server *s, struct job *job, struct answer *a)
+static void end_alpha(struct server *s, struct job *job, struct answer *a)
 {
     struct alpha_job *j = (struct alpha_job *)job;
-    version_end_view(&s->sets, job->base, j->view);
-    j->view = NULL;
-    if (job->status != DT_OK) {
-        if (j->busy)
-            answer_busy(a);
-        else
-            answer_status(a, job->status);
-        return;
-    }
     struct rows rows = {.version = job->base, .form = ROW_LOOP, .width = 1};
-    rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
-    reply_ok(a->out, j->loops);
-    reply_end(a->out);
-    stream_answer(s, a, &rows, &j->ids);
-}
-
-static void clear_alpha(struct job *job)
-{
-    struct alpha_job *j = (struct alpha_job *)job;
-    dt_view_end(j->view);
+    job_end_view(s, job, j->view);
+    if (job_succeeded(job, a)) {
+        rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
+        reply_ok(a->out, j->loops);
+        reply_end(a->out);
+        stream_answer(s, a, &rows, &j->ids);
+    }
     free(j->ids.v);
 }
 
@@ -410,7 +384,7 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
     bool light = v->sum.points <= STARS_AT_ONCE;
     if (!read_length(a, &q->word[2], "radius", &radius))
         return;
-    struct alpha_job *j = job_new(sizeof *j, run_alpha, alpha_done);
+    struct alpha_job *j = job_new(sizeof *j, run_alpha, end_alpha);
     if (j != NULL && !light)
         j->view = dt_view_begin(v->dt, true);
     if (j == NULL || (!light && j->view == NULL)) {
@@ -419,8 +393,7 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
         return;
     }
     j->radius = radius;
-    j->job.clear = clear_alpha;
     j->job.what = "computing the boundary";
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY);
+    job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

@@ -77,7 +77,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     if (good)
         answer_err(a, ERR_EXISTS, "the set %s already exists", set->name);
     if (x != NULL)
-        job_free(&x->job);
+        job_free(s, &x->job);
 }
 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -195,7 +195,7 @@ void cmd_add(struct server *s, struct dataset *set, const struct request *q, str
     if (read_points(s, set, q, a, &x->change) && submit_reserve(s, a, set, x))
         submit(s, a, set, x);
     else
-        job_free(&x->job);
+        job_free(s, &x->job);
 }
 
 void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -208,7 +208,7 @@ void cmd_del(struct server *s, struct dataset *set, const struct request *q, str
     if (x->change.ids != NULL)
         submit(s, a, set, x);
     else
-        job_free(&x->job);
+        job_free(s, &x->job);
 }
 
 void cmd_move(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -218,7 +218,7 @@ void cmd_move(struct server *s, struct dataset *set, const struct request *q, st
     if (x == NULL)
         return;
     if (!read_id(a, &q->word[2], &x->change.first) || !read_point(a, &q->word[3], &to)) {
-        job_free(&x->job);
+        job_free(s, &x->job);
         return;
     }
     x->change.a = to.x;

@@ -30,16 +30,13 @@ static void run_job(struct job *job)
     }
 }
 
-static void job_done(struct server *s, struct job *job, struct answer *a)
+static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct digest_job *j = (struct digest_job *)job;
     char digits[17];
-    version_end_view(&s->sets, job->base, j->digest.view);
-    j->digest.view = NULL;
-    if (job->status != DT_OK) {
-        answer_status(a, job->status);
+    job_end_view(s, job, j->digest.view);
+    if (!job_succeeded(job, a))
         return;
-    }
     snprintf(digits, sizeof digits, "%016" PRIx64, j->digest.value);
     reply_ok(a->out, 0);
     reply_key_text(a->out, "digest", digits);
@@ -47,25 +44,18 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
     answer_version(a, j->digest.version);
 }
 
-/* There is still a view if the job has not been carried out. */
-static void clear_job(struct job *job)
-{
-    dt_view_end(((struct digest_job *)job)->digest.view);
-}
-
 void cmd_digest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct version *v = set->current;
     size_t numbers = (size_t)dt_next_id(v->dt) * (1 + v->sum.fields);
-    struct digest_job *j = job_new(sizeof *j, run_job, job_done);
+    struct digest_job *j = job_new(sizeof *j, run_job, end_job);
     (void)q;
     if (j == NULL || !digest_begin(&j->digest, set)) {
         if (j != NULL)
-            job_free(&j->job);
+            job_free(s, &j->job);
         answer_out_of_memory(a);
         return;
     }
-    j->job.clear = clear_job;
     j->job.what = "reading";
-    job_read(s, a, &j->job, v, cost_at_once(COST_SWEEP, numbers) ? 0 : JOB_HEAVY);
+    job_read(s, a, &j->job, v, cost_at_once(COST_SWEEP, numbers) ? JOB_LIGHT : JOB_LONG);
 }

@@ -172,7 +172,7 @@ void cmd_fset(struct server *s, struct dataset *set, const struct request *q, st
     if (read_pairs(a, q, &x->change) && submit_reserve(s, a, set, x))
         submit(s, a, set, x);
     else
-        job_free(&x->job);
+        job_free(s, &x->job);
 }
 
 /* The rows `id value` of n ids; NULL: the ERR line has been written. */
@@ -233,14 +233,12 @@ static void run_fields(struct job *job)
     }
 }
 
-static void fields_done(struct server *s, struct job *job, struct answer *a)
+static void end_fields(struct server *s, struct job *job, struct answer *a)
 {
     const struct fields_job *j = (const struct fields_job *)job;
     (void)s;
-    if (job->status != DT_OK) {
-        answer_status(a, job->status);
+    if (!job_succeeded(job, a))
         return;
-    }
     reply_ok(a->out, j->n);
     reply_end(a->out);
     for (uint32_t i = 0; i < j->n; i++)
@@ -251,12 +249,12 @@ void cmd_fields(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct version *v = set->current;
     size_t pages = (size_t)v->sum.fields * (dt_next_id(v->dt) / DT_FIELD_PAGE + 1);
-    struct fields_job *j = job_new(sizeof *j, run_fields, fields_done);
+    struct fields_job *j = job_new(sizeof *j, run_fields, end_fields);
     (void)q;
     if (j == NULL)
         answer_out_of_memory(a);
     else
-        job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? 0 : JOB_HEAVY | JOB_BRIEF);
+        job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? JOB_LIGHT : JOB_SHORT);
 }
 
 void cmd_fdrop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

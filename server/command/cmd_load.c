@@ -16,7 +16,7 @@ void cmd_load(struct server *s, struct dataset *set, const struct request *q, st
     x->change.n = (uint32_t)l->body.n;
     if ((names.len > 0 && (x->change.columns = read_field_names(a, set, &names)) == NULL) ||
         !submit_reserve(s, a, set, x)) {
-        job_free(&x->job);
+        job_free(s, &x->job);
         return;
     }
     x->expected = load_hand_on_expected(s, l);
@@ -37,7 +37,7 @@ void cmd_fsetb(struct server *s, struct dataset *set, const struct request *q, s
         answer_out_of_memory(a);
     if (v == NULL || !read_field_name(a, &q->word[2]) || !read_id(a, &q->word[3], &first) ||
         !submit_reserve(s, a, set, x)) {
-        job_free(&x->job);
+        job_free(s, &x->job);
         return;
     }
     v->first = first;

@@ -74,22 +74,16 @@ static void run(struct job *j)
         j->status = DT_NOMEM;
 }
 
-static void done(struct server *s, struct job *j, struct answer *a)
+static void end(struct server *s, struct job *j, struct answer *a)
 {
     struct trace *t = (struct trace *)j;
     (void)s;
-    if (j->status != DT_OK) {
-        answer_status(a, j->status);
-        return;
+    if (job_succeeded(j, a)) {
+        reply_ok(a->out, t->count);
+        reply_end(a->out);
+        buf_append(a->out, buf_head(&t->rows), buf_len(&t->rows));
     }
-    reply_ok(a->out, t->count);
-    reply_end(a->out);
-    buf_append(a->out, buf_head(&t->rows), buf_len(&t->rows));
-}
-
-static void clear(struct job *j)
-{
-    buf_free(&((struct trace *)j)->rows);
+    buf_free(&t->rows);
 }
 
 void cmd_trace(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -99,13 +93,12 @@ void cmd_trace(struct server *s, struct dataset *set, const struct request *q, s
         answer_err(a, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
         return;
     }
-    struct trace *t = job_new(sizeof *t, run, done);
+    struct trace *t = job_new(sizeof *t, run, end);
     if (t == NULL) {
         answer_out_of_memory(a);
         return;
     }
     t->job.what = "tracing";
-    t->job.clear = clear;
     job_read(s, a, &t->job, set->current,
-             set->current->sum.points > TRACE_AT_ONCE ? JOB_HEAVY | JOB_BRIEF : 0);
+             set->current->sum.points > TRACE_AT_ONCE ? JOB_SHORT : JOB_LIGHT);
 }

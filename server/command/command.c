@@ -138,7 +138,7 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
     }
     j->memory = memory;
     j->what = "triangulating";
-    job_write(s, a, j, set, large ? JOB_HEAVY : 0);
+    job_change(s, a, j, set, large ? JOB_LONG : JOB_LIGHT);
     if (a->next == ANSWER_WORK)
         answer_wait_job(a, a->job);
     if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING)

@@ -26,7 +26,7 @@ void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *
 static void forget_next(struct apply *p)
 {
     if (p->next != NULL)
-        job_free(&p->next->job);
+        job_free(p->server, &p->next->job);
     p->next = NULL;
 }
 

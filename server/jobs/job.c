@@ -10,29 +10,53 @@
 #include <string.h>
 
 void *job_new(size_t size, void (*run)(struct job *),
-              void (*done)(struct server *, struct job *, struct answer *))
+              void (*end)(struct server *, struct job *, struct answer *))
 {
     struct job *j = malloc(size); /* calloc would not reuse recently freed blocks */
     if (j == NULL)
         return NULL;
-    *j = (struct job){.run = run, .done = done};
+    *j = (struct job){.run = run, .end = end};
     memset(j + 1, 0, size - sizeof *j);
     j->options.cancel = &j->cancel;
     j->options.progress = &j->progress;
     return j;
 }
 
-void job_free(struct job *j)
+void job_free(struct server *s, struct job *j)
 {
-    if (j->clear != NULL)
-        j->clear(j);
+    j->end(s, j, NULL);
     reservation_set(&j->memory, 0);
     free(j);
 }
 
+bool job_succeeded(const struct job *j, struct answer *a)
+{
+    if (a == NULL || j->status == DT_OK)
+        return a != NULL;
+    if (j->busy)
+        answer_busy(a);
+    else
+        answer_status(a, j->status);
+    return false;
+}
+
+enum dt_status job_reserve(struct job *j, size_t bytes)
+{
+    j->busy = !reservation_resize(&j->memory, bytes);
+    return j->busy ? DT_NOMEM : DT_OK;
+}
+
+void job_end_view(struct server *s, struct job *j, struct dt_view *view)
+{
+    if (j->base != NULL)
+        version_end_view(&s->sets, j->base, view);
+    else
+        dt_view_end(view);
+}
+
 static bool edits_in_place(const struct job *j)
 {
-    return j->set != NULL && j->fresh == NULL && !j->beside;
+    return j->changes && j->fresh == NULL;
 }
 
 /* ---- on a worker, or at once ---- */
@@ -58,7 +82,7 @@ static void run_later(struct work *w)
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
     reservation_trim_heap(&j->memory);
-    bool edits = edits_in_place(j), reads = !edits && j->base != NULL && j->fresh == NULL;
+    bool edits = edits_in_place(j), reads = !j->changes && j->base != NULL;
     if (edits)
         version_lock_edit(j->base);
     else if (reads)
@@ -88,21 +112,18 @@ static bool run_now(struct server *s, struct job *j)
     return j->status != DT_TOOLONG;
 }
 
-static enum work_kind work_kind(unsigned how)
+static void finish_for_nobody(struct server *s, struct job *j)
 {
-    return (how & JOB_BRIEF) != 0 ? WORK_SHORT : (how & JOB_SLOW) != 0 ? WORK_SLOW : WORK_LONG;
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    job_finish(s, j, &nobody);
+    buf_free(&out);
 }
 
-static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
+static void submit_to_worker(struct server *s, struct answer *a, struct job *j,
+                             enum job_weight weight)
 {
-    j->owner = a->owner;
-    if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
-        if (run_now(s, j)) {
-            job_finish(s, j, a);
-            return;
-        }
-        how = JOB_HEAVY | JOB_BRIEF;
-    }
+    static const enum work_kind kind[] = {WORK_SHORT, WORK_SHORT, WORK_LONG, WORK_SLOW};
     j->queued_ns = clock_ns();
     j->options.pool = workers_pool(s->workers);
     j->work.run = run_later;
@@ -110,31 +131,54 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
         job_drain(j);
     s->count.jobs++;
     list_append(&s->jobs, &j->link);
-    a->next = ANSWER_WORK;
-    a->job = j;
-    workers_submit(s->workers, work_kind(how), &j->work);
+    if (a != NULL) {
+        a->next = ANSWER_WORK;
+        a->job = j;
+    }
+    workers_submit(s->workers, kind[weight], &j->work);
 }
 
-static bool too_busy(struct server *s, struct answer *a, unsigned how)
+static void start(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
 {
-    if (a->of_leader || s->workers == NULL ||
-        (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN | JOB_SLOW)) != JOB_HEAVY ||
+    j->owner = a != NULL ? a->owner : 0;
+    if ((s->workers != NULL && weight != JOB_LIGHT) || !run_now(s, j))
+        submit_to_worker(s, a, j, weight);
+    else if (a != NULL)
+        job_finish(s, j, a);
+    else
+        finish_for_nobody(s, j);
+}
+
+/* Whether the job is refused. Then it is freed. */
+static bool refuse(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
+{
+    if (weight != JOB_LONG || a == NULL || a->of_leader || s->workers == NULL ||
         workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
     answer_err(a, ERR_BUSY, "too many requests are waiting for a worker; try again");
+    job_free(s, j);
     return true;
 }
 
-void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how)
+void job_aside(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
 {
-    if (too_busy(s, a, how)) {
-        job_free(j);
+    if (!refuse(s, a, j, weight))
+        start(s, a, j, weight);
+}
+
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
+              enum job_weight weight)
+{
+    if (refuse(s, a, j, weight))
         return;
-    }
     j->base = version_pin(v);
     j->dt = v->dt;
-    start(s, a, j, how);
+    if (j->set != NULL)
+        j->set->writer = j;
+    start(s, a, j, weight);
 }
+
+/* ---- changes ---- */
 
 /* Drops a set that a failed request has created. */
 static void drop_unborn(struct server *s, struct dataset *set)
@@ -167,19 +211,18 @@ static bool reserve_copy(struct server *s, struct job *j, uint32_t points)
 
 /* Decides whether the job works on a copy of the set's points: because it must, or because it requests that and
  * there is memory. False: it must, but there is no memory; the error has been set. */
-static bool choose_copy(struct server *s, struct answer *a, struct job *j, struct dataset *set,
-                        unsigned how)
+static bool choose_copy(struct server *s, struct answer *a, struct job *j, struct dataset *set)
 {
-    bool must = dt_view_blocks(set->current->dt, j->changes);
-    if (!must && (how & JOB_COPY) == 0)
+    bool must = dt_view_blocks(set->current->dt, j->points);
+    if (!must && !j->copies)
         return true;
     if (reserve_copy(s, j, set->current->sum.points)) {
         j->fresh = version_new(NULL);
-        if (j->fresh == NULL)
+        if (j->fresh == NULL && a != NULL)
             answer_out_of_memory(a);
         return j->fresh != NULL;
     }
-    if (must)
+    if (must && a != NULL)
         answer_err(a, ERR_BUSY,
                    "the set is being read, and there is no memory for a copy of it; try again");
     return !must;
@@ -188,7 +231,7 @@ static bool choose_copy(struct server *s, struct answer *a, struct job *j, struc
 /* Whether the job is an edit that builds the grid for searches first, and needs a worker for that. */
 static bool makes_grid(const struct job *j, const struct dt_summary *sum)
 {
-    return j->changes > 0 && sum->current && !sum->searchable &&
+    return j->points > 0 && sum->current && !sum->searchable &&
            !cost_at_once(COST_GRID, sum->points);
 }
 
@@ -201,61 +244,46 @@ static void count_grid(struct server *s, struct job *j, const struct dt *dt)
     reservation_set(&j->memory, j->memory.bytes + dt_prepare_memory(dt));
 }
 
-void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
+void job_change(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                enum job_weight weight)
 {
     const struct dt_summary *sum = &set->current->sum;
-    if ((how & JOB_HEAVY) == 0 && makes_grid(j, sum)) {
-        how |= JOB_HEAVY | JOB_BRIEF;
+    if (weight == JOB_LIGHT && makes_grid(j, sum)) {
+        weight = JOB_SHORT;
         count_grid(s, j, set->current->dt);
     }
-    bool good = choose_copy(s, a, j, set, how), in_place = j->fresh == NULL;
-    if (!in_place && !cost_at_once(COST_COPY, sum->points))
-        how |= JOB_HEAVY;
-    if (!good || too_busy(s, a, how)) {
-        version_free(j->fresh);
-        job_free(j);
+    if (!choose_copy(s, a, j, set)) {
+        job_free(s, j);
         drop_unborn(s, set);
         return;
     }
+    bool in_place = j->fresh == NULL;
+    if (!in_place && weight == JOB_LIGHT && !cost_at_once(COST_COPY, sum->points))
+        weight = JOB_LONG;
+    struct version *fresh = j->fresh;
+    if (refuse(s, a, j, weight)) {
+        version_free(fresh);
+        drop_unborn(s, set);
+        return;
+    }
+    j->changes = true;
     j->set = set;
     j->base = version_pin(set->current);
     j->dt = in_place ? j->base->dt : NULL;
     set->writer = j;
     set->exclusive = j->base->edited = in_place;
-    start(s, a, j, how);
-}
-
-void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
-                unsigned how)
-{
-    if (too_busy(s, a, how)) {
-        job_free(j);
-        return;
-    }
-    j->beside = true;
-    j->set = set;
-    j->base = version_pin(set->current);
-    j->dt = j->base->dt;
-    set->writer = j;
-    start(s, a, j, how);
-}
-
-void job_apart(struct server *s, struct answer *a, struct job *j)
-{
-    if (too_busy(s, a, JOB_HEAVY))
-        job_free(j);
-    else
-        start(s, a, j, JOB_HEAVY);
+    start(s, a, j, weight);
 }
 
 void job_drain(struct job *j)
 {
-    if (j->what != NULL && j->changes == 0)
+    if (j->what != NULL && j->points == 0)
         j->cancel = true;
 }
 
 /* ---- the end ---- */
 
+/* What the job has made of its set is current, and others may have the set. */
 static void publish(struct server *s, struct job *j)
 {
     if (j->fresh == NULL) {
@@ -270,9 +298,10 @@ static void publish(struct server *s, struct job *j)
         version_free(j->fresh);
     }
     j->set->writer = NULL;
-    j->set->exclusive = false;
+    j->set->exclusive = j->base->edited = false;
     if (j->status == DT_OK)
         j->set->born = true;
+    server_limit_pages(s);
 }
 
 bool job_is_early(const struct server *s, const struct job *j)
@@ -293,24 +322,6 @@ bool job_give_up_early(struct server *s, struct job *j)
     return true;
 }
 
-bool job_install(struct server *s, struct job *j)
-{
-    void (*install)(struct job *) = j->install;
-    j->install = NULL;
-    if (install == NULL || j->status == DT_CANCELLED)
-        return true;
-    if (version_try_edit(j->base)) {
-        install(j);
-        version_unlock(j->base);
-        return true;
-    }
-    j->run = install;
-    j->beside = false;
-    j->set->exclusive = j->base->edited = true;
-    workers_submit(s->workers, WORK_SHORT, &j->work);
-    return false;
-}
-
 /* Sets the changes that the reply acknowledges or shows. A writer without a record, such as an update of the
  * triangulation before a query, only shows changes of others. */
 static void note_changes(const struct job *j, struct answer *a)
@@ -318,31 +329,29 @@ static void note_changes(const struct job *j, struct answer *a)
     a->lsn = 0;
     if (j->base == NULL || j->status == DT_CANCELLED)
         return;
-    if (j->record != NULL)
+    if (j->logged)
         a->lsn = j->set->current->lsn;
     else if (j->base->lsn > a->shown)
         a->shown = j->base->lsn;
 }
 
+/* The order: the set counts its own memory from publish on, so that of the job is released before. The end of the job
+ * logs and answers what is current, and may begin another job of the set, so it comes behind publish and before the
+ * requests that wait. It may use base, which the reply shows. */
 void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = j->set;
     bool reserved = j->memory.bytes > 0;
-    reservation_set(&j->memory, 0); /* what the set has grown by is recorded by version_update */
     list_remove(&j->link);
-    if (set != NULL) {
+    reservation_set(&j->memory, 0);
+    if (set != NULL)
         publish(s, j);
-        server_limit_pages(s);
-    }
-    if (set != NULL && j->status == DT_OK && j->record != NULL)
-        j->record(s, j);
-    if (edits_in_place(j))
-        j->base->edited = false;
+    j->end(s, j, a);
     note_changes(j, a);
-    j->done(s, j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);
-    job_free(j);
+    reservation_set(&j->memory, 0);
+    free(j);
     if (reserved)
         server_memory_freed(s);
     if (set != NULL) {
@@ -353,19 +362,12 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
 
 /* ---- freeing ---- */
 
-void job_aside(struct server *s, struct job *j)
-{
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
-    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
-}
-
 static void run_discard(struct job *j)
 {
     dt_free(j->dt);
 }
 
-static void discarded(struct server *s, struct job *j, struct answer *a)
+static void end_discard(struct server *s, struct job *j, struct answer *a)
 {
     (void)s, (void)j, (void)a;
 }
@@ -376,7 +378,7 @@ void job_discard(struct server *s, struct dt *dt)
     dt_summary(dt, &sum);
     struct job *j = NULL;
     if (s->workers != NULL && !s->stopping && !cost_at_once(COST_FREE, sum.memory / 1024))
-        j = job_new(sizeof *j, run_discard, discarded);
+        j = job_new(sizeof *j, run_discard, end_discard);
     if (j == NULL) {
         dt_free(dt);
         return;
@@ -384,5 +386,5 @@ void job_discard(struct server *s, struct dt *dt)
     j->dt = dt;
     j->memory = server_reservation(s, BUDGET_EDITS);
     reservation_set(&j->memory, sum.memory); /* until it is freed */
-    job_aside(s, j);
+    job_aside(s, NULL, j, JOB_SHORT);
 }

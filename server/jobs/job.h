@@ -1,21 +1,22 @@
-/* job.h - a piece of work on one set: done at once if it is light, by a worker if it is heavy.
+/* job.h - a piece of work: done at once if it is light, by a worker if it is heavy.
  *
- * A command's job begins with a struct job, followed by its own arguments and results:
+ * A command's job begins with a struct job, followed by its own arguments and results. It has two functions:
  *
- *     run    computes with job->dt and sets job->status. It may run on a worker, so it uses only the job
- *            and job->dt.
- *     done   on the I/O thread: writes the reply, or the error for job->status.
- *     clear  frees the arguments; may be NULL.
- *     install  of a job beside the set, unless it was cancelled: edits the set in place, in microseconds. It runs on the
- *            I/O thread, or on a worker if a piece of the set is being read; may be NULL.
- *     record on the I/O thread, after a writer has succeeded: appends the change to the log; may be
- *            NULL.
+ *     run    computes with job->dt and sets job->status. It may run on a worker, so it uses only the job and job->dt.
+ *     end    on the I/O thread, once: writes the reply (job_succeeded), and frees the arguments. Without an answer
+ *            (NULL) the job was not carried out, and `end` only frees.
  *
- * A reading job pins a version and holds its lock while it runs, so it must be short: it reads one piece, or
- * searches for about a millisecond. A writing job is the set's only writer until it is done. It edits in
- * place, or it edits or triangulates a copy of the points, which becomes the current version when the job
- * has succeeded. A job beside the set (job_beside) only reads, but for long: queries go on meanwhile, edits
- * wait; what it has made, such as the triangulation of sorted points, is installed at its end. */
+ * and is carried out in one of three ways:
+ *
+ *     job_read    reads a version, which it pins, and holds its lock while it runs, so it must be short: it reads one
+ *                 piece, or searches for about a millisecond. If job->set is set, it may run for long, since edits of
+ *                 the set wait for its end; queries go on. What such a job has made, its end may install by a job that
+ *                 changes the set.
+ *     job_change  is the only writer of a set. It edits in place, or it edits or triangulates a copy of the points,
+ *                 which becomes the current version when the job has succeeded.
+ *     job_aside   has no set.
+ *
+ * A job whose answer is NULL gives no reply, and is never refused. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
@@ -26,50 +27,61 @@ struct job {
     struct work work;      /* first: the workers' view */
     struct list_link link; /* in server.jobs */
     void (*run)(struct job *j);
-    void (*done)(struct server *s, struct job *j, struct answer *a);
-    void (*clear)(struct job *j);
-    void (*record)(struct server *s, struct job *j);
-    void (*install)(struct job *j);
-    const char *what;      /* for the progress line; NULL: none */
-    uint64_t owner;        /* the id of the connection that gets the reply */
-    int64_t queued_ns;     /* when it was submitted to the workers; 0: it ran at once */
-    int64_t began_ns;      /* when a worker began */
-    struct dataset *set;   /* of a writer; NULL for a reader */
-    struct version *base;  /* pinned: the version that it reads or edits */
-    struct version *fresh; /* of a writer on a copy: the version to be */
-    bool beside;           /* it only reads, but counts as the writer (job_beside) */
-    size_t changes;        /* points that it adds, deletes or moves */
+    void (*end)(struct server *s, struct job *j, struct answer *a);
+    const char *what;    /* for the progress line; NULL: none */
+    uint64_t owner;      /* the id of the connection that gets the reply; 0: none */
+    int64_t queued_ns;   /* when it was submitted to the workers; 0: it ran at once */
+    int64_t began_ns;    /* when a worker began */
+    struct dataset *set; /* its edits wait for the end of the job; NULL: they do not */
+    bool changes;        /* it was submitted by job_change */
+    bool logged;         /* it ends with a record in the log if it succeeds */
+    bool copies;   /* it changes a copy if there is memory, so that the set can be read meanwhile */
+    size_t points; /* that it adds, deletes or moves */
+    struct version *base;  /* pinned: the version that it reads or changes; NULL: none */
+    struct version *fresh; /* of a change of a copy: the version to be */
     struct dt *dt;         /* of base, or the copy */
     struct dt_options options;
     atomic_bool cancel;
     atomic_uint progress;
     enum dt_status status;
+    bool busy;                 /* out of memory because of other requests (job_reserve) */
     struct reservation memory; /* beyond that of the set, until the job ends */
 };
 
-/* How to carry out a job. */
-enum {
-    JOB_HEAVY = 1, /* by a worker */
-    JOB_COPY = 2,  /* on a copy, if there is memory, so that the set can be read meanwhile */
-    JOB_BRIEF = 4, /* heavy, but it takes only milliseconds: it does not wait behind builds */
-    JOB_BEGUN = 8, /* for a reply that has begun: never refused */
-    JOB_SLOW =
-        16 /* heavy, a row of a reply that takes long: never on all workers (WORK_SLOW), never refused */
+/* How much work it is. */
+enum job_weight {
+    JOB_LIGHT, /* done at once; by a worker if it exceeds a limit on steps, or if somebody is reading the set to change */
+    JOB_SHORT, /* for a worker, but it takes only milliseconds: it does not wait behind builds */
+    JOB_LONG,  /* ERR BUSY if too many of these wait already */
+    JOB_SLOW   /* a row of a reply that takes long: never on all workers (WORK_SLOW) */
 };
 
-/* A job of `size` bytes, all zero except the callbacks; NULL when out of memory. It moves to job_read,
- * job_write, job_beside or job_aside; without one of these, free it with job_free. */
+/* A job of `size` bytes, all zero except the functions; NULL when out of memory. It moves to job_read, job_change or
+ * job_aside; without one of these, free it with job_free. */
 void *job_new(size_t size, void (*run)(struct job *),
-              void (*done)(struct server *, struct job *, struct answer *));
-void job_free(struct job *j);
+              void (*end)(struct server *, struct job *, struct answer *));
+void job_free(struct server *s, struct job *j);
 
-/* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply is
- * complete on return, else a->next is ANSWER_WORK. ERR BUSY if too many long jobs are queued already. */
-void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how);
+/* Carries out a job that reads version v (job->dt must not be edited). A light job has been done on return and the reply is
+ * complete, else a->next is ANSWER_WORK. */
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
+              enum job_weight weight);
 
-/* The same for a job that edits the set, which must have no writer. */
-void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
-               unsigned how);
+/* The same for a job that changes the set, which must have no writer. */
+void job_change(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                enum job_weight weight);
+
+/* The same for a job without a set, which a worker carries out. */
+void job_aside(struct server *s, struct answer *a, struct job *j, enum job_weight weight);
+
+/* Whether a job that ends has a result to answer with. If not, the error has been written, unless a is NULL. */
+bool job_succeeded(const struct job *j, struct answer *a);
+
+/* Makes job->memory, an empty reservation at first, that large: DT_OK, or DT_NOMEM with job->busy. */
+enum dt_status job_reserve(struct job *j, size_t bytes);
+
+/* Ends a view of the version that the job reads, or would have read; NULL is allowed. */
+void job_end_view(struct server *s, struct job *j, struct dt_view *view);
 
 /* The options of a job of the workers, for estimates of its memory. */
 struct dt_options job_options(const struct server *s);
@@ -77,14 +89,6 @@ struct dt_options job_options(const struct server *s);
 /* Reserves the memory of a build of the set. False: the ERR line has been written, or the request waits. */
 bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
                        struct reservation *r);
-
-/* As job_write, for a job that only reads the set, but for long: edits of the set wait for it, queries do
- * not. If it has something to install, it must be heavy, and there must be workers. */
-void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
-                unsigned how);
-
-/* The same for a job without a set, which a worker carries out. */
-void job_apart(struct server *s, struct answer *a, struct job *j);
 
 /* Cancels the job because the server is stopping, unless it changes points or makes a piece of a reply. */
 void job_drain(struct job *j);
@@ -107,14 +111,8 @@ static inline struct job *job_next(const struct server *s, const struct job *j)
 /* Removes the job from server.early, if it is there, to be ended now as cancelled. */
 bool job_give_up_early(struct server *s, struct job *j);
 
-/* Installs what a job beside its set has made. False: a worker will do so, and the job has not ended. */
-bool job_install(struct server *s, struct job *j);
-
-/* Ends a job that the workers have done: publishes its result, answers its owner through a, and frees it. */
+/* Ends a job that the workers have done, and frees it: its end answers its owner through a, which may be NULL. */
 void job_finish(struct server *s, struct job *j, struct answer *a);
-
-/* Submits a job without a set and without a reply to the workers. */
-void job_aside(struct server *s, struct job *j);
 
 /* Frees a set that nothing refers to any more; a worker does that if it is large. */
 void job_discard(struct server *s, struct dt *dt);

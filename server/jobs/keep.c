@@ -31,7 +31,7 @@ static void run_release(struct job *j)
     } while (dt_pages_trim(r->pages, more < PIECE_BYTES ? more : PIECE_BYTES) > 0);
 }
 
-static void released(struct server *s, struct job *j, struct answer *a)
+static void end_release(struct server *s, struct job *j, struct answer *a)
 {
     (void)j, (void)a;
     s->releasing = false;
@@ -40,7 +40,7 @@ static void released(struct server *s, struct job *j, struct answer *a)
 /* Returns all pages if the cache is idle, else those beyond `leave` bytes. */
 static void release(struct server *s, const struct dt_pages_summary *now, bool idle, size_t leave)
 {
-    struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, released);
+    struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, end_release);
     if (r == NULL)
         return;
     r->pages = s->pages;
@@ -48,7 +48,7 @@ static void release(struct server *s, const struct dt_pages_summary *now, bool i
     r->leave = leave;
     r->uses = now->uses;
     s->releasing = true;
-    job_aside(s, &r->job);
+    job_aside(s, NULL, &r->job, JOB_SHORT);
 }
 
 /* ---- the heap ---- */
@@ -64,11 +64,11 @@ static void trim_if_large(struct server *s)
 {
     struct job *j = NULL;
     if (!s->releasing && machine_resident() > s->config->max_memory)
-        j = job_new(sizeof *j, run_trim, released);
+        j = job_new(sizeof *j, run_trim, end_release);
     if (j == NULL)
         return;
     s->releasing = true;
-    job_aside(s, j);
+    job_aside(s, NULL, j, JOB_SHORT);
 }
 
 /* ---- prefaulting ---- */
@@ -87,7 +87,7 @@ static void run_prepare(struct job *j)
 
 static void prepare_next(struct server *s);
 
-static void prepared(struct server *s, struct job *j, struct answer *a)
+static void end_prepare(struct server *s, struct job *j, struct answer *a)
 {
     (void)a;
     s->preparing = false;
@@ -101,12 +101,12 @@ static void prepare_next(struct server *s)
     dt_pages_summary(s->pages, &now);
     if (s->preparing || s->workers == NULL || now.kept >= s->expected)
         return;
-    struct prepare *p = job_new(sizeof *p, run_prepare, prepared);
+    struct prepare *p = job_new(sizeof *p, run_prepare, end_prepare);
     if (p == NULL)
         return;
     p->pages = s->pages;
     s->preparing = true;
-    job_aside(s, &p->job);
+    job_aside(s, NULL, &p->job, JOB_SHORT);
 }
 
 void keep_expect(struct server *s, size_t more, size_t less)

@@ -112,7 +112,7 @@ static void run_sorting(struct job *j)
     it->job.status = sort(&it->rows) ? DT_OK : DT_NOMEM;
 }
 
-static void sorting_done(struct server *s, struct job *j, struct answer *a)
+static void end_sorting(struct server *s, struct job *j, struct answer *a)
 {
     struct sorting *it = (struct sorting *)j;
     struct listing *l = it->listing;
@@ -129,7 +129,7 @@ static void sorting_done(struct server *s, struct job *j, struct answer *a)
 
 static void begin_sorting(struct server *s, struct listing *l)
 {
-    struct sorting *it = job_new(sizeof *it, run_sorting, sorting_done);
+    struct sorting *it = job_new(sizeof *it, run_sorting, end_sorting);
     if (it == NULL) {
         l->rows.text.failed = true;
         l->phase = SENDING;
@@ -141,7 +141,7 @@ static void begin_sorting(struct server *s, struct listing *l)
     l->rows.text = (struct buf){0};
     l->phase = SORTING;
     l->job = &it->job;
-    job_aside(s, &it->job);
+    job_aside(s, NULL, &it->job, JOB_SHORT);
 }
 
 /* ---- sending ---- */

@@ -19,7 +19,6 @@ struct query_job {
     uint32_t steps;        /* limit of the search under the lock; 0: none */
     struct dt_view *view;  /* owns, until it moves to a stream: the moment of the result */
     struct dt_view *keeps; /* owns: while it is open, edits keep the triangulation */
-    bool busy;             /* no memory for the result because of other requests */
 };
 
 /* ---- searching ---- */
@@ -215,8 +214,7 @@ static inline void answer(struct server *s, struct answer *a, struct query *q, s
 /* Reserves the memory of the result after the next piece. */
 static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep *sweep)
 {
-    j->busy = !reservation_resize(&j->job.memory, dt_sweep_memory(sweep, &j->query.ids));
-    return j->busy ? DT_NOMEM : DT_OK;
+    return job_reserve(&j->job, dt_sweep_memory(sweep, &j->query.ids));
 }
 
 /* Finds the result by a sweep over the set at the moment of j->view. A worker has the lock on entry and on return,
@@ -266,8 +264,9 @@ static enum dt_status sift(struct query_job *j)
         v->dt, j->view, q->kind == QUERY_LISTS ? DT_LISTS : DT_TRIANGLES, q->cw, &sift.cursor);
     while (status == DT_OK && !done) {
         size_t more = q->ids.cap + 2 * (q->ids.n + 3 * SWEEP_ROWS);
-        j->busy = !reservation_resize(&j->job.memory, more * sizeof(uint32_t));
-        status = j->busy ? DT_NOMEM : dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
+        status = job_reserve(&j->job, more * sizeof(uint32_t));
+        if (status == DT_OK)
+            status = dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
         if (worker) { /* edits continue */
             version_unlock(v);
             version_lock_read(v);
@@ -285,8 +284,8 @@ static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, 
 {
     struct dt_options opt = j->job.options;
     opt.steps = exact ? 0 : COST_STEPS_AT_ONCE;
-    j->busy = !reservation_resize(&j->job.memory, dt_weights_memory(w, exact));
-    return j->busy ? DT_NOMEM : finish_weights(w, &opt, &j->query.ids);
+    enum dt_status status = job_reserve(&j->job, dt_weights_memory(w, exact));
+    return status == DT_OK ? finish_weights(w, &opt, &j->query.ids) : status;
 }
 
 /* The weights of many natural neighbours take long: a worker computes them while edits continue. It has the
@@ -336,31 +335,20 @@ static void run_job(struct job *job)
         job->status = sweep(j);
 }
 
-static void job_done(struct server *s, struct job *job, struct answer *a)
+static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct query_job *j = (struct query_job *)job;
     struct rows rows = rows_of(&j->query, job->base);
-    version_end_view(&s->sets, job->base, j->keeps);
-    if (job->status != DT_OK) {
-        if (j->busy)
-            answer_busy(a);
-        else
-            answer_status(a, job->status);
-        version_end_view(&s->sets, job->base, j->view);
-        return;
-    }
-    if (job->queued_ns > 0) {
+    bool found = job_succeeded(job, a);
+    job_end_view(s, job, j->keeps);
+    rows.heavy = found && job->queued_ns > 0;
+    if (rows.heavy)
         rows.view = j->view;
-        rows.heavy = true;
-    } else { /* the set has not changed since */
-        version_end_view(&s->sets, job->base, j->view);
-    }
-    answer(s, a, &j->query, &rows);
-}
-
-static void clear_job(struct job *j)
-{
-    free(((struct query_job *)j)->query.ids.v);
+    else /* the set has not changed since */
+        job_end_view(s, job, j->view);
+    if (found)
+        answer(s, a, &j->query, &rows);
+    free(j->query.ids.v);
 }
 
 /* The limit on steps of a worker's search under the lock. */
@@ -375,7 +363,7 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
 {
     struct version *v = set->current;
     bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
-    struct query_job *j = job_new(sizeof *j, run_job, job_done);
+    struct query_job *j = job_new(sizeof *j, run_job, end_job);
     if (j != NULL && !sweeps)
         j->keeps = dt_view_begin(v->dt, true);
     if (j == NULL || (j->keeps == NULL && !sweeps)) {
@@ -384,15 +372,11 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
         answer_out_of_memory(a);
         return;
     }
-    j->job.clear = clear_job;
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "searching";
     j->steps = may_sweep(q) || q->within ? steps_locked(v->sum.points) : 0;
     j->query = *q;
-    job_read(s, a, &j->job, v,
-             light                      ? 0
-             : q->kind == QUERY_WEIGHTS ? JOB_HEAVY | JOB_SLOW
-                                        : JOB_HEAVY | JOB_BRIEF);
+    job_read(s, a, &j->job, v, light ? JOB_LIGHT : q->kind == QUERY_WEIGHTS ? JOB_SLOW : JOB_SHORT);
 }
 
 /* ---- at once ---- */

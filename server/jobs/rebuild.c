@@ -20,7 +20,7 @@ static void run_rebuild(struct job *j)
     j->status = dt_triangulate(j->dt, &j->options);
 }
 
-static void rebuild_done(struct server *s, struct job *j, struct answer *a)
+static void end_rebuild(struct server *s, struct job *j, struct answer *a)
 {
     (void)a;
     j->set->loading = false;
@@ -47,14 +47,11 @@ static void report_memory(const struct server *s)
 static void rebuild_next(struct server *s)
 {
     struct rebuild *r = s->rebuild;
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
     if (r->at < r->n) {
-        struct job *j = job_new(sizeof *j, run_rebuild, rebuild_done);
+        struct job *j = job_new(sizeof *j, run_rebuild, end_rebuild);
         r->job = j;
         if (j != NULL)
-            job_write(s, &nobody, j, r->set[r->at], JOB_HEAVY | JOB_BRIEF);
-        buf_free(&out);
+            job_change(s, NULL, j, r->set[r->at], JOB_SHORT);
         if (j != NULL)
             return;
         notice(NOTICE_ERROR, "out of memory; some sets are not triangulated");

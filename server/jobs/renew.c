@@ -7,6 +7,7 @@
 struct renew {
     struct job job;
     struct dt_renewal *fresh; /* owns */
+    struct renew *then;       /* owns: installs it */
 };
 
 static void run_renew(struct job *j)
@@ -14,38 +15,49 @@ static void run_renew(struct job *j)
     j->status = dt_renew(j->dt, &j->options, &((struct renew *)j)->fresh);
 }
 
-static void clear_renew(struct job *j)
-{
-    dt_renewal_free(((struct renew *)j)->fresh);
-}
-
-/* Out of memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
-static void install_renewed(struct job *j)
+static void run_install(struct job *j)
 {
     struct renew *r = (struct renew *)j;
     dt_renewed(j->dt, r->fresh);
     r->fresh = NULL;
 }
 
-static void renewed(struct server *s, struct job *j, struct answer *a)
+static void end_install(struct server *s, struct job *j, struct answer *a)
 {
-    (void)s, (void)j, (void)a;
+    (void)s, (void)a;
+    dt_renewal_free(((struct renew *)j)->fresh);
+}
+
+/* Out of memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
+static void end_renew(struct server *s, struct job *j, struct answer *a)
+{
+    struct renew *r = (struct renew *)j;
+    if (r->then == NULL)
+        return;
+    r->then->fresh = r->fresh;
+    if (a == NULL || j->status == DT_CANCELLED) {
+        job_free(s, &r->then->job);
+        return;
+    }
+    r->then->job.memory = server_reservation(s, BUDGET_BUILDS);
+    reservation_set(&r->then->job.memory, dt_prepare_memory(j->dt));
+    job_change(s, NULL, &r->then->job, j->set, JOB_LIGHT);
 }
 
 static bool start(struct server *s, struct dataset *set)
 {
-    struct renew *r = job_new(sizeof *r, run_renew, renewed);
-    struct answer nobody = {0};
+    struct renew *r = job_new(sizeof *r, run_renew, end_renew);
     if (r == NULL)
         return false;
-    r->job.clear = clear_renew;
-    r->job.install = install_renewed;
+    r->then = job_new(sizeof *r->then, run_install, end_install);
     r->job.memory = server_reservation(s, BUDGET_BUILDS);
-    if (!reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
-        job_free(&r->job); /* searches work without a grid, with longer walks */
+    if (r->then == NULL ||
+        !reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
+        job_free(s, &r->job); /* searches work without a grid, with longer walks */
         return false;
     }
-    job_beside(s, &nobody, &r->job, set, JOB_HEAVY | JOB_BRIEF);
+    r->job.set = set;
+    job_read(s, NULL, &r->job, set->current, JOB_SHORT);
     return true;
 }
 

@@ -357,11 +357,11 @@ static void end_work(struct server *s, struct stream *st)
         st->ready(st->ctx);
 }
 
-static void making_done(struct server *s, struct job *j, struct answer *a)
+static void end_making(struct server *s, struct job *j, struct answer *a)
 {
     struct making *m = (struct making *)j;
     struct stream *st = m->stream;
-    (void)a;
+    (void)a; /* never refused */
     m->piece->job = NULL;
     m->piece->uncut = false;
     settle(st, m->piece);
@@ -372,8 +372,7 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
 /* Submits the piece, or its continuation, to a worker. */
 static void begin(struct server *s, struct stream *st, struct piece *p)
 {
-    struct answer nobody = {0};
-    struct making *m = job_new(sizeof *m, run_making, making_done);
+    struct making *m = job_new(sizeof *m, run_making, end_making);
     if (m == NULL) {
         version_lock_read(st->rows.version);
         make(st, p, NULL);
@@ -387,8 +386,7 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     m->piece = p;
     p->job = &m->job;
     st->in_work++;
-    job_read(s, &nobody, &m->job, st->rows.version,
-             JOB_HEAVY | (p->part.pace.slow ? JOB_SLOW : JOB_BRIEF));
+    job_read(s, NULL, &m->job, st->rows.version, p->part.pace.slow ? JOB_SLOW : JOB_SHORT);
 }
 
 /* ---- after an edit of the points ---- */
@@ -409,11 +407,6 @@ static void run_copying(struct job *j)
     c->bytes = j->memory.bytes;
 }
 
-static void clear_copying(struct job *j)
-{
-    dt_free(((struct copying *)j)->past.dt);
-}
-
 /* The rows continue on the copy. */
 static void use_past(struct rows *rows, const struct past *past)
 {
@@ -423,7 +416,7 @@ static void use_past(struct rows *rows, const struct past *past)
     rows->surface.passed = false;
 }
 
-static void copying_done(struct server *s, struct job *j, struct answer *a)
+static void end_copying(struct server *s, struct job *j, struct answer *a)
 {
     struct copying *c = (struct copying *)j;
     struct stream *st = c->stream;
@@ -447,25 +440,23 @@ static void copying_done(struct server *s, struct job *j, struct answer *a)
         if (again)
             begin(s, st, p);
     }
+    dt_free(c->past.dt);
     end_work(s, st);
 }
 
 /* Begins the copy when no piece is in work. */
 static enum dt_status copy_past(struct server *s, struct stream *st)
 {
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
     if (!st->passed || st->in_work > 0)
         return st->rows.status;
-    struct copying *c = job_new(sizeof *c, run_copying, copying_done);
+    struct copying *c = job_new(sizeof *c, run_copying, end_copying);
     if (c == NULL)
         return DT_NOMEM;
     c->stream = st;
-    c->job.clear = clear_copying;
     c->job.memory = server_reservation(s, BUDGET_REPLIES);
     st->copying = &c->job;
     st->in_work++;
-    job_read(s, &nobody, &c->job, st->rows.version, JOB_HEAVY | JOB_BEGUN);
+    job_read(s, NULL, &c->job, st->rows.version, JOB_LONG);
     return st->rows.status;
 }
 

@@ -177,22 +177,6 @@ static void run(struct job *j)
     j->status = c->kind->edit(j->dt, c, &j->options);
 }
 
-static void clear(struct job *j)
-{
-    struct submission *x = (struct submission *)j;
-    change_clear(&x->change);
-    if (x->expected > 0)
-        keep_expect(x->server, 0, x->expected);
-}
-
-static void record(struct server *s, struct job *j)
-{
-    struct change *c = change_of_job(j);
-    if ((c->kind->flags & CHANGE_GROWS) != 0)
-        c->first = c->added.first;
-    commit(s, j->set, c);
-}
-
 /* Writes the status line of a change that has been carried out, up to its version. */
 static void answer_facts(struct answer *a, const struct change *c)
 {
@@ -206,41 +190,51 @@ static void answer_facts(struct answer *a, const struct change *c)
     }
 }
 
-static void done(struct server *s, struct job *j, struct answer *a)
+static void finish(struct server *s, struct job *j, struct answer *a)
 {
-    const struct change *c = change_of_job(j);
+    struct change *c = change_of_job(j);
     bool values = c->kind->items == ITEMS_PAIRS || c->kind->items == ITEMS_COLUMN;
     if (j->status == DT_NOPOINT) {
         answer_err(a, ERR_NOPOINT, "there is no point %u%s", c->missing, c->kind->undone);
     } else if (j->status == DT_TOOBIG && values) {
         answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
-    } else if (j->status != DT_OK) {
-        answer_status(a, j->status);
-    } else {
+    } else if (job_succeeded(j, a)) {
+        if ((c->kind->flags & CHANGE_GROWS) != 0)
+            c->first = c->added.first;
+        commit(s, j->set, c);
         answer_facts(a, c);
         answer_version(a, j->set->version);
         renew_if_due(s, j->set);
     }
 }
 
-/* The flags with which job_write carries out the change. */
-static unsigned weight_of(const struct dataset *set, const struct change *c)
+static void end(struct server *s, struct job *j, struct answer *a)
+{
+    struct submission *x = (struct submission *)j;
+    if (a != NULL)
+        finish(s, j, a);
+    change_clear(&x->change);
+    if (x->expected > 0)
+        keep_expect(s, 0, x->expected);
+}
+
+static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
     enum { VALUES_AT_ONCE = 4096 };
     switch (c->kind->items) {
     case ITEMS_POINTS:
     case ITEMS_IDS:
-        return cost_at_once(COST_EDIT, c->n) ? 0 : JOB_HEAVY;
+        return cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
     case ITEMS_COLUMN:
-        return c->n <= VALUES_AT_ONCE ? 0 : JOB_HEAVY | JOB_BRIEF;
+        return c->n <= VALUES_AT_ONCE ? JOB_LIGHT : JOB_SHORT;
     case ITEMS_PAIRS:
-        return 0;
+        return JOB_LIGHT;
     case ITEMS_NONE:
         break;
     }
     size_t kib = dt_next_id(set->current->dt) / (1024 / sizeof(double)); /* of a field, at most */
     bool frees = c->kind == &change_kinds[CHANGE_FDROP];
-    return frees && !cost_at_once(COST_FREE, kib) ? JOB_HEAVY | JOB_BRIEF : 0;
+    return frees && !cost_at_once(COST_FREE, kib) ? JOB_SHORT : JOB_LIGHT;
 }
 
 /* Points that it adds, deletes or moves. */
@@ -256,16 +250,14 @@ static size_t points_of(const struct change *c)
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set)
 {
-    struct submission *x = job_new(sizeof *x, run, done);
+    struct submission *x = job_new(sizeof *x, run, end);
     if (x == NULL) {
         answer_out_of_memory(a);
         return NULL;
     }
     change_init(&x->change, code, set);
     x->change.pages = s->pages;
-    x->job.clear = clear;
-    x->job.record = record;
-    x->server = s;
+    x->job.logged = true;
     return x;
 }
 
@@ -291,11 +283,11 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
         set = create(s, a, x);
     if (set != NULL && c->kind->edit != NULL) {
         x->job.what = c->kind->what;
-        x->job.changes = points_of(c);
-        job_write(s, a, &x->job, set, weight_of(set, c));
+        x->job.points = points_of(c);
+        job_change(s, a, &x->job, set, weight_of(set, c));
         return;
     }
     if (set != NULL)
         answer_at_once(s, a, set, &x->change);
-    job_free(&x->job);
+    job_free(s, &x->job);
 }

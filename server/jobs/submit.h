@@ -11,11 +11,10 @@ struct submission {
     struct job job;
     struct change change;           /* owns */
     size_t expected;                /* bytes that are prepared for it (keep.h), until it ends */
-    struct server *server;          /* borrows */
     struct temporaries **temporary; /* the new set is one of these; NULL: it is not temporary */
 };
 
-/* A change of the set of that name, with everything else 0. It moves to submit, or is freed by job_free(&x->job). NULL: out of
+/* A change of the set of that name, with everything else 0. It moves to submit, or is freed by job_free. NULL: out of
  * memory, which is the answer. */
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set);

@@ -65,7 +65,6 @@ struct surface_job {
     const struct dt_field *field; /* of the view */
     struct dt_ids line;           /* owns: the words of contours */
     size_t lines;
-    bool busy; /* no memory because of other requests */
     bool too_many_levels;
 };
 
@@ -88,13 +87,6 @@ static bool is_on_worker(const struct surface_job *j)
     return j->job.queued_ns > 0;
 }
 
-/* Reserves so much for the job in all. */
-static enum dt_status reserve(struct surface_job *j, size_t bytes)
-{
-    j->busy = !reservation_resize(&j->job.memory, bytes);
-    return j->busy ? DT_NOMEM : DT_OK;
-}
-
 /* The levels at equal steps that the values of the field reach. */
 static enum dt_status make_levels(struct surface_job *j)
 {
@@ -115,7 +107,7 @@ static enum dt_status write_lines(struct surface_job *j, const struct dt_contour
     size_t words = 0;
     for (size_t i = 0; i < lines; i++)
         words += ROW_LINE_WORDS + 4 * line[i].n;
-    enum dt_status status = reserve(j, taken + words * sizeof *j->line.v);
+    enum dt_status status = job_reserve(&j->job, taken + words * sizeof *j->line.v);
     if (status != DT_OK)
         return status;
     uint32_t *to = malloc(words * sizeof *to + 1);
@@ -135,7 +127,7 @@ static enum dt_status join_lines(struct surface_job *j, struct dt_contour *c)
 {
     const struct dt_contour_line *line;
     size_t lines, taken = dt_contour_memory(c);
-    enum dt_status status = reserve(j, taken);
+    enum dt_status status = job_reserve(&j->job, taken);
     if (status == DT_OK)
         status = dt_contour_end(c, &j->job.options, &line, &lines);
     return status == DT_OK ? write_lines(j, line, lines, taken) : status;
@@ -152,7 +144,7 @@ static enum dt_status find_lines(struct surface_job *j)
         status =
             dt_contour_begin(v->dt, j->view, j->field, j->q.level, j->q.levels, j->q.max_edge, &c);
     while (status == DT_OK && !done) {
-        status = reserve(j, dt_contour_memory(c));
+        status = job_reserve(&j->job, dt_contour_memory(c));
         if (status == DT_OK)
             status = dt_contour_read(v->dt, c, &done);
         if (status == DT_OK && atomic_load(&j->job.cancel))
@@ -185,27 +177,14 @@ static void run_job(struct job *job)
         job->status = find_lines(j);
 }
 
-static void job_done(struct server *s, struct job *job, struct answer *a)
+static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct surface_job *j = (struct surface_job *)job;
-    version_end_view(&s->sets, job->base, j->view);
-    j->view = NULL;
-    if (job->status != DT_OK) {
-        if (j->busy)
-            answer_busy(a);
-        else if (j->too_many_levels)
-            answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
-        else
-            answer_status(a, job->status);
-        return;
-    }
-    reservation_set(&job->memory, 0); /* from here on it is the stream's */
-    answer_lines(s, a, j);
-}
-
-static void clear_job(struct job *job)
-{
-    struct surface_job *j = (struct surface_job *)job;
+    job_end_view(s, job, j->view);
+    if (j->too_many_levels && a != NULL)
+        answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
+    else if (job_succeeded(job, a))
+        answer_lines(s, a, j);
     surface_clear(&j->q);
     free(j->line.v);
 }
@@ -215,17 +194,16 @@ static void answer_contour(struct server *s, struct answer *a, struct dataset *s
 {
     struct version *v = set->current;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    struct surface_job *j = job_new(sizeof *j, run_job, job_done);
+    struct surface_job *j = job_new(sizeof *j, run_job, end_job);
     if (j == NULL) {
         surface_clear(q);
         answer_out_of_memory(a);
         return;
     }
-    j->job.clear = clear_job;
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "tracing";
     j->q = *q;
-    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY);
+    job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }
 
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)

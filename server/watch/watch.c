@@ -106,7 +106,7 @@ static bool refresh(struct server *s, struct watched *k)
     } else {
         j->memory = memory;
         j->what = "triangulating";
-        job_write(s, &nobody, j, set, large ? JOB_HEAVY : 0);
+        job_change(s, NULL, j, set, large ? JOB_LONG : JOB_LIGHT);
     }
     buf_free(&out);
     return !set->exclusive && !version_is_stale(set->current);

@@ -71,11 +71,11 @@ TEST(build_is_installed_when_the_reader_of_a_piece_has_finished)
     load(&l);
     struct dataset *set = local_set(&l, "t");
     struct version *v = set->current;
-    struct job *j = begin(&l);
+    begin(&l);
     version_lock_read(v); /* as a worker's query does */
     while (!set->exclusive)
         collect(&l);
-    CHECK(set->writer == j && v->edited && !v->sum.triangulated);
+    CHECK(set->writer != NULL && v->edited && !v->sum.triangulated);
     version_unlock(v);
     CHECK(strncmp(local_ask(&l, "CHECK t\n"), "OK 0 delaunay=yes points=20000 ", 31) == 0);
     CHECK(set->current == v && !v->edited && !set->exclusive);

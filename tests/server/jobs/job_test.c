@@ -29,7 +29,7 @@ static void finished(struct server *s, struct job *j, struct answer *a)
 }
 
 /* The reply to a job that reads the set, when it begins; empty: none yet. */
-static const char *begin(struct local *l, unsigned how)
+static const char *begin(struct local *l, enum job_weight weight)
 {
     struct answer a = {.out = &l->out};
     struct job *j = job_new(sizeof *j, run_until_released, finished);
@@ -37,7 +37,7 @@ static const char *begin(struct local *l, unsigned how)
     j->memory = server_reservation(&l->server, BUDGET_BUILDS);
     reservation_set(&j->memory, 1000);
     buf_consume(&l->out, buf_len(&l->out));
-    job_read(&l->server, &a, j, local_set(l, "t")->current, how);
+    job_read(&l->server, &a, j, local_set(l, "t")->current, weight);
     buf_append_char(&l->out, '\0');
     return buf_head(&l->out);
 }
@@ -53,16 +53,16 @@ TEST(long_jobs_that_wait_for_a_worker_are_limited_and_short_ones_are_not)
     struct local l;
     local_start(&l, 1);
     local_ask(&l, "ADD t 1 1\n");
-    CHECK_STR(begin(&l, JOB_HEAVY), "");
+    CHECK_STR(begin(&l, JOB_LONG), "");
     while (!begun)
         poll(&none, 1, 1);
     for (int i = 0; i < LIMIT_QUEUED_JOBS; i++)
-        CHECK_STR(begin(&l, JOB_HEAVY), "");
-    CHECK_STR(begin(&l, JOB_HEAVY),
+        CHECK_STR(begin(&l, JOB_LONG), "");
+    CHECK_STR(begin(&l, JOB_LONG),
               "ERR BUSY too many requests are waiting for a worker; try again\n");
     /* A refused job releases what it had reserved. */
     CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 1000 * (LIMIT_QUEUED_JOBS + 1));
-    CHECK_STR(begin(&l, JOB_HEAVY | JOB_BRIEF), "");
+    CHECK_STR(begin(&l, JOB_SHORT), "");
     released = true;
     while (!list_is_empty(&l.server.jobs)) {
         struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
@@ -73,44 +73,16 @@ TEST(long_jobs_that_wait_for_a_worker_are_limited_and_short_ones_are_not)
     local_stop(&l);
 }
 
-/* ---- the end of a job that changes a set ---- */
-
-static unsigned records;
-
-static void note_record(struct server *s, struct job *j)
-{
-    (void)s, (void)j;
-    records++;
-}
-
-static void run_and_fail(struct job *j)
-{
-    j->status = DT_NOMEM;
-}
-
-static void run_well(struct job *j)
-{
-    j->status = DT_OK;
-}
-
-static void edit(struct local *l, void (*run)(struct job *))
-{
-    struct answer a = {.out = &l->out};
-    struct job *j = job_new(sizeof *j, run, finished);
-    CHECK(j != NULL);
-    j->record = note_record;
-    job_write(&l->server, &a, j, local_set(l, "t"), 0);
-}
-
-TEST(edit_that_fails_is_not_logged)
+TEST(edit_that_fails_gives_the_set_no_new_version)
 {
     struct local l;
     local_start(&l, 0);
     local_ask(&l, "ADD t 1 1\n");
-    edit(&l, run_and_fail);
-    CHECK(records == 0);
-    edit(&l, run_well);
-    CHECK(records == 1);
+    uint64_t version = local_set(&l, "t")->version;
+    CHECK_STR(local_ask(&l, "MOVE t 1 5 5\n"), "ERR NOPOINT there is no point 1\n");
+    CHECK(local_set(&l, "t")->version == version);
+    CHECK_STR(local_ask(&l, "MOVE t 0 5 5\n"), "OK 0\n");
+    CHECK(local_set(&l, "t")->version > version);
     local_stop(&l);
 }
 

@@ -120,7 +120,7 @@ TEST_TIMEOUT(pages_that_are_reused_before_they_return_to_the_system_are_kept, 60
     finish_jobs(&l);
     tick(&l, 10);
     CHECK(facts(&l).kept > 0 && list_is_empty(&l.server.jobs));
-    job_aside(&l.server, before);
+    job_aside(&l.server, NULL, before, JOB_SHORT);
     tick(&l, 1);
     void *region = dt_region_take(l.server.pages, DT_HUGE_PAGE);
     CHECK(region != NULL && l.server.releasing);

@@ -113,7 +113,7 @@ static void shut_gate(struct bench *b)
 {
     sem_init(&gate, 0, 0);
     for (int i = 0; i < 2; i++)
-        job_aside(&b->l.server, job_new(sizeof(struct job), run_at_gate, ignore));
+        job_aside(&b->l.server, NULL, job_new(sizeof(struct job), run_at_gate, ignore), JOB_SHORT);
 }
 
 static void open_gate(void)
@@ -226,7 +226,7 @@ TEST(query_is_answered_when_the_edit_that_it_may_have_seen_is_in_the_log)
     j->base->edited = true;
     collect(&b);
     CHECK(tellings == 0 && list_first(&b.l.server.early) == &j->work);
-    job_aside(&b.l.server, job_new(sizeof(struct job), run_at_gate, ignore));
+    job_aside(&b.l.server, NULL, job_new(sizeof(struct job), run_at_gate, ignore), JOB_SHORT);
     sem_post(&gate);
     j->base->edited = false;
     collect(&b);
