@@ -10,54 +10,17 @@ struct client_slot {
     struct session *session; /* NULL: free */
     uint32_t used;           /* sessions so far; at least 1 while in use, so no id is 0 */
     uint32_t next_free;      /* plus 1; 0: none */
-    uint32_t older, newer; /* in the list of sessions that began without a role; plus 1, 0: none */
-    bool listed;
 };
-
-/* ---- strangers: sessions without a role, in order of age; one that has acquired a role is removed from
- * the list when it is found there ---- */
-
-static void list_stranger(struct clients *c, uint32_t i)
-{
-    struct client_slot *slot = &c->slot[i];
-    slot->older = c->newest;
-    slot->newer = 0;
-    slot->listed = true;
-    if (c->newest != 0)
-        c->slot[c->newest - 1].newer = i + 1;
-    else
-        c->oldest = i + 1;
-    c->newest = i + 1;
-}
-
-static void unlist_stranger(struct clients *c, uint32_t i)
-{
-    struct client_slot *slot = &c->slot[i];
-    if (!slot->listed)
-        return;
-    slot->listed = false;
-    if (slot->older != 0)
-        c->slot[slot->older - 1].newer = slot->newer;
-    else
-        c->oldest = slot->newer;
-    if (slot->newer != 0)
-        c->slot[slot->newer - 1].older = slot->older;
-    else
-        c->newest = slot->older;
-}
 
 struct session *clients_oldest_stranger(struct clients *c)
 {
-    while (c->oldest != 0) {
-        struct session *s = c->slot[c->oldest - 1].session;
+    for (struct list_link *e; (e = list_first(&c->strangers)) != NULL; list_remove(e)) {
+        struct session *s = list_owner(e, offsetof(struct session, stranger));
         if (s->role == ROLE_NONE && !s->conn.closed)
             return s;
-        unlist_stranger(c, c->oldest - 1);
     }
     return NULL;
 }
-
-/* ---- sessions ---- */
 
 static bool grow(struct clients *c)
 {
@@ -84,7 +47,7 @@ bool clients_add(struct clients *c, struct session *s)
     c->slot[i].used++;
     s->id = (uint64_t)c->slot[i].used << 32 | i;
     if (s->role == ROLE_NONE)
-        list_stranger(c, i);
+        list_append(&c->strangers, &s->stranger);
     c->n++;
     return true;
 }
@@ -92,7 +55,7 @@ bool clients_add(struct clients *c, struct session *s)
 void clients_remove(struct clients *c, struct session *s)
 {
     uint32_t i = (uint32_t)s->id;
-    unlist_stranger(c, i);
+    list_remove(&s->stranger);
     c->slot[i].session = NULL;
     c->slot[i].next_free = c->free_slot;
     c->free_slot = i + 1;

@@ -8,7 +8,8 @@
 struct clients {
     struct client_slot *slot; /* owns */
     uint32_t n, cap, free_slot;
-    uint32_t oldest, newest; /* slots, plus 1, of sessions that began without a role; 0: none */
+    /* Sessions that began without a role, in order of age; one that has acquired a role is removed when it is found there. */
+    struct list strangers;
 };
 
 /* Gives the session its id. False when out of memory. */

@@ -19,6 +19,7 @@ enum session_state {
 struct session {
     struct conn conn; /* first: the connection's view */
     struct server *server;
+    struct list_link stranger; /* in clients.strangers */
     uint64_t id;
     enum role role;
     unsigned token;   /* the number of the token that gave the role (auth.h); 0: none */

@@ -35,23 +35,11 @@ struct version *version_pin(struct version *v)
     return v;
 }
 
-/* Removes v from the list of untidy versions, if it is there. */
-static void leave_untidy(struct registry *r, struct version *v)
-{
-    if (!v->untidy)
-        return;
-    struct version **at = &r->untidy;
-    while (*at != v)
-        at = &(*at)->next;
-    *at = v->next;
-    v->untidy = false;
-}
-
 void version_unpin(struct registry *r, struct version *v)
 {
     if (--v->refs > 0)
         return;
-    leave_untidy(r, v);
+    list_remove(&v->untidy);
     reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
     r->discard(r->discard_ctx, v->dt);
     version_free(v);
@@ -105,21 +93,19 @@ void version_end_view(struct registry *r, struct version *v, struct dt_view *vie
     if (view == NULL)
         return;
     dt_view_end(view);
-    if (v->untidy || tidy(r, v))
-        return;
-    v->untidy = true;
-    v->next = r->untidy;
-    r->untidy = v;
+    if (!list_holds(&v->untidy) && !tidy(r, v))
+        list_append(&r->untidy, &v->untidy);
 }
 
 void registry_tidy(struct registry *r)
 {
     enum { MOST = 10 }; /* versions that are tidied in one call */
     int calls = 0;
-    for (struct version *v = r->untidy, *next; v != NULL && calls < MOST; v = next, calls++) {
-        next = v->next;
+    for (struct version *v = list_first(&r->untidy), *next; v != NULL && calls < MOST;
+         v = next, calls++) {
+        next = list_next(&r->untidy, v);
         if (tidy(r, v))
-            leave_untidy(r, v);
+            list_remove(&v->untidy);
     }
 }
 
@@ -180,23 +166,29 @@ struct dataset *registry_find(const struct registry *r, const struct word *name)
     return NULL;
 }
 
+static void enter_bucket(struct registry *r, struct dataset *set)
+{
+    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
+    set->next = *bucket;
+    *bucket = set;
+}
+
 static bool rehash(struct registry *r)
 {
-    struct registry larger = *r;
-    larger.buckets = r->buckets == 0 ? FIRST_BUCKETS : 2 * r->buckets;
-    larger.bucket = calloc(larger.buckets, sizeof(struct dataset *));
-    if (larger.bucket == NULL)
+    struct dataset **before = r->bucket;
+    size_t n = r->buckets, more = n == 0 ? FIRST_BUCKETS : 2 * n;
+    struct dataset **bucket = calloc(more, sizeof bucket[0]);
+    if (bucket == NULL)
         return false;
-    for (size_t i = 0; i < r->buckets; i++) {
-        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
-            struct dataset **to = bucket_of(&larger, set->name, set->name_len);
+    r->bucket = bucket;
+    r->buckets = more;
+    for (size_t i = 0; i < n; i++) {
+        for (struct dataset *set = before[i], *next; set != NULL; set = next) {
             next = set->next;
-            set->next = *to;
-            *to = set;
+            enter_bucket(r, set);
         }
     }
-    free(r->bucket);
-    *r = larger;
+    free(before);
     return true;
 }
 
@@ -217,9 +209,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     set->queue.admits = admits_waiter;
     set->name_len = name->len;
     memcpy(set->name, name->text, name->len);
-    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
-    set->next = *bucket;
-    *bucket = set;
+    enter_bucket(r, set);
     r->sets++;
     version_update(r, v);
     return set;
@@ -227,42 +217,21 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
 
 /* ---- sets that are dropped at some time ---- */
 
-static void enter_expiring(struct registry *r, struct dataset *set)
-{
-    set->expiring_next = NULL;
-    set->expiring_before = r->expiring_last;
-    if (r->expiring_last != NULL)
-        r->expiring_last->expiring_next = set;
-    else
-        r->expiring_first = set;
-    r->expiring_last = set;
-    r->expiring++;
-}
-
-static void leave_expiring(struct registry *r, struct dataset *set)
-{
-    struct dataset *next = set->expiring_next, *before = set->expiring_before;
-    *(before != NULL ? &before->expiring_next : &r->expiring_first) = next;
-    *(next != NULL ? &next->expiring_before : &r->expiring_last) = before;
-    r->expiring--;
-}
-
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms)
 {
-    if (set->expires_ms != 0)
-        leave_expiring(r, set);
+    r->expiring -= set->expires_ms != 0;
+    r->expiring += at_ms != 0;
     set->expires_ms = at_ms;
+    list_remove(&set->expiring);
     if (at_ms != 0)
-        enter_expiring(r, set);
+        list_append(&r->expiring_sets, &set->expiring);
 }
 
 struct dataset *registry_next_expiring(struct registry *r)
 {
-    struct dataset *set = r->expiring_first;
-    if (set == NULL)
-        return NULL;
-    leave_expiring(r, set);
-    enter_expiring(r, set);
+    struct dataset *set = list_pop(&r->expiring_sets);
+    if (set != NULL)
+        list_append(&r->expiring_sets, &set->expiring);
     return set;
 }
 
@@ -362,9 +331,7 @@ static void move_set(struct registry *r, struct dataset *set, struct registry *f
         registry_expire(r, old, expires_ms);
         return;
     }
-    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
-    set->next = *bucket;
-    *bucket = set;
+    enter_bucket(r, set);
     r->sets++;
     registry_expire(r, set, expires_ms);
 }

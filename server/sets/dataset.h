@@ -23,15 +23,14 @@
 #include "server/sets/wait.h"
 
 struct version {
-    struct dt *dt; /* owns; not to be read while a job edits it in place */
+    struct list_link untidy; /* first: in registry.untidy */
+    struct dt *dt;           /* owns; not to be read while a job edits it in place */
     unsigned refs;
     struct rwlock lock;    /* of dt, see above */
     struct dt_summary sum; /* of dt after the last completed edit; sum.memory is in the budget */
     uint64_t lsn;          /* of its last change in the log; 0: none, or without --data */
     bool
         edited; /* a job edits it in place, or has done so and the log does not have the edit yet */
-    bool untidy;          /* in the registry's list of versions to be tidied */
-    struct version *next; /* there */
 };
 
 /* What a job has found about a set, for requests that waited for it. */
@@ -44,7 +43,8 @@ struct dataset_result {
 };
 
 struct dataset {
-    struct dataset *next; /* in its bucket */
+    struct list_link expiring; /* first: in registry.expiring_sets, if expires_ms is not 0 */
+    struct dataset *next;      /* in its bucket */
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
@@ -56,8 +56,6 @@ struct dataset {
     bool loading;       /* it was read from disk and is not triangulated yet */
     bool temporary;     /* dropped when its connection ends, and never on disk */
     int64_t expires_ms; /* when it is dropped, in milliseconds since 1970; 0: never */
-    struct dataset *expiring_next,
-        *expiring_before; /* in the registry's list, if expires_ms is not 0 */
     struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
     struct wait_queue queue;                          /* of requests that wait for it */
     struct watched *watched; /* borrows; who watches it (server/watch); NULL: nobody */
@@ -74,15 +72,14 @@ struct temporaries {
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    size_t expiring; /* sets that are dropped at some time, */
-    struct dataset *expiring_first,
-        *expiring_last;          /* their list, in the order of registry_next_expiring */
+    size_t expiring;             /* sets that are dropped at some time, */
+    struct list expiring_sets;   /* in the order of registry_next_expiring */
     struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
     struct reservation memory;   /* of all versions */
     struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
     uint32_t life;               /* the number of this life of the daemon (record.h) */
     uint64_t unlogged;           /* changes that are in no log */
-    struct version *untidy;      /* those with data that was saved for readers that have finished */
+    struct list untidy;          /* those with data that was saved for readers that have finished */
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;

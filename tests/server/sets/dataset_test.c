@@ -115,17 +115,18 @@ TEST(versions_that_keep_what_was_saved_are_tidied_a_few_at_a_time)
         CHECK(view != NULL);
         version_lock_edit(v);
         version_end_view(&sets, v, view);
-        CHECK(v->untidy);
+        CHECK(list_holds(&v->untidy));
         version_unlock(v);
     }
     for (unsigned left = MANY; left > 0; left -= left < A_CALL ? left : A_CALL) {
         unsigned n = 0;
-        for (struct version *v = sets.untidy; v != NULL; v = v->next)
+        for (struct version *v = list_first(&sets.untidy); v != NULL;
+             v = list_next(&sets.untidy, v))
             n++;
         CHECK(n == left);
         registry_tidy(&sets);
     }
-    CHECK(sets.untidy == NULL);
+    CHECK(list_is_empty(&sets.untidy));
     registry_clear(&sets);
 }
 
@@ -139,9 +140,9 @@ TEST(version_that_is_freed_is_no_longer_to_be_tidied)
     version_end_view(&sets, v, view);
     version_unlock(v);
     registry_drop(&sets, set);
-    CHECK(sets.untidy == v);
+    CHECK(list_first(&sets.untidy) == v);
     version_unpin(&sets, v);
-    CHECK(sets.untidy == NULL);
+    CHECK(list_is_empty(&sets.untidy));
     registry_clear(&sets);
 }
 
@@ -186,7 +187,7 @@ TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
         CHECK(sets.sets == 3 && sets.life == 77 && others.sets == 0);
         CHECK(registry_find(&sets, &(struct word){"b", 1}) == b && b->version == 6);
         CHECK(b->current->sum.points == 1000 && b->expires_ms == 0);
-        CHECK(sets.expiring == 1 && strcmp(sets.expiring_first->name, "new") == 0);
+        CHECK(sets.expiring == 1 && strcmp(registry_next_expiring(&sets)->name, "new") == 0);
         CHECK(registry_find(&sets, &(struct word){"gone", 4}) == NULL);
         const struct dataset *now = registry_find(&sets, &(struct word){"a", 1});
         CHECK(same ? now == a && a->current == before : now == other);
