@@ -1,6 +1,8 @@
 /* url.c - see url.h. */
 #include "clients/lib/url.h"
 
+#include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char scheme[] = "delaunay://", unix_scheme[] = "unix://", private[] = "private:";
@@ -50,6 +52,19 @@ static bool read_place(struct url *url, const char *at, size_t len)
            copy(url->port, sizeof url->port, colon + 1, digits);
 }
 
+/* Replaces each %xx, two hexadecimal digits, by its byte. */
+static void decode(char *text)
+{
+    char *to = text, digits[3] = "";
+    for (const char *at = text; *at != '\0'; at++) {
+        bool coded =
+            at[0] == '%' && isxdigit((unsigned char)at[1]) && isxdigit((unsigned char)at[2]);
+        *to++ = coded ? (char)strtoul(memcpy(digits, at + 1, 2), NULL, 16) : *at;
+        at += coded ? 2 : 0;
+    }
+    *to = '\0';
+}
+
 /* Reads `[user]:token@`, if the text begins so within its first `len` characters. NULL if it is malformed, otherwise what follows. */
 static const char *read_token(struct url *url, const char *at, size_t len)
 {
@@ -59,6 +74,7 @@ static const char *read_token(struct url *url, const char *at, size_t len)
     const char *colon = memchr(at, ':', (size_t)(end - at));
     if (colon == NULL || !copy(url->token, sizeof url->token, colon + 1, (size_t)(end - colon) - 1))
         return NULL;
+    decode(url->token);
     return end + 1;
 }
 

@@ -1,4 +1,5 @@
-/* url.h - delaunay://[:token@]host[:port][/set] or unix://[:token@]/path: the address of a daemon, and the name of a set. */
+/* url.h - delaunay://[:token@]host[:port][/set] or unix://[:token@]/path: the address of a daemon, and the name of a set. A token may
+ * have characters as %xx. The clients for Python and Node read the same URLs (tests/data/urls.txt). */
 #ifndef CLIENTS_URL_H
 #define CLIENTS_URL_H
 

@@ -11,18 +11,19 @@ const { Disconnected } = require('./errors.js');
 
 const PORT = 6374;
 
+const TCP = /^delaunay:\/\/(?:[^@/:]*:([^@/]*)@)?(?:\[([^\]/]+)\]|([^@/:[\]]+))(?::(\d{1,5}))?\/?$/;
 const UNIX = /^unix:\/\/(?:[^@/:]*:([^@/]*)@)?(\/.+)$/;
+
+/** A % that begins no code of a character stands for itself. */
+const decode = (token = '') => decodeURIComponent(token.replace(/%(?![\da-fA-F]{2})/g, '%25'));
 
 /** {where: options of net.connect, token} of delaunay://[:token@]host[:port], unix://[:token@]/path, or /path. */
 function parseUrl(url) {
   const unix = UNIX.exec(url.startsWith('/') ? `unix://${url}` : url);
-  if (unix) return { where: { path: unix[2] }, token: decodeURIComponent(unix[1] ?? '') };
-  const at = URL.canParse?.(url) === false || !url.startsWith('delaunay://') ? null : new URL(url);
-  if (!at?.hostname) throw new TypeError('a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:');
-  return {
-    where: { host: at.hostname.replace(/^\[|\]$/g, ''), port: Number(at.port || PORT) },
-    token: decodeURIComponent(at.password),
-  };
+  if (unix) return { where: { path: unix[2] }, token: decode(unix[1]) };
+  const tcp = TCP.exec(url);
+  if (!tcp) throw new TypeError('a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:');
+  return { where: { host: tcp[2] ?? tcp[3], port: Number(tcp[4] ?? PORT) }, token: decode(tcp[1]) };
 }
 
 /** A connected socket. */

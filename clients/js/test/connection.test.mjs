@@ -3,13 +3,14 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import net from 'node:net';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { connect, Disconnected } from '../index.mjs';
+import address from '../lib/address.js';
 import { startDaemon } from './daemon.mjs';
 
 const directory = () => mkdtempSync(path.join(tmpdir(), 'delaunay_js_'));
@@ -95,6 +96,20 @@ test('connecting has a time limit', async () => {
   const url = `delaunay://:secret@127.0.0.1:${server.address().port}`;
   await assert.rejects(connect(url, { connectTimeout: 10 }), { code: 'TIMEOUT' });
   server.close();
+});
+
+test('URLs are read as in all clients', async () => {
+  const rows = readFileSync(new URL('../../../tests/data/urls.txt', import.meta.url), 'utf8').split('\n');
+  const urls = rows.filter((row) => row && row[0] !== '#').map((row) => row.split(' '));
+  assert.ok(urls.length > 30);
+  for (const [url, host, ...others] of urls) {
+    if (host === 'malformed') {
+      assert.throws(() => address.parseUrl(url), TypeError, url);
+    } else if (host !== 'private') {
+      const [port, token] = others.map((word) => word.replace('-', ''));
+      assert.deepEqual(address.parseUrl(url), { where: port ? { host, port: Number(port) } : { path: host }, token }, url);
+    }
+  }
 });
 
 test('tokens are shown on TCP and Unix sockets, again after a reconnection', async () => {

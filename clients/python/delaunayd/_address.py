@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 from typing import NamedTuple, Optional
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from . import _private
 
 PORT = 6374
+_TCP = re.compile(r"delaunay://(?:[^@/:]*:([^@/]*)@)?(?:\[([^\]/]+)\]|([^@/:\[\]]+))(?::([0-9]{1,5}))?/?\Z")
+_UNIX = re.compile(r"unix://(?:[^@/:]*:([^@/]*)@)?(/.+)\Z")
 _FORMS = "a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:"
 
 
@@ -34,13 +37,15 @@ def parse(url: Optional[str]) -> Address:
         return Address(private=True)
     if url.startswith("/"):
         return Address(path=url)
-    parts = urlsplit(url)
-    token = unquote(parts.password or "")
-    if parts.scheme == "unix" and parts.path.startswith("/") and not parts.hostname:
-        return Address(path=unquote(parts.path), token=token)
-    if parts.scheme != "delaunay" or not parts.hostname:
+    found = _TCP.match(url)
+    if found is not None:
+        token, v6, host, port = found.groups()
+        return Address(v6 or host, int(port or PORT), "", unquote(token or ""))
+    found = _UNIX.match(url)
+    if found is None:
         raise ValueError(_FORMS)
-    return Address(parts.hostname, parts.port or PORT, "", token)
+    token, path = found.groups()
+    return Address(path=unquote(path), token=unquote(token or ""))
 
 
 def _connect_to(address: Address, timeout: Optional[float]) -> socket.socket:

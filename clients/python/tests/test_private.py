@@ -120,22 +120,25 @@ class Private(unittest.TestCase):
                 _private.find_program()
 
 
+URLS = Path(__file__).resolve().parents[3] / "tests" / "data" / "urls.txt"
+
+
 class Addresses(unittest.TestCase):
-    def test_urls(self):
+    def test_urls_are_read_as_in_all_clients(self):
         A = _address.Address
-        for url, want in (
-            ("delaunay://host", A("host")),
-            ("delaunay://:se%2Fcret@host:7", A("host", 7, "", "se/cret")),
-            ("delaunay://[::1]:7", A("::1", 7)),
-            ("unix:///run/d.sock", A(path="/run/d.sock")),
-            ("unix://:t@/run/d.sock", A(path="/run/d.sock", token="t")),
-            ("/run/d.sock", A(path="/run/d.sock")),
-            ("private:", A(private=True)),
-        ):
-            self.assertEqual(_address.parse(url), want)
-        for url in ("http://localhost", "delaunay://", "localhost:6374", "unix://host/path", "unix://"):
-            with self.assertRaises(ValueError):
-                _address.parse(url)
+        rows = [row.split() for row in URLS.read_text().splitlines() if row[0] != "#"]
+        self.assertGreater(len(rows), 30)
+        for url, host, *others in rows:
+            if not others and host == "malformed":
+                with self.assertRaises(ValueError, msg=url):
+                    _address.parse(url)
+                continue
+            port, token = (word.replace("-", "") for word in others)
+            want = A(host, int(port), "", token) if port else A(path=host, token=token)
+            self.assertEqual(_address.parse(url), A(private=True) if host == "private" else want, url)
+
+    def test_a_path_is_an_address(self):
+        self.assertEqual(_address.parse("/run/d.sock"), _address.Address(path="/run/d.sock"))
 
     def test_the_environment_has_the_url(self):
         with mock.patch.dict(os.environ, {"DELAUNAY_URL": "delaunay://there:9"}):
