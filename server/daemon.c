@@ -10,8 +10,8 @@
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/keep.h"
-#include "server/jobs/rebuild.h"
 #include "server/jobs/server.h"
+#include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
 #include "server/session/session.h"
 #include "server/system/loop.h"
@@ -259,7 +259,7 @@ static void notify_systemd(void)
 static void on_durable(struct source *source, uint32_t events)
 {
     (void)source, (void)events;
-    if (!rebuild_on_durable_event(&d.server)) {
+    if (!upkeep_on_durable_event(&d.server)) {
         d.failed = true;
         loop_stop(&d.loop);
         return;

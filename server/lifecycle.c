@@ -7,7 +7,6 @@
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/jobs/rebuild.h"
 #include "server/jobs/stream.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
@@ -111,7 +110,7 @@ void server_clear(struct server *s)
     follower_stop(s);
     leader_stop(s);
     durable_stop(s);
-    rebuild_free(s);
+    free(s->loading.set);
     registry_clear(&s->sets);
     watch_clear(s);
     dt_pages_free(s->pages);

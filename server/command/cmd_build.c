@@ -17,6 +17,7 @@ struct build {
     struct build *then;    /* owns: installs it */
     size_t bytes;          /* that are reserved for both */
     double ms;
+    int64_t ended_ns; /* 0: it was done at once, so no request can have waited for it */
     const char *fault;
 };
 
@@ -71,13 +72,17 @@ static void answer_triangulation(struct answer *a, const struct dataset *set, do
     answer_version(a, set->version);
 }
 
-static struct dataset_result result_of(const struct job *j)
+/* Keeps the result of the job for requests that have waited for it. */
+static void keep_result(const struct job *j, struct dataset_result *r)
 {
-    return (struct dataset_result){.ended_ns = clock_ns(),
-                                   .version = j->set->version,
-                                   .ms = ((const struct build *)j)->ms,
-                                   .method = j->options.method,
-                                   .rebuilt = j->options.rebuild};
+    const struct build *b = (const struct build *)j;
+    int64_t ended_ns = j->queued_ns > 0 ? clock_ns() : b->ended_ns;
+    if (ended_ns != 0)
+        *r = (struct dataset_result){.ended_ns = ended_ns,
+                                     .version = j->set->version,
+                                     .ms = b->ms,
+                                     .method = j->options.method,
+                                     .rebuilt = j->options.rebuild};
 }
 
 static void end_triangulate(struct server *s, struct job *j, struct answer *a)
@@ -87,8 +92,8 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
         return;
     if (!j->set->triangulated)
         submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
-    j->set->triangulation = result_of(j);
-    answer_triangulation(a, j->set, j->set->triangulation.ms);
+    keep_result(j, &j->set->triangulation);
+    answer_triangulation(a, j->set, ((struct build *)j)->ms);
 }
 
 static void end_build(struct server *s, struct job *j, struct answer *a)
@@ -96,6 +101,7 @@ static void end_build(struct server *s, struct job *j, struct answer *a)
     struct build *b = (struct build *)j, *then = b->then;
     then->made = b->made;
     then->ms = b->ms;
+    then->ended_ns = clock_ns();
     if (job_succeeded(j, a)) {
         reservation_set(&then->job.memory, b->bytes);
         job_change(s, a, &then->job, j->set, JOB_LIGHT);
@@ -227,7 +233,7 @@ static void end_check(struct server *s, struct job *j, struct answer *a)
     if (a != NULL && j->status == DT_CORRUPT && fault != NULL) {
         answer_err(a, ERR_CORRUPT, "%s", fault);
     } else if (job_succeeded(j, a)) {
-        j->set->proof = result_of(j);
+        keep_result(j, &j->set->proof);
         answer_proved(a, j->set);
     }
 }

@@ -6,11 +6,8 @@
 #include "server/command/expire.h"
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/job.h"
-#include "server/jobs/rebuild.h"
-#include "server/jobs/renew.h"
 #include "server/jobs/stream.h"
-#include "server/ops/cost.h"
+#include "server/jobs/upkeep.h"
 #include "server/ops/limits.h"
 
 #include <stdlib.h>
@@ -101,61 +98,6 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     return true;
 }
 
-/* ---- updating a triangulation before a query ---- */
-
-static void run_refresh(struct job *j)
-{
-    j->status = dt_refresh(j->dt, &j->options);
-}
-
-static void refresh_done(struct server *s, struct job *j, struct answer *a)
-{
-    (void)s;
-    if (j->status != DT_OK)
-        answer_status(a, j->status);
-    else
-        answer_again(a);
-}
-
-/* Whether the triangulation is current. If not, a job updates it first, or the request waits. */
-static bool refresh(struct server *s, struct answer *a, struct dataset *set)
-{
-    if (!version_is_stale(set->current))
-        return true;
-    if (!dataset_admits(set, true, a->turn)) {
-        answer_wait(a, &set->queue, true);
-        return false;
-    }
-    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
-    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
-    if (large && !job_reserve_build(s, a, set, &memory))
-        return false;
-    struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
-    if (j == NULL) {
-        reservation_set(&memory, 0);
-        answer_out_of_memory(a);
-        return false;
-    }
-    j->memory = memory;
-    j->what = "triangulating";
-    job_change(s, a, j, set, large ? JOB_LONG : JOB_LIGHT);
-    if (a->next == ANSWER_WORK)
-        answer_wait_job(a, a->job);
-    if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING)
-        return false;
-    a->next = ANSWER_DONE; /* the job was done at once */
-    return true;
-}
-
-/* The same for the grid for searches. It is built while others read the set, which do not use it. */
-static bool prepare(struct server *s, struct answer *a, struct dataset *set)
-{
-    if (renew_has_grid(s, set))
-        return true;
-    answer_wait(a, &set->queue, true);
-    return false;
-}
-
 /* Whether the request has to be saved: not if it is about a temporary set, or creates one. */
 static bool is_saved(const struct server *s, const struct command *c, const struct request *q,
                      const struct dataset *set)
@@ -174,7 +116,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 {
     bool writes = (c->flags & CMD_WRITE) != 0;
     if (set != NULL && set->loading) {
-        rebuild_refuse(s, a, set);
+        upkeep_refuse(a, set);
         return false;
     }
     bool saves = (c->flags & CMD_ALL_SETS) != 0; /* what a follower may, too */
@@ -191,9 +133,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         answer_status(a, DT_UNTRIANGULATED);
         return false;
     }
-    if ((c->flags & CMD_FRESH) != 0 && !refresh(s, a, set))
+    if ((c->flags & CMD_FRESH) != 0 && !upkeep_refresh(s, a, set))
         return false;
-    return (c->flags & CMD_SEARCH) == 0 || !set->current->sum.triangulated || prepare(s, a, set);
+    return (c->flags & CMD_SEARCH) == 0 || upkeep_prepare(s, a, set);
 }
 
 /* ---- bodies of refused requests ---- */

@@ -34,6 +34,12 @@ struct watching {
     struct list all, busy, now, deserted; /* owns those in `all` */
 };
 
+/* Sets without their triangulations, the smallest one last. */
+struct loading {
+    struct dataset **set; /* owns n */
+    size_t n;
+};
+
 struct server {
     struct config *config; /* borrows; CONFIG SET changes it */
     struct budget budget;
@@ -42,7 +48,7 @@ struct server {
     struct reservation queued; /* bytes in that queue */
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
-    struct rebuild *rebuild; /* owns; of sets that were read at the start; NULL: none */
+    struct loading loading;  /* sets that were read at the start, and are not triangulated yet */
     struct holders held;     /* replies that wait for the disk (hold.h) */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */

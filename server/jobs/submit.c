@@ -4,7 +4,7 @@
 #include "core/delaunay_fields.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/keep.h"
-#include "server/jobs/renew.h"
+#include "server/jobs/upkeep.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 
@@ -204,7 +204,7 @@ static void finish(struct server *s, struct job *j, struct answer *a)
         commit(s, j->set, c);
         answer_facts(a, c);
         answer_version(a, j->set->version);
-        renew_if_due(s, j->set);
+        upkeep_after_edit(s, j->set);
     }
 }
 

@@ -1,8 +1,7 @@
 /* watch.c - see watch.h. */
 #include "server/watch/watch.h"
 
-#include "server/jobs/job.h"
-#include "server/ops/cost.h"
+#include "server/jobs/upkeep.h"
 #include "server/watch/agenda.h"
 #include "server/watch/feed.h"
 
@@ -74,42 +73,20 @@ static void collect(struct server *s, struct watched *k, bool now)
 
 /* ---- a triangulation that edits have left for later ---- */
 
-static void run_refresh(struct job *j)
-{
-    j->status = dt_refresh(j->dt, &j->options);
-}
-
-static void refreshed(struct server *s, struct job *j, struct answer *a)
-{
-    (void)s, (void)j, (void)a;
-}
-
 /* Whether the triangulation is current; if not, a job updates it. */
 static bool refresh(struct server *s, struct watched *k)
 {
-    struct dataset *set = k->set;
     int64_t now = clock_ms();
-    if (!version_is_stale(set->current))
+    if (!version_is_stale(k->set->current))
         return true;
-    if (!dataset_admits(set, true, NULL) || now < k->retry_ms)
+    if (!dataset_admits(k->set, true, NULL) || now < k->retry_ms)
         return false;
     struct buf out = {0};
     struct answer nobody = {.out = &out};
-    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
-    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
-    struct job *j = NULL;
     k->retry_ms = now + RETRY_MS;
-    if (!large || job_reserve_build(s, &nobody, set, &memory))
-        j = job_new(sizeof *j, run_refresh, refreshed);
-    if (j == NULL) {
-        reservation_set(&memory, 0);
-    } else {
-        j->memory = memory;
-        j->what = "triangulating";
-        job_change(s, NULL, j, set, large ? JOB_LONG : JOB_LIGHT);
-    }
+    bool current = upkeep_refresh(s, &nobody, k->set);
     buf_free(&out);
-    return !set->exclusive && !version_is_stale(set->current);
+    return current;
 }
 
 /* ---- when events are written ---- */

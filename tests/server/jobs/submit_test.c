@@ -6,8 +6,8 @@
 #include "server/disk/recover.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/jobs/rebuild.h"
 #include "server/jobs/stream.h"
+#include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
@@ -29,7 +29,7 @@ static void await_durable_event(struct bench *b)
 {
     struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
     durable_turn_end(&b->l.server);
-    CHECK(poll(&event, 1, 10000) == 1 && rebuild_on_durable_event(&b->l.server));
+    CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b->l.server));
 }
 
 static void begin(struct bench *b, unsigned threads)
@@ -361,7 +361,7 @@ static bool starts(struct bench *b)
     while (good && !durable_is_complete(&b->l.server)) {
         struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
-        good = rebuild_on_durable_event(&b->l.server);
+        good = upkeep_on_durable_event(&b->l.server);
     }
     return good;
 }

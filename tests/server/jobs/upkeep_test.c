@@ -1,4 +1,4 @@
-/* renew_test.c - a worker rebuilds the grid of a set while queries continue. */
+/* upkeep_test.c - a worker rebuilds the grid of a set while queries continue. */
 #include "server/jobs/job.h"
 #include "server/lifecycle.h"
 #include "server/sets/dataset.h"

@@ -1,0 +1,232 @@
+/* upkeep.c - see upkeep.h. */
+#include "server/jobs/upkeep.h"
+
+#include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+#include "server/ops/cost.h"
+#include "server/system/notice.h"
+
+#include <stdlib.h>
+
+/* ---- the triangulation ---- */
+
+static void run_refresh(struct job *j)
+{
+    j->status = dt_refresh(j->dt, &j->options);
+}
+
+/* The request that a worker has kept waiting is carried out now. */
+static void end_refresh(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (job_succeeded(j, a) && j->queued_ns > 0)
+        answer_again(a);
+}
+
+bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (!version_is_stale(set->current))
+        return true;
+    if (!dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
+        return false;
+    }
+    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
+    struct job *j = job_new(sizeof *j, run_refresh, end_refresh);
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    j->what = "triangulating";
+    j->memory = server_reservation(s, BUDGET_BUILDS);
+    if (large && !job_reserve_build(s, a, set, &j->memory)) {
+        job_free(s, j);
+        return false;
+    }
+    job_change(s, a, j, set, large ? JOB_LONG : JOB_LIGHT);
+    if (a->next == ANSWER_WORK)
+        answer_wait_job(a, a->job);
+    return a->next == ANSWER_DONE && !version_is_stale(set->current);
+}
+
+/* ---- the grid ---- */
+
+/* The first of two jobs makes the grid beside the set, the second one installs it. */
+struct grid {
+    struct job job;
+    struct dt_renewal *fresh; /* owns */
+    struct grid *then;        /* owns: the second job */
+};
+
+static void run_grid(struct job *j)
+{
+    j->status = dt_renew(j->dt, &j->options, &((struct grid *)j)->fresh);
+}
+
+static void run_install(struct job *j)
+{
+    struct grid *g = (struct grid *)j;
+    dt_renewed(j->dt, g->fresh);
+    g->fresh = NULL;
+}
+
+static void end_install(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)a;
+    dt_renewal_free(((struct grid *)j)->fresh);
+}
+
+/* Out of memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
+static void end_grid(struct server *s, struct job *j, struct answer *a)
+{
+    struct grid *g = (struct grid *)j, *then = g->then;
+    if (then == NULL)
+        return;
+    then->fresh = g->fresh;
+    if (a == NULL || j->status == DT_CANCELLED) {
+        job_free(s, &then->job);
+        return;
+    }
+    then->job.memory = server_reservation(s, BUDGET_BUILDS);
+    reservation_set(&then->job.memory, dt_prepare_memory(j->dt));
+    job_change(s, NULL, &then->job, j->set, JOB_LIGHT);
+}
+
+static bool begin_grid(struct server *s, struct dataset *set)
+{
+    struct grid *g = job_new(sizeof *g, run_grid, end_grid);
+    if (g == NULL)
+        return false;
+    g->then = job_new(sizeof *g->then, run_install, end_install);
+    g->job.memory = server_reservation(s, BUDGET_BUILDS);
+    if (g->then == NULL ||
+        !reservation_resize(&g->job.memory, dt_prepare_memory(set->current->dt))) {
+        job_free(s, &g->job); /* searches work without a grid, with longer walks */
+        return false;
+    }
+    g->job.set = set;
+    job_read(s, NULL, &g->job, set->current, JOB_SHORT);
+    return true;
+}
+
+static bool has_grid(struct server *s, struct dataset *set)
+{
+    struct version *v = set->current;
+    if (v->sum.searchable || !v->sum.triangulated)
+        return true;
+    if (set->writer != NULL)
+        return false;
+    bool later = s->workers != NULL && !s->stopping && !cost_at_once(COST_GRID, v->sum.points);
+    if (later || !version_try_edit(v))
+        return !begin_grid(s, set);
+    (void)dt_prepare(v->dt, NULL);
+    version_update(&s->sets, v);
+    version_unlock(v);
+    return true;
+}
+
+bool upkeep_prepare(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (has_grid(s, set))
+        return true;
+    answer_wait(a, &set->queue, true);
+    return false;
+}
+
+void upkeep_after_edit(struct server *s, struct dataset *set)
+{
+    if (s->workers == NULL || s->stopping || set->writer != NULL || !dt_renew_due(set->current->dt))
+        return;
+    (void)begin_grid(s, set);
+}
+
+/* ---- after a start ---- */
+
+static void triangulate_next(struct server *s);
+
+static void run_triangulate(struct job *j)
+{
+    j->status = dt_triangulate(j->dt, &j->options);
+}
+
+static void end_triangulate(struct server *s, struct job *j, struct answer *a)
+{
+    (void)a;
+    j->set->loading = false;
+    if (j->status != DT_OK && !s->stopping)
+        notice(NOTICE_ERROR, "the set %s could not be triangulated again: out of memory",
+               j->set->name);
+    if (!s->stopping)
+        triangulate_next(s);
+}
+
+/* Everything on the disk is read, whatever --max-memory is, because it was acknowledged. */
+static void report_memory(const struct server *s)
+{
+    size_t taken = budget_of(&s->budget, BUDGET_SETS);
+    if (!budget_fits(&s->budget, BUDGET_SETS, 0))
+        notice(NOTICE_WARNING,
+               "the sets take %zu bytes, all that --max-memory allows: points can be deleted, "
+               "but not added",
+               taken);
+}
+
+static void triangulate_next(struct server *s)
+{
+    struct loading *l = &s->loading;
+    while (l->n > 0) {
+        struct dataset *set = l->set[--l->n];
+        struct job *j = job_new(sizeof *j, run_triangulate, end_triangulate);
+        if (j != NULL) {
+            job_change(s, NULL, j, set, JOB_SHORT);
+            return;
+        }
+        notice(NOTICE_ERROR, "out of memory: the set %s is not triangulated", set->name);
+        set->loading = false;
+    }
+    free(l->set);
+    l->set = NULL;
+    durable_complete(s);
+    report_memory(s);
+}
+
+static int larger_first(const void *a, const void *b)
+{
+    const struct dataset *const *x = a, *const *y = b;
+    uint32_t m = (*x)->current->sum.points, n = (*y)->current->sum.points;
+    return m > n ? -1 : m < n;
+}
+
+static void note_set(struct dataset *set, void *ctx)
+{
+    struct loading *l = ctx;
+    set->loading = set->triangulated;
+    if (set->triangulated)
+        l->set[l->n++] = set;
+}
+
+static bool begin(struct server *s)
+{
+    struct loading *l = &s->loading;
+    l->set = malloc((s->sets.sets + 1) * sizeof(struct dataset *));
+    if (l->set == NULL) {
+        notice(NOTICE_ERROR, "out of memory");
+        return false;
+    }
+    registry_each(&s->sets, note_set, l);
+    qsort(l->set, l->n, sizeof(struct dataset *), larger_first);
+    triangulate_next(s);
+    return true;
+}
+
+bool upkeep_on_durable_event(struct server *s)
+{
+    enum durable_news news = durable_on_event(s);
+    return news == DURABLE_READ ? begin(s) : news != DURABLE_FAILED;
+}
+
+void upkeep_refuse(struct answer *a, const struct dataset *set)
+{
+    answer_err(a, ERR_LOADING, "the set %s is being triangulated, %u %% so far; try again",
+               set->name, set->writer != NULL ? set->writer->progress : 0);
+}
