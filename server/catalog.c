@@ -41,6 +41,8 @@ static void print_command(FILE *out, const struct command *c)
     else
         fputs("\"most\": null, ", out);
     print_text(out, "role", role_of(c));
+    if (c->rows != NULL)
+        print_text(out, "rows", c->rows);
     print_text(out, "about", subject_of(c));
     print_flag(out, "exists", c, CMD_EXISTING);
     fputs(", ", out);

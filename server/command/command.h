@@ -34,6 +34,8 @@ struct command {
     unsigned flags;
     command_handler *handler;
     const char *usage, *help;
+    const char *
+        rows; /* the types of the rows of its replies in RESP 3 (redis/resp3.h); NULL: it has none */
 };
 
 /* NULL: there is none of that name. */

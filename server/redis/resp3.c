@@ -5,30 +5,6 @@
 
 #include <string.h>
 
-struct resp3_form {
-    const char *command;
-    /* A letter for each word of a row, the last one for all that follow: i an id or a count, d a double, s a text,
-     * w by what it looks like. Or one of these alone: t the row is one text, m it is a name and its facts. */
-    const char *row;
-};
-
-static const struct resp3_form forms[] = {
-    {"SETS", "m"},       {"GET", "id"},      {"POINTS", "id"},     {"COINCIDENT", "i"},
-    {"FIELDS", "sid"},   {"FGET", "id"},     {"LISTS", "i"},       {"TRIANGLES", "i"},
-    {"EDGES", "i"},      {"HULL", "id"},     {"LOCATE", "i"},      {"NEAREST", "id"},
-    {"WITHIN", "id"},    {"WEIGHTS", "id"},  {"INTERPOLATE", "d"}, {"RASTER", "d"},
-    {"CONTOUR", "dsid"}, {"VORONOI", "iid"}, {"AREAS", "id"},      {"ALPHA", "si"},
-    {"TRACE", "w"},      {"HELP", "t"},
-};
-
-const struct resp3_form *resp3_form(const char *command)
-{
-    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++)
-        if (strcmp(forms[i].command, command) == 0)
-            return &forms[i];
-    return NULL;
-}
-
 /* ---- values ---- */
 
 static void put(struct buf *out, char mark, const char *text, size_t len)
@@ -159,9 +135,9 @@ static void put_facts(struct buf *out, struct words w)
 
 /* ---- replies ---- */
 
-static void put_row(struct buf *out, const struct resp3_form *form, const struct reply_part *part)
+static void put_row(struct buf *out, const char *types, const struct reply_part *part)
 {
-    const char *type = form != NULL ? form->row : "w", *text;
+    const char *type = types != NULL ? types : "w", *text;
     struct words w = {part->text, part->text + part->len};
     size_t len;
     if (*type == 't') {
@@ -183,13 +159,13 @@ static void put_row(struct buf *out, const struct resp3_form *form, const struct
 }
 
 /* Without rows the reply of a command that has some at other times is empty, not OK. */
-static void put_status(struct buf *out, const struct resp3_form *form, const struct reply_reader *r,
+static void put_status(struct buf *out, const char *types, const struct reply_reader *r,
                        const struct reply_part *part)
 {
     uint64_t rows = r->rows_left;
     struct words w = {part->text + 4, part->text + part->len}; /* after "OK 0" */
-    if (rows > 0 || form != NULL) {
-        if (form != NULL && form->row[0] == 'm')
+    if (rows > 0 || types != NULL) {
+        if (types != NULL && types[0] == 'm')
             resp3_map(out, rows);
         else
             resp_array(out, rows);
@@ -200,28 +176,28 @@ static void put_status(struct buf *out, const struct resp3_form *form, const str
     }
 }
 
-static void put_part(struct buf *out, const struct resp3_form *form, const struct reply_reader *r,
+static void put_part(struct buf *out, const char *types, const struct reply_reader *r,
                      const struct reply_part *part)
 {
     bool binary =
         part->kind == REPLY_OK && reply_key(part, "bytes", &(const char *){0}, &(size_t){0});
     if (part->kind == REPLY_ROW)
-        put_row(out, form, part);
+        put_row(out, types, part);
     else if (part->kind == REPLY_OK && !binary)
-        put_status(out, form, r, part);
+        put_status(out, types, r, part);
     else /* errors and bytes are the same in RESP 2 */
         resp_part(out, r, part);
 }
 
-bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const char *bytes,
-                   size_t n, struct buf *out)
+bool resp3_reframe(struct reply_reader *r, const char *types, const char *bytes, size_t n,
+                   struct buf *out)
 {
     struct reply_part part;
     while (n > 0) {
         ptrdiff_t took = reply_read(r, bytes, n, &part);
         if (took <= 0)
             return false;
-        put_part(out, form, r, &part);
+        put_part(out, types, r, &part);
         bytes += took;
         n -= (size_t)took;
     }
@@ -248,7 +224,6 @@ static void put_event_facts(struct buf *out, struct words w)
 void resp3_push(struct buf *out, const char *head, size_t head_len, const char *rows,
                 size_t rows_len, size_t n)
 {
-    static const struct resp3_form point = {"", "sid"}, other = {"", "sisi"};
     const char *text;
     size_t len, mark = buf_len(out);
     struct words w = {head, head + head_len - 1};
@@ -262,7 +237,7 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
     while (rows_len > 0) {
         const char *lf = memchr(rows, '\n', rows_len);
         struct reply_part row = {REPLY_ROW, rows, (size_t)(lf - rows), false};
-        put_row(out, *rows == 'p' ? &point : &other, &row);
+        put_row(out, *rows == 'p' ? "sid" : "sisi", &row);
         rows_len -= row.len + 1;
         rows = lf + 1;
     }

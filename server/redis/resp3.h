@@ -15,16 +15,11 @@
 #include "proto/buf.h"
 #include "proto/reply_read.h"
 
-/* How a command's rows are typed; static. */
-struct resp3_form;
-
-/* The form of the command of that name, in capitals. NULL: it has no entry in the table of resp3.c; words of its rows
- * are typed by what they look like. */
-const struct resp3_form *resp3_form(const char *command);
-
-/* As resp_reframe, typed. */
-bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const char *bytes,
-                   size_t n, struct buf *out);
+/* As resp_reframe, typed: a letter for each word of a row, the last one for all that follow: i an id or a count, d a double,
+ * s a text, w by what it looks like. Or one of these alone: t the row is one text, m it is a name and its facts. NULL:
+ * replies usually have no rows; the words of those that have some are typed as by w. */
+bool resp3_reframe(struct reply_reader *r, const char *types, const char *bytes, size_t n,
+                   struct buf *out);
 
 /* An event (server/watch/event.h) in lines, its first line and its n rows, as a push: `event`, a map of facts, and
  * the rows. */

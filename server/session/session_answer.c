@@ -13,8 +13,8 @@
 /* Converts lines to RESP 3, whose types depend on the command. */
 static bool reframe_typed(struct session *s, const char *lines, size_t n)
 {
-    const struct resp3_form *form = s->command != NULL ? resp3_form(s->command->name) : NULL;
-    return resp3_reframe(&s->reader, form, lines, n, &s->conn.out);
+    const char *types = s->command != NULL ? s->command->rows : NULL;
+    return resp3_reframe(&s->reader, types, lines, n, &s->conn.out);
 }
 
 enum { LINES_KEPT = 512 * 1024 };
