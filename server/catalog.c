@@ -3,10 +3,11 @@
 
 #include "server/commands.h"
 
-/* Texts of the table contain no character that JSON would escape. */
+/* NULL: nothing. Texts of the table contain no character that JSON would escape. */
 static void print_text(FILE *out, const char *key, const char *text)
 {
-    fprintf(out, "\"%s\": \"%s\", ", key, text);
+    if (text != NULL)
+        fprintf(out, "\"%s\": \"%s\", ", key, text);
 }
 
 static void print_flag(FILE *out, const char *key, const struct command *c, unsigned flag)
@@ -41,9 +42,9 @@ static void print_command(FILE *out, const struct command *c)
     else
         fputs("\"most\": null, ", out);
     print_text(out, "role", role_of(c));
-    if (c->rows != NULL)
-        print_text(out, "rows", c->rows);
     print_text(out, "about", subject_of(c));
+    print_text(out, "rows", c->rows);
+    print_text(out, "result", c->result);
     print_flag(out, "exists", c, CMD_EXISTING);
     fputs(", ", out);
     print_flag(out, "changes", c, CMD_WRITE);

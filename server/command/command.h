@@ -36,6 +36,9 @@ struct command {
     const char *usage, *help;
     const char *
         rows; /* the types of the rows of its replies in RESP 3 (redis/resp3.h); NULL: it has none */
+    /* What clients return of the status line: facts `key:type`, the types being i, d, b and s (integer, double, 1 or yes, text), `?`
+     * behind one that may be missing. A single fact is the result, several are a record of facts; NULL: nothing. */
+    const char *result;
 };
 
 /* NULL: there is none of that name. */

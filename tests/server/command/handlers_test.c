@@ -44,6 +44,42 @@ TEST(names_say_which_commands_have_a_body)
     }
 }
 
+/* Whether the status line has the fact `key:type` or `key:type?` of command.h, with a value of that type. */
+static bool has_fact(const char *reply, const char *fact)
+{
+    static const char *const ranges[] = {"i0123456789", "d0123456789.e+-", "b01yesno", NULL};
+    char key[40];
+    size_t n = strcspn(fact, ":");
+    snprintf(key, sizeof key, " %.*s=", (int)n, fact);
+    const char *at = strstr(reply, key);
+    if (at == NULL)
+        return fact[n + 2] == '?';
+    size_t length = strcspn(at += n + 2, " \n");
+    for (size_t i = 0; ranges[i] != NULL; i++)
+        if (ranges[i][0] == fact[n + 1])
+            return length > 0 && strspn(at, ranges[i] + 1) >= length;
+    return fact[n + 1] == 's' && length > 0;
+}
+
+TEST(results_of_commands_are_those_of_the_table)
+{
+    static const char *const requests[] = {
+        SQUARE,        "LOAD t 1\n9 9\n", "LOADB t 0\n", "TRIANGULATE t\n", "CHECK t\n",
+        "DEL t 1\n",   "STAT t\n",        "DIGEST t\n",  "EXPIRE t 9\n",    "TTL t\n",
+        "PERSIST t\n", "TTL t\n",         "STAT t\n",    "WAIT 0 1\n",      "HELLO\n"};
+    struct local l;
+    local_start(&l, 0);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        struct word name = {requests[i], strcspn(requests[i], " \n")};
+        const char *reply = local_ask(&l, requests[i]);
+        CHECK_MSG(strncmp(reply, "OK ", 3) == 0, "%s%s", requests[i], reply);
+        const char *fact = command_find(&l.server, &name)->result;
+        for (; fact != NULL; fact = strchr(fact, ' ') != NULL ? strchr(fact, ' ') + 1 : NULL)
+            CHECK_MSG(has_fact(reply, fact), "%s%s: %s", requests[i], reply, fact);
+    }
+    local_stop(&l);
+}
+
 TEST(workers_give_the_same_replies_as_none)
 {
     static const char *const requests[] = {"TRIANGULATE t METHOD divide",
