@@ -41,7 +41,11 @@ def row(command):
     return "{%s},\n" % ",\n ".join(fields)
 
 
+def requests(commands, by_hand):
+    """Those that are sent as they are. Bodies are binary: `load` and other subcommands send them. `by_hand`: names of rows."""
+    return [c for c in commands if not c.body and c.name not in WITH_EVENTS and c.name.lower() not in by_hand]
+
+
 def generate(commands, by_hand, says):
-    """`by_hand`: the rows that are not generated. A body is binary; `load` and other subcommands send it."""
-    rows = [row(c) for c in commands if not c.body and c.name not in WITH_EVENTS and c.name.lower() not in by_hand]
+    rows = [row(c) for c in requests(commands, by_hand)]
     return "/* requests.h - rows of the table in subcommand.c.\n * %s */\n/* clang-format off */\n" % says + "".join(rows)

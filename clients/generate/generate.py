@@ -2,7 +2,7 @@
 """Writes the parts of the clients that follow from the daemon's table of commands.
 
     generate.py DAEMON            writes the files, in the repository
-    generate.py DAEMON --check    names the files that are not what it would write, one a line
+    generate.py DAEMON --check    names the files that are not what it would write, and what documents say otherwise, one a line
 """
 
 import re
@@ -10,31 +10,54 @@ import sys
 from pathlib import Path
 
 import command_line
+import documents
+import node
+import python
 import table
 
-CLIENTS = Path(__file__).resolve().parent.parent
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
 SAYS = "Generated from the table of commands by `make generate`, not to be edited."
 
 
-def names(path, pattern):
-    """What is written by hand in a file, and therefore not generated."""
-    return set(re.findall(pattern, (CLIENTS / path).read_text(), re.M))
+def read(path):
+    return (REPOSITORY / path).read_text()
+
+
+def names(pattern, *paths):
+    """What is written by hand in these files, and therefore not generated."""
+    return {name for path in paths for name in re.findall(pattern, read(path), re.M)}
 
 
 def files(commands):
-    by_hand = names("cli/subcommand.c", r'^    \{"([a-z]+)", ')
-    yield "cli/requests.h", command_line.generate(commands, by_hand, SAYS)
+    by_hand = names(r'^    \{"([a-z]+)", ', "clients/cli/subcommand.c")
+    yield "clients/cli/requests.h", command_line.generate(commands, by_hand, SAYS)
+    yield "man/delaunay.1", documents.generate_page(read("man/delaunay.1"), commands, by_hand, SAYS)
+    package = "clients/python/delaunayd/"
+    by_hand = names(r"^    def ([a-z_]+)\(", package + "_commands.py", package + "client.py")
+    methods = python.generate(commands, by_hand, SAYS)
+    yield package + "_table.py", methods
+    yield package + "aio.pyi", python.generate_aio([read(package + "_commands.py"), methods], SAYS)
+    by_hand = names(r"^  (?:async )?([A-Za-z]+)\(", "clients/js/lib/client.js")
+    yield "clients/js/lib/table.js", node.generate(commands, by_hand, SAYS)
+    yield "clients/js/table.d.ts", node.generate_types(commands, by_hand, SAYS)
+
+
+def faults(commands):
+    for path, text in files(commands):
+        if read(path) != text:
+            yield path + ": not what `make generate` writes"
+    yield from documents.faults_of_headings(read("proto/PROTOCOL.md"), commands)
+    for page in ("man/delaunay.1", "man/delaunayd.8"):
+        yield from documents.faults_of_page(page, read(page), commands)
 
 
 def main(daemon, check=None):
-    for path, text in files(table.read(daemon)):
-        file = CLIENTS / path
-        if file.exists() and file.read_text() == text:
-            continue
-        if check is None:
-            file.write_text(text)
-        else:
-            print("clients/%s: not what `make generate` writes" % path)
+    commands = table.read(daemon)
+    if check is None:
+        for path, text in files(commands):
+            (REPOSITORY / path).write_text(text)
+    else:
+        print(*faults(commands), sep="\n", end="")
 
 
 if __name__ == "__main__":

@@ -7,9 +7,23 @@ A usage is forms between bars: words in lower case stand for values, those in ca
 import json
 import re
 import subprocess
+from typing import NamedTuple
 
 # Events come between the replies to these; only mirrors can read them.
 WITH_EVENTS = ("WATCH", "UNWATCH")
+
+
+class Fact(NamedTuple):
+    """A word key=value of a status line; the type is i, d, b or s."""
+
+    key: str
+    type: str
+    optional: bool
+
+
+def read_fact(word):
+    key, of = word.rstrip("?").split(":")
+    return Fact(key, of, word.endswith("?"))
 
 
 class Command:
@@ -21,6 +35,8 @@ class Command:
         self.changes = row["changes"]
         self.role = row["role"]
         self.about = row["about"]
+        self.facts = [read_fact(word) for word in row.get("result", "").split()]
+        self.rows = row.get("rows")
 
     def forms(self):
         return self.usage.split(" | ")

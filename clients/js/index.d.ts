@@ -1,5 +1,6 @@
 import Delaunator = require('./delaunator');
 import { Delaunay } from './d3-delaunay';
+import { Table } from './table';
 
 export { Delaunator, Delaunay };
 
@@ -20,21 +21,11 @@ export interface Reply {
   data: Uint8Array | null;
 }
 
-export interface Summary {
-  points: number;
-  coincident: number;
-  triangles: number;
-  edges: number;
-  hull: number;
-}
+/** What triangulate(), check() and stat() resolve with, in part. */
+export type Summary = Omit<Awaited<ReturnType<Table['check']>>, 'delaunay'>;
 
-export interface Stat extends Summary {
-  triangulated: boolean;
-  memory: number;
-  tol: number;
-  /** Grows with every change of the set. */
-  version: number;
-}
+/** `version` grows with every change of the set. */
+export type Stat = Awaited<ReturnType<Table['stat']>>;
 
 export interface Point {
   id: number;
@@ -127,23 +118,16 @@ export interface LoadOptions {
 }
 
 /** Made by connect(). Requests may be made without waiting for one another. */
+export interface Client extends Table {}
 export class Client {
   private constructor();
   close(): void;
   request(line: string, options?: RequestOptions & { body?: Uint8Array }): Promise<Reply>;
   sets(): Promise<string[]>;
   create(set: string, tolerance?: number, options?: { temporary?: boolean }): Promise<void>;
-  drop(set: string): Promise<void>;
-  expire(set: string, seconds: number): Promise<void>;
-  ttl(set: string): Promise<number | undefined>;
-  persist(set: string): Promise<boolean>;
-  stat(set: string): Promise<Stat>;
-  digest(set: string): Promise<string>;
   load(set: string, points: Points, options?: LoadOptions): Promise<number>;
   load<P>(set: string, points: Iterable<P>, options: Accessors<P> & LoadOptions): Promise<number>;
   add(set: string, x: number, y: number): Promise<number>;
-  delete(set: string, ids: Iterable<number>): Promise<number>;
-  move(set: string, id: number, x: number, y: number): Promise<void>;
   get(set: string, ids: Iterable<number>): Promise<Point[]>;
   points(set: string): Promise<{ ids: Uint32Array; coords: Float64Array }>;
   points(
@@ -151,11 +135,6 @@ export class Client {
     options: { fields: Iterable<string> },
   ): Promise<{ ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> }>;
   coincident(set: string): Promise<Map<number, number>>;
-  triangulate(
-    set: string,
-    options?: RequestOptions & { method?: 'auto' | 'shelling' | 'divide' },
-  ): Promise<Summary & { ms: number }>;
-  check(set: string): Promise<Summary & { delaunay: boolean }>;
   triangles(set: string, options?: { clockwise?: boolean; within?: Box }): Promise<Uint32Array>;
   edges(set: string): Promise<Uint32Array>;
   lists(set: string, options?: { within?: Box }): Promise<Map<number, Uint32Array>>;
@@ -172,7 +151,6 @@ export class Client {
   getField(set: string, field: string, ids: Iterable<number>): Promise<Float64Array>;
   field(set: string, field: string): Promise<{ ids: Uint32Array; values: Float64Array }>;
   setField(set: string, field: string, values: ArrayLike<number>, options?: { first?: number; timeout?: number }): Promise<void>;
-  dropField(set: string, field: string): Promise<void>;
   weights(
     set: string,
     x: number,

@@ -4,22 +4,13 @@
 const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
 const { Disconnected } = require('./errors.js');
-const { doubleBytes, flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
+const { checkField, checkSet, doubleBytes, flatten, pointBytes, typed, words } = require('./framing.js');
 const { Cells, bordersOf, contourOf, multiPolygon } = require('./surfaces.js');
+const { Table } = require('./table.js');
 
 const CONNECT_MS = 10000;
 const MOST_TRIES = 10; // until the set is not edited meanwhile
 const MOST_IDS = 4096; // of a line of a request
-
-function checkSet(name) {
-  if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
-  return name;
-}
-
-function checkField(name) {
-  if (!/^[A-Za-z_][A-Za-z0-9_.:-]{0,63}$/.test(name)) throw new TypeError('a field\'s name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -');
-  return name;
-}
 
 const methodWords = ({ method, maxEdge }) => `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}`;
 const boxWords = (box, word = 'BOX') => (box ? ` ${word} ${[...box].join(' ')}` : '');
@@ -47,8 +38,8 @@ function pointOf(row) {
   return distance === undefined ? { id, x, y } : { id, x, y, distance };
 }
 
-/** Made by connect(). Requests may be made without waiting for one another. */
-class Client {
+/** Made by connect(). Requests may be made without waiting for one another. The methods here take or return more than words. */
+class Client extends Table {
   #address;
   #options;
   #connection = null;
@@ -58,6 +49,7 @@ class Client {
   #mirrors = new Set();
 
   constructor(address, { timeout = 0, connectTimeout = CONNECT_MS, unref = false } = {}) {
+    super();
     this.#address = address;
     this.#options = { timeout, connectTimeout, unref };
   }
@@ -132,10 +124,6 @@ class Client {
     return words(Uint32Array, (await this.request(line)).data);
   }
 
-  async #keys(line, options) {
-    return typedKeys((await this.request(line, options)).keys);
-  }
-
   async #points(line) {
     return (await this.request(line)).rows.map(pointOf);
   }
@@ -149,35 +137,6 @@ class Client {
   /** A temporary set is dropped when this client's connection ends. */
   async create(set, tolerance = 0, { temporary = false } = {}) {
     await this.request(`CREATE ${checkSet(set)} TOL ${tolerance}${temporary ? ' TEMPORARY' : ''}`);
-  }
-
-  async drop(set) {
-    await this.request(`DROP ${checkSet(set)}`);
-  }
-
-  /** Makes the server drop the set after this number of seconds. */
-  async expire(set, seconds) {
-    await this.request(`EXPIRE ${checkSet(set)} ${Number(seconds)}`);
-  }
-
-  /** The number of seconds until the server drops the set; undefined: never. */
-  async ttl(set) {
-    const { ttl } = (await this.request(`TTL ${checkSet(set)}`)).keys;
-    return ttl === undefined ? undefined : Number(ttl);
-  }
-
-  /** Cancels expire; resolves with whether the set was to expire. */
-  async persist(set) {
-    return (await this.request(`PERSIST ${checkSet(set)}`)).keys.changed === '1';
-  }
-
-  async stat(set) {
-    return this.#keys(`STAT ${checkSet(set)}`);
-  }
-
-  /** 16 hexadecimal digits that are those of an equal set, and of no other. */
-  async digest(set) {
-    return (await this.request(`DIGEST ${checkSet(set)}`)).keys.digest;
   }
 
   // ---- points ----
@@ -198,14 +157,6 @@ class Client {
 
   async add(set, x, y) {
     return Number((await this.request(`ADD ${checkSet(set)} ${x} ${y}`)).keys.first);
-  }
-
-  async delete(set, ids) {
-    return Number((await this.request(`DEL ${checkSet(set)} ${[...ids].join(' ')}`)).keys.deleted);
-  }
-
-  async move(set, id, x, y) {
-    await this.request(`MOVE ${checkSet(set)} ${id} ${x} ${y}`);
   }
 
   /** {id, x, y} of each id, in the order of the request. */
@@ -267,19 +218,7 @@ class Client {
     await this.request(`FSETB ${checkSet(set)} ${checkField(field)} ${first} ${column.length}`, { body: doubleBytes(column), timeout });
   }
 
-  async dropField(set, field) {
-    await this.request(`FDROP ${checkSet(set)} ${checkField(field)}`);
-  }
-
   // ---- the triangulation ----
-
-  async triangulate(set, { method, progress, timeout } = {}) {
-    return this.#keys(`TRIANGULATE ${checkSet(set)}${method ? ` METHOD ${method}` : ''}`, { progress, timeout });
-  }
-
-  async check(set) {
-    return this.#keys(`CHECK ${checkSet(set)}`);
-  }
 
   /** Three ids a triangle, counterclockwise. within: [x0, y0, x1, y1], only the triangles that meet this box. */
   async triangles(set, { clockwise = false, within } = {}) {

@@ -86,9 +86,47 @@ function typed(text) {
   return text === 'yes' ? true : text === 'no' ? false : text;
 }
 
-function typedKeys(keys) {
-  return Object.fromEntries(Object.entries(keys).map(([key, text]) => [key, typed(text)]));
+// ---- words of requests ----
+
+function checkSet(name) {
+  if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
+  return name;
 }
+
+function checkField(name) {
+  if (!/^[A-Za-z_][A-Za-z0-9_.:-]{0,63}$/.test(name)) throw new TypeError('a field\'s name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -');
+  return name;
+}
+
+const numbers = (values) => Array.from(values, Number);
+
+/** The words of what may be left out: undefined or false: none; true: the keyword alone; else the keyword, if there is one, and the
+ * values. */
+function option(keyword, value) {
+  if (value === undefined || value === null || value === false) return [];
+  const before = keyword === null ? [] : [keyword];
+  if (value === true) return before;
+  return before.concat(typeof value === 'object' ? [...value] : value);
+}
+
+/** The line of a request: words, and lists of words. */
+const line = (...parts) => parts.flat().join(' ');
+
+// ---- results: functions of a reply ----
+
+const nothing = () => undefined;
+const text = (key) => ({ keys }) => keys[key];
+const number = (key) => ({ keys }) => (key in keys ? Number(keys[key]) : undefined);
+const truth = (key) => ({ keys }) => keys[key] === 'yes' || keys[key] === '1';
+const typedKeys = ({ keys }) => Object.fromEntries(Object.entries(keys).map(([key, word]) => [key, typed(word)]));
+
+/** The rows, each word of the type of its letter, the last one's for the rest: i, d, s; others have that of their form. */
+function table(types) {
+  const reads = [...types].map((letter) => ({ i: Number, d: Number, s: String })[letter] ?? typed);
+  return ({ rows }) => rows.map((row) => row.split(' ').map((word, i) => reads[Math.min(i, reads.length - 1)](word)));
+}
+
+// ---- arrays ----
 
 /** The bytes as an array of a type. They are copied: they may be part of a larger block, and not aligned. */
 function words(Type, bytes) {
@@ -127,4 +165,24 @@ function doubleBytes(flat) {
   return BIG_ENDIAN ? Buffer.from(bytes).swap64() : bytes;
 }
 
-module.exports = { Input, doubleBytes, flatten, parseEvent, parseStatus, pointBytes, typed, typedKeys, words };
+module.exports = {
+  Input,
+  checkField,
+  checkSet,
+  doubleBytes,
+  flatten,
+  line,
+  nothing,
+  number,
+  numbers,
+  option,
+  parseEvent,
+  parseStatus,
+  pointBytes,
+  table,
+  text,
+  truth,
+  typed,
+  typedKeys,
+  words,
+};

@@ -30,6 +30,19 @@ describe('a client', () => {
 
   const square = Float64Array.of(0, 0, 4, 0, 4, 4, 0, 4, 2, 2);
 
+  test('results of commands without methods written by hand', async () => {
+    await client.load('t', square, { fields: { z: [0, 1, 2, 3, 4] } });
+    assert.equal(await client.dropField('t', 'z'), undefined);
+    assert.deepEqual(await client.fields('t'), {});
+    assert.equal((await client.digest('t')).length, 16);
+    assert.equal((await client.trace('t'))[0][0], 'grid');
+    assert.equal(await client.wait(0, 1), 0);
+    assert.equal((await client.stat('t')).triangulated, false);
+    await assert.rejects(client.delete('t', [0, 99]), { code: 'NOPOINT' });
+    await assert.rejects(client.drop('t u'), TypeError);
+    await assert.rejects(client.snapshot(), { code: 'IO' });
+  });
+
   test('a session', async () => {
     assert.equal(await client.load('t', square), 0);
     assert.equal((await client.triangulate('t', { method: 'divide' })).triangles, 4);

@@ -6,28 +6,15 @@ of `delaunayd.aio` each method returns an awaitable of the result described here
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
 from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
+from ._table import Table
 
-_T = TypeVar("_T")
 
-
-class Commands:
-    """The commands, one method each, in the order of PROTOCOL.md."""
-
-    def _run(
-        self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
-    ) -> Any:
-        """Sends the requests and returns read(list of replies). Raises the first Refused."""
-        raise NotImplementedError
-
-    def _ask(
-        self, read: Callable[[Reply], _T], *words: Word, body: Any = b"", progress: Optional[Progress] = None
-    ) -> _T:
-        answer: _T = self._run([protocol.request(*words, body=body)], lambda replies: read(replies[0]), progress)
-        return answer
+class Commands(Table):
+    """The commands, one method each: those of the table, and here those that take or return more than words, such as arrays."""
 
     def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Any:
         """Ids in binary, in rows of `width`."""
@@ -56,37 +43,6 @@ class Commands:
         """The names of all sets, sorted."""
         return self._ask(lambda reply: [row.split(" ")[0] for row in reply.rows], "SETS")
 
-    def create(self, name: str, tolerance: float = 0.0, temporary: bool = False) -> None:
-        """Creates an empty set. Points within `tolerance` of another one coincide with it. A temporary set is dropped when the
-        connection ends."""
-        last = ("TEMPORARY",) if temporary else ()
-        return self._ask(lambda _: None, "CREATE", set_name(name), "TOL", tolerance, *last)
-
-    def drop(self, name: str) -> None:
-        """Deletes a set and all its points."""
-        return self._ask(lambda _: None, "DROP", set_name(name))
-
-    def expire(self, name: str, seconds: float) -> None:
-        """Makes the server drop the set after this number of seconds."""
-        return self._ask(lambda _: None, "EXPIRE", set_name(name), float(seconds))
-
-    def ttl(self, name: str) -> Optional[float]:
-        """The number of seconds until the server drops the set; None: never."""
-        return self._ask(lambda reply: float(reply.keys["ttl"]) if "ttl" in reply.keys else None, "TTL", set_name(name))
-
-    def persist(self, name: str) -> bool:
-        """Cancels `expire`; returns whether the set was to expire."""
-        return self._ask(lambda reply: reply.keys["changed"] == "1", "PERSIST", set_name(name))
-
-    def stat(self, name: str) -> Dict[str, Value]:
-        """Counts (points, coincident, triangles, edges, hull), memory in bytes, tol, and whether it is triangulated."""
-        return self._ask(protocol.values, "STAT", set_name(name))
-
-    def digest(self, name: str) -> str:
-        """16 hexadecimal digits that are those of an equal set, and of no other: points, fields, tolerance, version, and when it
-        is dropped."""
-        return self._ask(lambda reply: reply.keys["digest"], "DIGEST", set_name(name))
-
     # ---- points ----
 
     def load(self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None) -> int:
@@ -99,15 +55,6 @@ class Commands:
     def add(self, name: str, x: float, y: float) -> int:
         """Adds a point; returns its id."""
         return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), float(x), float(y))
-
-    def delete(self, name: str, ids: Iterable[int]) -> int:
-        """Deletes points, all or none; returns how many."""
-        words = [int(i) for i in ids]
-        return self._ask(lambda reply: int(reply.keys["deleted"]), "DEL", set_name(name), *words)
-
-    def move(self, name: str, id: int, x: float, y: float) -> None:
-        """Moves a point, which keeps its id."""
-        return self._ask(lambda _: None, "MOVE", set_name(name), int(id), float(x), float(y))
 
     def get(self, name: str, ids: Iterable[int]) -> List[Tuple[float, float]]:
         """The coordinates of points."""
@@ -147,10 +94,6 @@ class Commands:
         data, n = protocol.column(values)
         return self._ask(lambda _: None, "FSETB", set_name(name), field_name(field), int(first), n, body=data)
 
-    def drop_field(self, name: str, field: str) -> None:
-        """Deletes a field."""
-        return self._ask(lambda _: None, "FDROP", set_name(name), field_name(field))
-
     # ---- the triangulation ----
 
     def triangulate(
@@ -160,10 +103,6 @@ class Commands:
         edges and hull points, and ms, the time taken. `method` is auto, divide or shelling; the result is the same."""
         words = ("METHOD", method) if method is not None else ()
         return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
-
-    def check(self, name: str) -> Dict[str, Value]:
-        """Verifies the triangulation, exactly."""
-        return self._ask(protocol.values, "CHECK", set_name(name))
 
     def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Any:
         """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3). `within`: those that meet the closed

@@ -6,7 +6,7 @@ import re
 import struct
 import sys
 from array import array
-from typing import Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, TypeVar, Union
 
 try:
     import numpy
@@ -16,6 +16,7 @@ except ImportError:  # the standard library alone is enough
 Progress = Callable[[str], None]
 Word = Union[str, int, float]
 Value = Union[bool, int, float, str]
+_T = TypeVar("_T")
 
 LINE = -1  # what read_reply asks for: a line
 _SET_NAME = re.compile(r"[A-Za-z0-9_.:-]{1,64}\Z")
@@ -154,6 +155,50 @@ def decode_line(line: bytes) -> str:
     if not line.endswith(b"\n"):
         raise ConnectionLost("the connection was lost")
     return line.rstrip(b"\r\n").decode()
+
+
+# ---- words of requests ----
+
+
+def option(keyword: Optional[str], value: Any) -> Tuple[Word, ...]:
+    """The words of what may be left out: None or False: none; True: the keyword alone; else the keyword, if there is one, and the
+    values."""
+    before = () if keyword is None else (keyword,)
+    if value is None or value is False:
+        return ()
+    if value is True:
+        return before
+    return before + (tuple(map(float, value)) if hasattr(value, "__iter__") and not isinstance(value, str) else (value,))
+
+
+# ---- results ----
+
+
+def nothing(reply: Reply) -> None:
+    """The reply says only that the request has been carried out."""
+
+
+def fact(key: str, read: Callable[[str], _T]) -> Callable[[Reply], _T]:
+    return lambda reply: read(reply.keys[key])
+
+
+def fact_if_any(key: str, read: Callable[[str], _T]) -> Callable[[Reply], Optional[_T]]:
+    return lambda reply: read(reply.keys[key]) if key in reply.keys else None
+
+
+def truth(text: str) -> bool:
+    return text in ("yes", "1")
+
+
+def table(types: str) -> Callable[[Reply], List[Tuple[Any, ...]]]:
+    """The rows, each word of the type of its letter, the last one's for the rest: i, d, s; others have that of their form."""
+    reads: List[Callable[[str], Any]] = [{"i": int, "d": float, "s": str}.get(letter, value) for letter in types]
+
+    def row(text: str) -> Tuple[Any, ...]:
+        words = text.split(" ")
+        return tuple(read(word) for read, word in zip(reads + reads[-1:] * len(words), words))
+
+    return lambda reply: [row(text) for text in reply.rows]
 
 
 # ---- values ----

@@ -14,6 +14,7 @@ from typing import Any, Callable, Deque, Generator, Iterable, List, Optional, Se
 from . import _address, _protocol as protocol
 from ._commands import Commands
 from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refused, Reply, Request, Word
+from ._table import READS
 from .mirror import Change, Mirror
 
 __all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
@@ -24,10 +25,7 @@ _AT_ONCE = 1000  # requests
 _BYTES_AT_ONCE = 1 << 15
 _PIECE = 1 << 20
 # Requests that may be sent again when the connection was lost before they were answered.
-_HARMLESS = frozenset(
-    b"PING INFO SETS STAT TTL GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE LOCATEB NEAREST NEARESTB WITHIN"
-    b" FIELDS FGET WEIGHTS INTERPOLATE INTERPOLATEB RASTER CONTOUR VORONOI AREAS ALPHA".split()
-)
+_HARMLESS = READS | {b"PING", b"INFO"}
 
 
 def _next_batch(requests: Sequence[Request], at: int) -> Sequence[Request]:

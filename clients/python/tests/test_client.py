@@ -1,6 +1,9 @@
 """The methods of a client, with NumPy and without."""
 
+import os
 import socket
+import subprocess
+import tempfile
 import threading
 import unittest
 from array import array
@@ -50,6 +53,41 @@ class Commands(WithDaemon):
         self.assertEqual(list(flat)[-2:], [1e-7, 3.0])
         self.assertEqual(c.check("t")["delaunay"], True)
         self.assertIn("uptime_s", c.info())
+
+    def test_results_of_commands_without_methods_written_by_hand(self):
+        c = self.client
+        c.create("t", temporary=True)
+        self.assertEqual(c.stat("t")["temporary"], True)
+        self.assertIsNone(c.create("u", 0.5))
+        self.assertEqual(c.stat("u")["tol"], 0.5)
+        c.load("t", SQUARE)
+        self.assertEqual(c.ttl("t"), None)
+        self.assertIsNone(c.expire("t", 1000))
+        self.assertTrue(900 < c.ttl("t") <= 1000)
+        self.assertIs(c.persist("t"), True)
+        self.assertIs(c.persist("t"), False)
+        self.assertEqual(len(c.digest("t")), 16)
+        self.assertEqual(c.trace("t")[0][0], "grid")
+        self.assertEqual(c.wait(0, 1), 0)
+
+    def test_backups_and_snapshots(self):
+        with tempfile.TemporaryDirectory() as path:
+            daemon = subprocess.Popen(
+                [os.environ["DELAUNAYD"], "--port", "0", "--data", path + "/data", "--backup-dir", path + "/backups"],
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+            self.addCleanup(daemon.stdout.close)
+            self.addCleanup(daemon.wait)
+            self.addCleanup(daemon.terminate)
+            with Client("delaunay://" + daemon.stdout.readline().split()[-1]) as c:
+                c.load("t", SQUARE)
+                self.assertGreaterEqual(c.snapshot(), 1)
+                backup = c.backup("monday")
+                self.assertGreaterEqual(backup["lsn"], 1)
+                self.assertEqual(backup["files"], len(os.listdir(path + "/backups/monday")))
+            daemon.terminate()
+            daemon.wait()
 
     def test_errors_leave_the_connection(self):
         with self.assertRaises(Refused) as raised:

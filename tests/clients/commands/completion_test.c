@@ -97,7 +97,7 @@ TEST(completion_names_the_shells_that_it_supports)
 /* The page's text, without the backslashes before hyphens. */
 static char *read_page(void)
 {
-    static char page[20000];
+    static char page[40000];
     FILE *f = fopen("man/delaunay.1", "r");
     CHECK(f != NULL);
     size_t n = 0;

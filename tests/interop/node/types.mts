@@ -12,11 +12,13 @@ export async function asynchronous(): Promise<number> {
   const ids: Uint32Array = await client.triangles('t', { clockwise: true });
   const [{ id, distance }] = await client.nearest('t', 0, 0);
   const t: Triangulation = await Triangulation.from(new Float32Array(6), { client });
+  const steps: (string | number)[][] = await client.trace('t', { timeout: 100 });
+  const dropped: void = await client.dropField('t', 'z');
   await client.stat('none').catch((e: unknown) => e instanceof Refused && e.code.length);
   const mirror: Mirror = await client.mirror('t', { within: [0, 0, 1, 1], fields: ['z'] });
   mirror.on('change', ({ added }: Change) => console.log(added.length, mirror.point(0)?.[1])).once('dropped', () => mirror.close());
   client.close();
-  return triangles + ms + Number(delaunay) + ids.length + id + distance + t.halfedges.length;
+  return triangles + ms + Number(delaunay) + Number(dropped) + steps.length + ids.length + id + distance + t.halfedges.length;
 }
 
 export function synchronous(): Polygon {

@@ -1,0 +1,106 @@
+"""The methods for Node, and their types: clients/js/lib/table.js, clients/js/table.d.ts."""
+
+import methods
+
+HEAD = """// The commands whose methods follow from the table of commands.
+// %s
+'use strict';
+
+const { checkField, checkSet, line, nothing, number, numbers, option, table, text, truth, typedKeys } = require('./framing.js');
+
+/** The commands that need no more than their words. Each takes the options of request(). */
+class Table {
+"""
+TAIL = """}
+
+module.exports = { Table };
+"""
+TYPES_HEAD = """// The types of the commands whose methods follow from the table of commands.
+// %s
+import { RequestOptions } from './index';
+
+/** The commands that need no more than their words. */
+export interface Table {
+"""
+WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "word": "%s"}
+MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "word": "[...%s]"}
+TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "word": "string | number"}
+READS = {"i": "number", "d": "number", "b": "truth", "s": "text"}
+FACTS = {"i": "number", "d": "number", "b": "boolean", "s": "string"}
+
+
+def camel(words):
+    return words[0] + "".join(w.capitalize() for w in words[1:])
+
+
+def name_of(value):
+    return value.name + "s" * value.many
+
+
+def option_names(method):
+    return [camel(methods.option_name(o)) for o in method.options]
+
+
+def words(method):
+    yield "'%s'" % method.command.name
+    for v in method.values:
+        yield (MANY if v.many else WRITTEN)[v.kind()] % name_of(v) if not v.optional else "option(null, %s)" % name_of(v)
+    for o, name in zip(method.options, option_names(method)):
+        yield "option('%s', %s)" % (o.keyword, name)
+
+
+def read(command):
+    if command.rows:
+        return "table('%s')" % command.rows
+    if not command.facts:
+        return "nothing"
+    if len(command.facts) > 1:
+        return "typedKeys"
+    return "%s('%s')" % (READS[command.facts[0].type], command.facts[0].key)
+
+
+def code(method):
+    options = "{ %s, ...options } = {}" % ", ".join(option_names(method)) if method.options else "options"
+    parameters = ", ".join([name_of(v) for v in method.values] + [options])
+    text = "  /** %s */\n  async %s(%s) {\n" % (method.doc("Resolves with"), camel(method.words), parameters)
+    return text + "    return %s(await this.request(line(%s), options));\n  }\n" % (read(method.command), ", ".join(words(method)))
+
+
+def result_type(command):
+    if command.rows:
+        return "(string | number)[][]"
+    if not command.facts:
+        return "void"
+    if len(command.facts) == 1:
+        fact = command.facts[0]
+        return FACTS[fact.type] + " | undefined" * fact.optional
+    return "{ %s }" % "; ".join("%s%s: %s" % (f.key, "?" * f.optional, FACTS[f.type]) for f in command.facts)
+
+
+def option_type(option):
+    if option.choices:
+        return " | ".join("'%s'" % choice for choice in option.choices)
+    return "boolean" if not option.values else "number" if len(option.values) == 1 else "ArrayLike<number>"
+
+
+def type_of(method):
+    parameters = []
+    for v in method.values:
+        of = "Iterable<%s>" % TYPES[v.kind()] if v.many else TYPES[v.kind()]
+        parameters.append("%s%s: %s" % (name_of(v), "?" * v.optional, of))
+    options = ["%s?: %s" % (name, option_type(o)) for o, name in zip(method.options, option_names(method))]
+    parameters.append("options?: RequestOptions" + (" & { %s }" % "; ".join(options) if options else ""))
+    text = "  /** %s */\n  %s(%s)" % (method.doc("Resolves with"), camel(method.words), ", ".join(parameters))
+    return text + ": Promise<%s>;\n" % result_type(method.command)
+
+
+def chosen(commands, by_hand):
+    return [m for m in methods.read(commands) if camel(m.words) not in by_hand]
+
+
+def generate(commands, by_hand, says):
+    return HEAD % says + "\n".join(map(code, chosen(commands, by_hand))) + TAIL
+
+
+def generate_types(commands, by_hand, says):
+    return TYPES_HEAD % says + "".join(map(type_of, chosen(commands, by_hand))) + "}\n"

@@ -1,0 +1,124 @@
+"""The methods for Python, and the types of all methods of the client for asyncio: clients/python/delaunayd/_table.py, aio.pyi."""
+
+import ast
+import textwrap
+
+import methods
+
+HEAD = '''"""The commands whose methods follow from the table of commands.
+
+%s
+"""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+
+from . import _protocol as protocol
+from ._asking import Asking
+from ._protocol import Value, Word, field_name, option, set_name
+
+# Requests that change nothing, so that they can be sent again.
+READS = frozenset(
+    b"%s".split()
+)
+
+
+class Table(Asking):
+    """The commands that need no more than their words."""
+'''
+TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "word": "Word"}
+WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "word": "%s"}
+MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "word": "%s"}
+FACTS = {"i": "int", "d": "float", "b": "bool", "s": "str"}
+
+
+def name_of(value):
+    return "name" if value.name == "set" else value.name + "s" * value.many
+
+
+def parameters(method):
+    for v in method.values:
+        of = TYPES[v.kind()]
+        if v.many:
+            yield "%s: Iterable[%s]" % (name_of(v), of)
+        else:
+            yield "%s: %s" % (name_of(v), "Optional[%s] = None" % of if v.optional else of)
+    for o in method.options:
+        name = "_".join(methods.option_name(o))
+        if not o.values and not o.choices:
+            yield name + ": bool = False"
+        else:
+            of = "str" if o.choices else "float" if len(o.values) == 1 else "Sequence[float]"
+            yield "%s: Optional[%s] = None" % (name, of)
+
+
+def words(method):
+    yield '"%s"' % method.command.name
+    for v in method.values:
+        if v.many:
+            yield "*" + MANY[v.kind()] % name_of(v)
+        elif v.optional:
+            yield "*option(None, %s)" % name_of(v)
+        else:
+            yield WRITTEN[v.kind()] % name_of(v)
+    for o in method.options:
+        yield '*option("%s", %s)' % (o.keyword, "_".join(methods.option_name(o)))
+
+
+def result(command):
+    """The type, and what reads it from the reply."""
+    if command.rows:
+        return "List[Tuple[Any, ...]]", 'protocol.table("%s")' % command.rows
+    if not command.facts:
+        return "None", "protocol.nothing"
+    if len(command.facts) > 1:
+        return "Dict[str, Value]", "protocol.values"
+    fact = command.facts[0]
+    of = FACTS[fact.type]
+    read = 'protocol.%s("%s", %s)' % ("fact_if_any" if fact.optional else "fact", fact.key, "protocol.truth" if of == "bool" else of)
+    return "Optional[%s]" % of if fact.optional else of, read
+
+
+def generate(commands, by_hand, says):
+    reads = textwrap.wrap(" ".join(c.name for c in commands if c.only_reads()), 90)
+    text = HEAD % (says, ' "\n    b"'.join(reads))
+    for m in methods.read(commands):
+        name = "_".join(m.words)
+        if name not in by_hand:
+            of, read = result(m.command)
+            text += "\n    def %s(%s) -> %s:\n" % (name, ", ".join(["self", *parameters(m)]), of)
+            text += '        """%s"""\n' % m.doc("Returns")
+            text += "        return self._ask(%s)\n" % ", ".join([read, *words(m)])
+    return text
+
+
+AIO_HEAD = '''"""Types of delaunayd.aio: the methods of _commands.py and _table.py as coroutines.
+
+%s
+"""
+
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+
+from ._aio_mirror import Mirror as Mirror
+from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
+
+__all__ = ["Client", "Mirror"]
+
+class Client:
+    def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None): ...
+    async def close(self) -> None: ...
+    async def __aenter__(self) -> "Client": ...
+    async def __aexit__(self, *_: object) -> None: ...
+'''
+
+
+def generate_aio(sources, says):
+    """From the text of these modules, each of which has one class."""
+    text = AIO_HEAD % says
+    for source in sources:
+        (of,) = (node for node in ast.parse(source).body if isinstance(node, ast.ClassDef))
+        for f in of.body:
+            if isinstance(f, ast.FunctionDef) and not f.name.startswith("_"):
+                text += "    async def %s(%s) -> %s: ...\n" % (f.name, ast.unparse(f.args), ast.unparse(f.returns))
+    return text

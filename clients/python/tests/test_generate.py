@@ -1,0 +1,81 @@
+"""A new command has its methods, types and subcommand when the parts of the clients are generated again."""
+
+import sys
+import unittest
+from pathlib import Path
+
+GENERATE = Path(__file__).resolve().parent.parent.parent / "generate"
+sys.path.insert(0, str(GENERATE))
+
+import command_line  # noqa: E402
+import documents  # noqa: E402
+import node  # noqa: E402
+import python  # noqa: E402
+import table  # noqa: E402
+
+
+def command(usage, help, **others):
+    row = {"name": usage.split()[0], "usage": usage, "help": help, "role": "ro", "about": "set", "changes": False, "body": False}
+    return table.Command({**row, **others})
+
+
+READS = command("SPAN set x y [k] [METHOD slow|fast] [CW]", "how far the k points at x y lie apart", rows="id")
+CHANGES = command("FJOIN set field id [id ...] [WITHIN x0 y0 x1 y1]", "joins a value", role="rw", changes=True, result="joined:i")
+
+
+class Generated(unittest.TestCase):
+    def test_methods_for_python(self):
+        text = python.generate([READS, CHANGES], set(), "")
+        compile(text, "_table.py", "exec")
+        self.assertIn('b"SPAN".split()', text)
+        self.assertIn(
+            "    def span(self, name: str, x: float, y: float, k: Optional[int] = None, method: Optional[str] = None, clockwise: bool = False)"
+            ' -> List[Tuple[Any, ...]]:\n        """How far the k points at x y lie apart."""\n        return self._ask(protocol.table("id"), "SPAN",'
+            ' set_name(name), float(x), float(y), *option(None, k), *option("METHOD", method), *option("CW", clockwise))\n',
+            text,
+        )
+        self.assertIn(
+            "    def join_field(self, name: str, field: str, ids: Iterable[int], within: Optional[Sequence[float]] = None) -> int:\n"
+            '        """Joins a value. Returns `joined`."""\n        return self._ask(protocol.fact("joined", int), "FJOIN", set_name(name),'
+            ' field_name(field), *map(int, ids), *option("WITHIN", within))\n',
+            text,
+        )
+        self.assertNotIn("def span(", python.generate([READS], {"span"}, ""))
+
+    def test_methods_for_node(self):
+        text = node.generate([READS, CHANGES], set(), "")
+        self.assertIn(
+            "  async span(set, x, y, k, { method, clockwise, ...options } = {}) {\n    return table('id')(await this.request(line('SPAN',"
+            " checkSet(set), Number(x), Number(y), option(null, k), option('METHOD', method), option('CW', clockwise)), options));\n  }\n",
+            text,
+        )
+        self.assertIn("return number('joined')(await this.request(line('FJOIN', checkSet(set), checkField(field), numbers(ids), ", text)
+        types = node.generate_types([READS, CHANGES], set(), "")
+        self.assertIn(
+            "  span(set: string, x: number, y: number, k?: number, options?: RequestOptions & { method?: 'slow' | 'fast'; clockwise?: boolean }):"
+            " Promise<(string | number)[][]>;\n",
+            types,
+        )
+        self.assertIn("joinField(set: string, field: string, ids: Iterable<number>, options?: RequestOptions & { within?: ", types)
+
+    def test_subcommands(self):
+        row = command_line.generate([READS], set(), "")
+        self.assertIn('.usage = "span SET X Y [K] [METHOD slow|fast] [CW]"', row)
+        self.assertIn('.help = "How far the K points at X Y lie apart.\\n"', row)
+        self.assertIn('.words = "METHOD slow fast CW"', row)
+
+    def test_usages_that_are_more_than_a_list_of_values_get_no_method(self):
+        for usage in ("SPAN set x | SPAN set id", "SPAN set [a [b]]", "SPAN set FIELDS a,b", "SPAN set x y [x y ...]"):
+            self.assertNotIn("def span(", python.generate([command(usage, "x")], set(), ""), usage)
+        self.assertNotIn("def span(", python.generate([command("SPAN set n", "x", body=True)], set(), ""))
+
+    def test_documents_are_compared_with_the_usage(self):
+        self.assertEqual(list(documents.faults_of_headings("### SPAN set x y [k] [METHOD slow|fast]\n### SPAN set [CW]\n", [READS])), [])
+        faults = list(documents.faults_of_headings("### SPAN set x y r\n### GONE\n", [READS]))
+        self.assertEqual([fault.split(": ")[-1] for fault in faults], "CW METHOD k r slow|fast".split() + ["there is no command GONE"])
+        self.assertEqual(list(documents.faults_of_page("p", ".BR SPAN ,\n.B SPAN CW\n.B HOME\n", [READS])), [])
+        self.assertEqual(list(documents.faults_of_page("p", '.B "SPAN SLOWLY"\n', [READS])), ["p: SPAN SLOWLY: SLOWLY"])
+
+
+if __name__ == "__main__":
+    unittest.main()
