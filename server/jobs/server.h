@@ -32,6 +32,7 @@ struct counters {
 /* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
 struct watching {
     struct list all, busy, now, deserted; /* owns those in `all` */
+    struct loop *loop; /* borrows; of the connections; NULL: nobody has watched */
 };
 
 /* Sets without their triangulations, the smallest one last. */

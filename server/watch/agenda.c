@@ -18,7 +18,7 @@ void agenda_leave(struct watched *k)
 void agenda_call(struct watched *k)
 {
     if (!list_holds(&k->busy))
-        list_prepend(&k->server->watching.busy, &k->busy);
+        list_append(&k->server->watching.busy, &k->busy);
 }
 
 void agenda_begin(struct server *s)
@@ -29,6 +29,11 @@ void agenda_begin(struct server *s)
 struct watched *agenda_next(struct server *s)
 {
     return list_owner(list_pop(&s->watching.now), offsetof(struct watched, busy));
+}
+
+bool agenda_is_done(const struct server *s)
+{
+    return list_is_empty(&s->watching.now);
 }
 
 /* ---- deserted ---- */

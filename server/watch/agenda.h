@@ -1,7 +1,8 @@
 /* agenda.h - which of the watched sets are looked at when, so that what is merely watched costs a turn of the loop nothing.
  *
  *     all       every watched set
- *     busy      those that have changed, or have something to send: at the end of this turn
+ *     busy      those that have changed, or have something to send: at the end of this turn,
+ *     now       or of the next one, if this turn has taken long
  *     deserted  those whose last watcher has left, in the order in which they did: about a minute later
  *
  * Cost of each call: constant. */
@@ -17,10 +18,11 @@ void agenda_leave(struct watched *k);
 /* It is looked at, at the end of this turn. */
 void agenda_call(struct watched *k);
 
-/* Begins a turn; then takes one set after the other; NULL at the end. Sets that are called after agenda_begin are for the next
- * turn. */
+/* Begins a turn; then takes one set after the other; NULL at the end. Sets that are called after agenda_begin, or have not
+ * been taken, are for the next turn. */
 void agenda_begin(struct server *s);
 struct watched *agenda_next(struct server *s);
+bool agenda_is_done(const struct server *s); /* all have been taken */
 
 /* Its last watcher has left, at now_ms; or it has one again. */
 void agenda_desert(struct watched *k, int64_t now_ms);

@@ -57,8 +57,10 @@ static void put_point(struct event *e, uint32_t id, struct dt_point p)
 
 static void put_gone(struct event *e, uint32_t id)
 {
-    if (e->scope->boxed && !(e->keep_known ? known_has(e->known, id) : known_remove(e->known, id)))
+    if (e->scope->boxed && !known_has(e->known, id))
         return;
+    if (e->scope->boxed)
+        buf_append(&e->gone, &id, sizeof id);
     buf_append_text(&e->rows, "gone ");
     reply_row_ids(&e->rows, &id, 1);
     e->n++;
@@ -67,7 +69,6 @@ static void put_gone(struct event *e, uint32_t id)
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what)
 {
     struct dt_point p;
-    buf_append(&e->named, &id, sizeof id);
     if (!scope_has_point(e->scope, dt, id, &p)) {
         e->steps += LOOKED_AT;
         if (what != EVENT_NEW)
@@ -121,7 +122,7 @@ const struct buf *event_text(struct event *e, bool typed)
 
 size_t event_memory(const struct event *e)
 {
-    return e->head.cap + e->rows.cap + e->text[0].cap + e->text[1].cap + e->named.cap;
+    return e->head.cap + e->rows.cap + e->text[0].cap + e->text[1].cap + e->gone.cap;
 }
 
 void event_free(struct event *e)
@@ -130,7 +131,7 @@ void event_free(struct event *e)
     buf_free(&e->rows);
     buf_free(&e->text[0]);
     buf_free(&e->text[1]);
-    buf_free(&e->named);
+    buf_free(&e->gone);
     free(e->ring.v);
     *e = (struct event){.n = 0};
 }

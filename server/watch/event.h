@@ -16,17 +16,16 @@
 struct event {
     const struct scope *scope; /* borrows; its fields have been found */
     struct known *known;   /* borrows; with a box: all points that one of its readers may know */
-    bool keep_known;       /* there are others who know them */
     uint32_t ids;          /* of the set, the next one */
     uint32_t line;         /* so many points are on one line: a ring costs so many steps; else 0 */
     bool reset;            /* it begins one */
     uint64_t lsn;          /* it is sent when that is durable */
     struct buf head, rows; /* own */
     struct buf text[2];    /* own: both, in lines and in RESP 3, once they have been asked for */
-    struct buf named;      /* owns: the ids that it is about, an uint32_t each */
+    struct buf gone;       /* owns: ids in `known` of which it says so, an uint32_t each */
     size_t n;              /* rows */
     struct dt_ids ring;    /* owns: workspace */
-    uint64_t steps;        /* of rings on a line, and of points looked at */
+    uint64_t steps;        /* of rings on a line, and of ids that have no row */
 };
 
 /* What is said of an id: that it is gone, its place and its ring; its ring alone; or nothing if it is gone. */
@@ -34,7 +33,7 @@ enum event_what { EVENT_ALL, EVENT_RING, EVENT_NEW };
 
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what);
 
-/* Whether it is large enough for a part. */
+/* Whether it is large enough for a part, or has taken so long. */
 bool event_is_full(const struct event *e);
 
 /* The first line, when all rows are there. */

@@ -7,132 +7,225 @@
 #include <string.h>
 
 enum {
-    SHARED_KEYS = 1024, /* more than this are sent in parts */
-    NEW_IDS = 65536,    /* more than this are a reset */
-    BOX_STEPS = 10000,  /* a search that takes longer is left for a sweep */
+    MOST_KEYS = 2048,   /* more changes than this are found by a sweep, */
+    BOX_KEYS = 256,     /* and with a box more than this: few points are in it */
+    BOX_STEPS = 10000,  /* a box whose search takes longer, or of which more points */
+    BOX_KNOWN = 10000,  /* may be known, is swept like the whole set */
     LINE_STEPS = 100000 /* rings on a line that take more are sent in parts */
 };
 
-/* ---- backlogs ---- */
-
-bool backlog_lags(const struct backlog *b)
+uint32_t feed_line(const struct watched *k)
 {
-    return b->reset || b->outdated || b->sweeping || b->ids.count > 0;
+    const struct dt_summary *sum = &k->set->current->sum;
+    return sum->triangulated && sum->triangles == 0 ? sum->points : 0;
 }
 
-void backlog_clear(struct backlog *b)
+/* A watcher who knows less than this tick is sent everything. */
+static uint64_t first_tick(const struct feed *f)
 {
-    idset_clear(&b->ids);
-    *b = (struct backlog){.reset = false};
+    const struct watched *k = f->of;
+    uint64_t tick = k->all_tick;
+    if (f->scope.names != NULL && k->value_tick > tick)
+        tick = k->value_tick;
+    if (f->scope.boxed && k->line_tick > tick)
+        tick = k->line_tick;
+    return tick;
 }
 
-void backlog_all(struct backlog *b)
+static bool has_changed(const struct feed *f, uint32_t id, uint64_t tick)
 {
-    backlog_clear(b);
-    b->reset = b->sweeping = true;
+    return stamps_after(&f->of->row_stamps, id, tick) ||
+           (f->scope.names != NULL && stamps_after(&f->of->value_stamps, id, tick));
 }
 
-void backlog_mark(struct backlog *b, uint32_t id, uint32_t ids)
+/* ---- the rows of an event ---- */
+
+static int by_key(const void *a, const void *b)
 {
-    if (b->sweeping && id >= b->sweep)
-        return;
-    if (!idset_add(&b->ids, id, ids))
-        backlog_all(b);
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
 }
 
-static void backlog_copy(struct backlog *to, const struct backlog *from)
+static int by_id(const void *a, const void *b)
 {
-    *to = *from;
-    to->ids = (struct idset){.count = 0};
-    if (!idset_copy(&to->ids, &from->ids))
-        backlog_all(to);
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
 }
 
-bool feed_find_box(const struct feed *f, struct dt_ids *found)
+/* The keys after a mark that are of the feed, a value as a row, in ascending order. */
+static size_t find_keys(const struct feed *f, const struct recent_mark *m, uint64_t *key)
+{
+    const struct recent *r = &f->of->recent;
+    size_t n = 0;
+    for (uint64_t at = m->at; at < r->key_end; at++) {
+        uint64_t found = recent_key(r, at);
+        if ((uint32_t)found < DT_TOUCHED_VALUE)
+            key[n++] = found;
+        else if (scope_has_value(&f->scope, found))
+            key[n++] = found >> 32 << 32 | DT_TOUCHED_ROW;
+    }
+    qsort(key, n, sizeof key[0], by_key);
+    return n;
+}
+
+/* What has changed after the position, by id. False: too much, or it is not known. */
+static bool put_change(struct event *e, const struct feed *f, const struct position *p)
+{
+    const struct watched *k = f->of;
+    const struct dt *dt = k->set->current->dt;
+    const struct recent_mark *m = recent_at(&k->recent, p->tick);
+    uint64_t changes = m == NULL ? UINT64_MAX : k->recent.key_end - m->at + (k->ids - m->ids);
+    uint64_t key[MOST_KEYS];
+    if (changes > (f->scope.boxed ? BOX_KEYS : MOST_KEYS) || changes * e->line > LINE_STEPS)
+        return false;
+    size_t n = find_keys(f, m, key);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t id = (uint32_t)(key[i] >> 32);
+        if (id < m->ids && (i == 0 || key[i - 1] >> 32 != id))
+            event_put(e, dt, id, (uint32_t)key[i] == DT_TOUCHED_RING ? EVENT_RING : EVENT_ALL);
+    }
+    for (uint32_t id = m->ids; id < k->ids; id++)
+        event_put(e, dt, id, id < p->ids ? EVENT_ALL : EVENT_NEW);
+    return true;
+}
+
+/* Adds ids that a watcher of the box may know; all are ascending then, and each is there once. */
+static bool add_known(struct dt_ids *ids, const struct known *known)
+{
+    size_t most = ids->n + known->count, n = 0;
+    uint32_t *v = realloc(ids->v, (most + 1) * sizeof *v);
+    if (v == NULL)
+        return false;
+    ids->v = v;
+    for (uint32_t i = 0; i < known->slots; i++)
+        if (known->slot[i] != 0)
+            v[ids->n++] = known->slot[i] - 1;
+    qsort(v, ids->n, sizeof *v, by_id);
+    for (size_t i = 0; i < ids->n; i++)
+        if (n == 0 || v[i] != v[n - 1])
+            v[n++] = v[i];
+    ids->n = n;
+    return true;
+}
+
+static bool find_box(const struct feed *f, struct dt_ids *found)
 {
     struct dt_options opt = {.steps = BOX_STEPS};
     return dt_within_box(f->of->set->current->dt, f->scope.lo, f->scope.hi, &opt, found) == DT_OK;
 }
 
-/* The ids of a new backlog of everything, if the set can find those in the box quickly. */
-static void seek_box(struct backlog *b, const struct feed *f)
+/* The ids among which a sweep of a box finds what has changed. False: too many. */
+static bool find_candidates(const struct feed *f, bool reset, struct dt_ids *ids)
 {
-    struct dt_ids found = {0};
-    if (feed_find_box(f, &found)) {
-        b->sweeping = false;
-        for (size_t i = 0; i < found.n; i++)
-            backlog_mark(b, found.v[i], f->of->ids);
-    }
-    free(found.v);
+    if (!reset && (f->known.bits.words > 0 || f->known.count > BOX_KNOWN))
+        return false;
+    return find_box(f, ids) && (reset || add_known(ids, &f->known));
 }
 
-/* Moves as much of the backlog as makes a part into the event. */
-static void put_part(struct event *e, struct backlog *b, const struct feed *f, const struct dt *dt)
+static void put_swept(struct event *e, const struct feed *f, const struct position *p, uint32_t id)
 {
-    enum { LOOKED_AT = 20000 };
-    uint32_t ids = f->of->ids;
-    b->outdated = false;
-    if (b->sweeping && b->sweep == 0 && f->scope.boxed)
-        seek_box(b, f);
-    if (b->sweeping) {
-        for (unsigned i = 0; b->sweep < ids && i < LOOKED_AT && !event_is_full(e); i++)
-            event_put(e, dt, b->sweep++, EVENT_NEW);
-        b->sweeping = b->sweep < ids;
-    } else {
-        while (b->ids.count > 0 && !event_is_full(e))
-            event_put(e, dt, idset_take(&b->ids), EVENT_ALL);
-    }
-    if (!b->sweeping && b->ids.count == 0)
-        idset_clear(&b->ids);
+    const struct dt *dt = f->of->set->current->dt;
+    if (p->tick == 0)
+        event_put(e, dt, id, EVENT_NEW);
+    else if (has_changed(f, id, p->tick))
+        event_put(e, dt, id, EVENT_ALL);
+    else
+        e->steps++;
 }
 
-/* ---- lists of watchers ---- */
-
-static void count_memory(struct watcher *w)
+/* Continues a sweep of a small box. False: it is not small. */
+static bool sweep_box(struct event *e, struct feed *f, struct position *p)
 {
-    struct conn *c = &w->session->conn;
-    size_t now = idset_memory(&w->own.ids);
-    if (now == w->counted)
+    struct dt_ids ids = {0};
+    if (!f->scope.boxed || (f->wide && p->sweep > 0))
+        return false;
+    f->wide = !find_candidates(f, p->tick == 0, &ids);
+    if (!f->wide) {
+        size_t i = 0;
+        for (; i < ids.n && ids.v[i] < p->ids && !event_is_full(e); i++)
+            if (ids.v[i] >= p->sweep)
+                put_swept(e, f, p, ids.v[i]);
+        p->sweep = i < ids.n && ids.v[i] < p->ids ? ids.v[i] : p->ids;
+    }
+    free(ids.v);
+    return !f->wide;
+}
+
+/* As much as makes a part of what has changed after the position, which moves behind it. */
+static void put_rows(struct event *e, struct feed *f, struct position *p)
+{
+    const struct watched *k = f->of;
+    uint64_t reached = p->goal != 0 ? p->goal : p->tick;
+    if (reached == 0 || reached < first_tick(f)) {
+        *p = (struct position){.reset = true};
+        if (f->watchers == 1)
+            known_clear(&f->known);
+    }
+    e->reset = p->reset;
+    p->reset = false;
+    if (p->goal == 0 && put_change(e, f, p)) {
+        *p = (struct position){.tick = feed_tick(k), .ids = k->ids};
         return;
-    c->owner_bytes = c->owner_bytes - w->counted + now;
-    w->counted = now;
-    if (!c->closed)
-        reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
+    }
+    if (p->goal == 0) {
+        p->goal = feed_tick(k);
+        p->ids = k->ids;
+    }
+    if (!sweep_box(e, f, p))
+        for (; p->sweep < p->ids && !event_is_full(e); p->sweep++)
+            put_swept(e, f, p, p->sweep);
+    if (p->sweep == p->ids)
+        *p = (struct position){.tick = p->goal, .ids = p->ids};
 }
 
-static void take_out(struct watcher *w)
+/* ---- texts ---- */
+
+/* Once all watchers have been sent it, they do not know the points that it says are gone. */
+static void free_text(struct feed *f)
 {
-    struct feed *f = w->feed;
-    if (f->unsent == w)
-        f->unsent = list_next(&f->watchers, w);
-    f->late -= w->late;
-    list_remove(&w->link);
+    uint32_t id;
+    for (size_t at = 0; f->sent == f->watchers && at < buf_len(&f->text.gone); at += sizeof id) {
+        memcpy(&id, buf_head(&f->text.gone) + at, sizeof id);
+        known_remove(&f->known, id);
+    }
+    event_free(&f->text);
+    f->sent = 0;
 }
 
-void feed_join(struct watcher *w)
+static void count_memory(struct feed *f)
 {
-    w->late = false;
-    list_prepend(&w->feed->watchers, &w->link);
-    count_memory(w);
+    size_t bytes = sizeof *f + known_memory(&f->known) + event_memory(&f->text);
+    f->of->feed_bytes += bytes - f->counted;
+    f->counted = bytes;
 }
 
-void feed_join_late(struct watcher *w)
+void feed_free_texts(struct watched *k)
 {
-    list_append(&w->feed->of->late, &w->link);
-    w->late = true;
-    w->feed->late++;
-    count_memory(w);
+    for (void *link; (link = list_pop(&k->texts)) != NULL;) {
+        struct feed *f = list_owner(link, offsetof(struct feed, kept));
+        free_text(f);
+        count_memory(f);
+    }
 }
 
-void feed_leave(struct watcher *w)
+static void make_text(struct feed *f, const struct position *from)
 {
-    take_out(w);
-    list_remove(&w->also);
-    w->session->watches--;
-    w->session->server->count.watchers--;
-    backlog_clear(&w->own);
-    count_memory(w);
-    free(w);
+    const struct watched *k = f->of;
+    free_text(f);
+    scope_find(&f->scope, k->set->current->dt);
+    f->text = (struct event){.scope = &f->scope,
+                             .known = &f->known,
+                             .ids = k->ids,
+                             .line = feed_line(k),
+                             .lsn = durable_lsn(k->server, k->set)};
+    f->from = f->to = *from;
+    put_rows(&f->text, f, &f->to);
+    bool more = f->to.goal != 0 || f->to.tick < feed_tick(k);
+    f->silent = f->text.n == 0 && more && !f->text.rows.failed;
+    if (f->silent)
+        f->to.reset = f->text.reset;
+    else
+        event_head(&f->text, k->name, k->version, more);
 }
 
 /* ---- sending ---- */
@@ -144,287 +237,129 @@ bool feed_can_take(const struct watcher *w)
            s->state != SESSION_LISTING && !conn_full(&s->conn);
 }
 
-uint32_t feed_line(const struct watched *k)
+/* Whether the connection sends it later. */
+static bool send_event(const struct watcher *w, struct event *e)
 {
-    const struct dt_summary *sum = &k->set->current->sum;
-    return sum->triangulated && sum->triangles == 0 ? sum->points : 0;
-}
-
-/* An event with nothing in it yet. */
-static struct event event_for(struct server *s, struct feed *f, bool to_all)
-{
-    scope_find(&f->scope, f->of->set->current->dt);
-    return (struct event){.scope = &f->scope,
-                          .known = &f->known,
-                          .keep_known = !to_all || f->late > 0,
-                          .ids = f->of->ids,
-                          .line = feed_line(f->of),
-                          .lsn = durable_lsn(s, f->of->set)};
-}
-
-static void send_event(struct server *s, const struct watcher *w, struct event *e)
-{
+    struct server *s = w->session->server;
     struct conn *c = &w->session->conn;
     const struct buf *text = event_text(e, w->typed);
     hold_view(&s->held, &c->hold, e->lsn, conn_out_end(c));
-    if (text == NULL)
-        conn_close(c);
-    else if (!conn_write(c, buf_head(text), buf_len(text)))
-        w->feed->of->later++;
     s->count.events++;
+    if (text != NULL)
+        return !conn_write(c, buf_head(text), buf_len(text));
+    conn_close(c);
+    return false;
 }
 
-/* Adds what the event would have said. */
-static void mark_event(struct backlog *b, struct feed *f)
+static bool is_same(const struct position *a, const struct position *b)
 {
-    const struct event *e = &f->sending;
-    bool good = !e->named.failed;
-    uint32_t id;
-    b->reset = b->reset || e->reset;
-    b->outdated = true;
-    for (size_t at = 0; good && at < buf_len(&e->named); at += sizeof id) {
-        memcpy(&id, buf_head(&e->named) + at, sizeof id);
-        good = !f->scope.boxed || known_add(&f->known, id, f->of->ids);
-        backlog_mark(b, id, f->of->ids);
-    }
-    if (!good)
-        backlog_all(b);
+    return a->tick == b->tick && a->goal == b->goal && a->sweep == b->sweep && a->ids == b->ids &&
+           a->reset == b->reset;
 }
 
-/* A watcher that cannot take the next event becomes late, with a copy of the shared backlog. */
-static void become_late(struct watcher *w, bool lacks_event)
-{
-    backlog_copy(&w->own, &w->feed->shared);
-    if (lacks_event)
-        mark_event(&w->own, w->feed);
-    take_out(w);
-    feed_join_late(w);
-}
-
-static void leave_late_behind(struct feed *f)
-{
-    bool lacks_event = false;
-    for (struct watcher *w = list_first(&f->watchers), *next; w != NULL; w = next) {
-        next = list_next(&f->watchers, w);
-        lacks_event = lacks_event || w == f->unsent;
-        if (!feed_can_take(w))
-            become_late(w, lacks_event);
-    }
-}
-
-static void begin_sending(struct feed *f, const struct event *e)
-{
-    event_free(&f->sending);
-    f->sending = *e;
-    f->unsent = list_first(&f->watchers);
-}
-
-void feed_send(struct server *s, struct feed *f, int64_t end_ns)
-{
-    for (struct watcher *w; (w = f->unsent) != NULL;) {
-        if (feed_can_take(w)) {
-            send_event(s, w, &f->sending);
-            f->unsent = list_next(&f->watchers, w);
-        } else {
-            become_late(w, true);
-        }
-        if (clock_ns() >= end_ns)
-            break;
-    }
-    if (f->unsent == NULL)
-        event_free(&f->sending);
-}
-
-/* Whether a part is worth sending: it has rows, or ends the backlog. */
-static bool is_worth_sending(const struct event *e, const struct backlog *b)
-{
-    return e->n > 0 || !backlog_lags(b) || e->rows.failed;
-}
-
-/* Moves a part of the backlog into the event; false: nothing is worth sending yet. */
-static bool take_part(struct event *e, struct backlog *b, const struct feed *f)
-{
-    const struct watched *k = f->of;
-    e->reset = b->reset;
-    put_part(e, b, f, k->set->current->dt);
-    b->reset = false;
-    if (!is_worth_sending(e, b)) {
-        b->reset = e->reset;
-        return false;
-    }
-    event_head(e, k->name, k->version, backlog_lags(b));
-    return true;
-}
-
-void feed_part(struct server *s, struct feed *f)
-{
-    if (f->unsent != NULL)
-        return;
-    leave_late_behind(f);
-    if (list_is_empty(&f->watchers)) {
-        backlog_clear(&f->shared);
-        return;
-    }
-    struct event e = event_for(s, f, true);
-    if (take_part(&e, &f->shared, f))
-        begin_sending(f, &e);
-    else
-        event_free(&e);
-}
-
-bool feed_late_part(struct server *s, struct watcher *w)
+bool feed_serve(struct watcher *w)
 {
     struct feed *f = w->feed;
-    if (!feed_can_take(w))
-        return false;
-    struct event e = event_for(s, f, false);
-    if (take_part(&e, &w->own, f))
-        send_event(s, w, &e);
-    event_free(&e);
-    take_out(w);
-    if (backlog_lags(&w->own))
-        feed_join_late(w);
-    else
-        feed_join(w);
-    return true;
+    if (f->sent == 0 || !is_same(&f->from, &w->at))
+        make_text(f, &w->at);
+    bool later = !f->silent && send_event(w, &f->text);
+    w->at = f->to;
+    f->sent++;
+    if (f->sent == f->watchers)
+        free_text(f);
+    else if (!list_holds(&f->kept))
+        list_append(&f->of->texts, &f->kept);
+    count_memory(f);
+    return later;
 }
 
-/* ---- changes ---- */
-
-/* Marks an id, unless a watcher of the box is not sent anything about it: it is not there and was not. */
-static void mark(struct backlog *b, const struct feed *f, uint32_t id)
+void feed_end(struct watcher *w)
 {
-    struct dt_point p;
-    if (!f->scope.boxed || known_has(&f->known, id) ||
-        scope_has_point(&f->scope, f->of->set->current->dt, id, &p))
-        backlog_mark(b, id, f->of->ids);
-}
-
-/* Marks what has changed, apart from values that the feed does not show. */
-static void mark_change(struct backlog *b, const struct feed *f, const struct feed_change *c)
-{
-    b->outdated = true;
-    for (size_t i = 0; i < c->rows; i++)
-        mark(b, f, (uint32_t)(c->row[i] >> 32));
-    for (size_t i = 0; i < c->values; i++)
-        if (scope_has_value(&f->scope, c->value[i]))
-            mark(b, f, (uint32_t)(c->value[i] >> 32));
-    for (uint32_t id = c->from; id < f->of->ids; id++)
-        mark(b, f, id);
-}
-
-/* One that does not read, and lacks much of the set, will be sent a reset, which needs no marks. */
-static void mark_late(struct watcher *w, const struct feed_change *c)
-{
-    enum { FEW = 4096 };
-    uint32_t n = w->own.ids.count;
-    if (n > FEW && n > w->feed->of->ids / 4 && !feed_can_take(w))
-        backlog_all(&w->own);
-    mark_change(&w->own, w->feed, c);
-    count_memory(w);
-}
-
-static int by_key(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* The rows of a small change, by id. */
-static void put_change(struct event *e, const struct dt *dt, const struct feed_change *c)
-{
-    uint64_t key[2 * SHARED_KEYS];
-    size_t n = 0;
-    for (size_t i = 0; i < c->rows; i++)
-        key[n++] = c->row[i];
-    for (size_t i = 0; i < c->values; i++)
-        if (scope_has_value(e->scope, c->value[i])) /* takes as much as a row */
-            key[n++] = c->value[i] >> 32 << 32 | DT_TOUCHED_ROW;
-    qsort(key, n, sizeof key[0], by_key);
-    for (size_t i = 0; i < n; i++) {
-        uint32_t id = (uint32_t)(key[i] >> 32);
-        if (id < c->from && (i == 0 || key[i - 1] >> 32 != id))
-            event_put(e, dt, id, (uint32_t)key[i] == DT_TOUCHED_RING ? EVENT_RING : EVENT_ALL);
-    }
-    for (uint32_t id = c->from; id < e->ids; id++)
-        event_put(e, dt, id, EVENT_NEW);
-}
-
-static void share(struct server *s, struct feed *f, const struct feed_change *c)
-{
-    const struct watched *k = f->of;
-    struct event e = event_for(s, f, true);
-    put_change(&e, k->set->current->dt, c);
-    event_head(&e, k->name, k->version, false);
-    begin_sending(f, &e);
-}
-
-void feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now)
-{
-    struct watched *k = f->of;
-    scope_find(&f->scope, k->set->current->dt);
-    bool on_line = f->scope.boxed && feed_line(k) > 0;
-    bool all = !c->rows_known || on_line || k->ids - c->from > NEW_IDS ||
-               (f->scope.names != NULL && !c->values_known);
-    bool small = c->rows <= SHARED_KEYS && c->values <= SHARED_KEYS &&
-                 k->ids - c->from <= SHARED_KEYS && !all && !backlog_lags(&f->shared) &&
-                 (c->rows + k->ids - c->from) * feed_line(k) <= LINE_STEPS;
-    leave_late_behind(f);
-    for (struct watcher *w = list_first(&k->late); w != NULL; w = list_next(&k->late, w)) {
-        if (w->feed == f && all)
-            backlog_all(&w->own);
-        else if (w->feed == f)
-            mark_late(w, c);
-    }
-    if (list_is_empty(&f->watchers))
-        return;
-    if (now && small && f->unsent == NULL)
-        share(s, f, c);
-    else if (all)
-        backlog_all(&f->shared);
-    else
-        mark_change(&f->shared, f, c);
-}
-
-/* ---- the end ---- */
-
-static void tell_dropped(struct server *s, struct watcher *w)
-{
-    struct event e = {.scope = &w->feed->scope, .lsn = s->dropped};
-    if (!feed_can_take(w))
-        return;
+    struct event e = {.scope = &w->feed->scope, .lsn = w->session->server->dropped};
     event_dropped(&e, w->feed->of->name);
-    send_event(s, w, &e);
+    send_event(w, &e);
     event_free(&e);
     feed_leave(w);
 }
 
-static void tell_all_dropped(struct server *s, const struct list *watchers)
+/* ---- who belongs to it ---- */
+
+struct feed *feed_enter(struct watched *k, struct scope *scope)
 {
-    for (struct watcher *w = list_first(watchers), *next; w != NULL; w = next) {
-        next = list_next(watchers, w);
-        tell_dropped(s, w);
+    struct feed *f = list_first(&k->feeds);
+    while (f != NULL && !scope_equal(&f->scope, scope))
+        f = list_next(&k->feeds, f);
+    if (f != NULL || (f = calloc(1, sizeof *f)) == NULL) {
+        scope_clear(scope);
+    } else {
+        f->of = k;
+        f->scope = *scope;
+        *scope = (struct scope){.names = NULL};
+        list_append(&k->feeds, &f->link);
     }
+    if (f != NULL) {
+        free_text(f); /* it may be older than the request of the new watcher */
+        f->watchers++;
+        count_memory(f);
+    }
+    return f;
 }
 
-void feed_dropped(struct server *s, struct watched *k)
+void feed_leave(struct watcher *w)
 {
-    tell_all_dropped(s, &k->late);
-    for (struct feed *f = list_first(&k->feeds); f != NULL; f = list_next(&k->feeds, f))
-        tell_all_dropped(s, &f->watchers);
-}
-
-size_t feed_memory(const struct feed *f)
-{
-    return sizeof *f + idset_memory(&f->shared.ids) + known_memory(&f->known) +
-           event_memory(&f->sending);
-}
-
-void feed_free(struct feed *f)
-{
-    backlog_clear(&f->shared);
-    event_free(&f->sending);
+    struct feed *f = w->feed;
+    list_remove(&w->also);
+    w->session->watches--;
+    w->session->server->count.watchers--;
+    f->of->watchers--;
+    list_remove(&w->link);
+    free(w);
+    free_text(f); /* the watcher may be counted in `sent` */
+    count_memory(f);
+    if (--f->watchers > 0)
+        return;
+    f->of->feed_bytes -= f->counted;
+    list_remove(&f->link);
+    list_remove(&f->kept);
     known_clear(&f->known);
     scope_clear(&f->scope);
     free(f);
+}
+
+/* Adds the points in the box to those that a watcher may know, and those below `ids` that have changed after the mark, which may
+ * have been there. If changes have not been collected, points that have just left the box are not found: then all are added. */
+static bool know_since(struct feed *f, const struct recent_mark *m, uint32_t ids)
+{
+    const struct watched *k = f->of;
+    struct dt_ids found = {0};
+    bool good = true;
+    if (k->set->exclusive || k->version != k->set->version || ids - m->ids > MOST_KEYS ||
+        !find_box(f, &found)) {
+        free(found.v);
+        return known_fill(&f->known, ids);
+    }
+    for (size_t i = 0; good && i < found.n; i++)
+        good = known_add(&f->known, found.v[i], k->ids);
+    for (uint64_t at = m->at; good && at < k->recent.key_end; at++)
+        good = known_add(&f->known, (uint32_t)(recent_key(&k->recent, at) >> 32), k->ids);
+    for (uint32_t id = m->ids; good && id < ids; id++)
+        good = known_add(&f->known, id, k->ids);
+    free(found.v);
+    return good;
+}
+
+struct position feed_since(struct feed *f, uint64_t version)
+{
+    const struct watched *k = f->of;
+    struct position p = {.tick = recent_find(&k->recent, version)};
+    const struct recent_mark *m = recent_at(&k->recent, p.tick);
+    if (version > k->set->version || m == NULL || p.tick < first_tick(f) ||
+        version_is_stale(k->set->current))
+        return (struct position){.tick = 0};
+    p.ids = m->ids;
+    if (version != m->version && k->set->exclusive)
+        return (struct position){.tick = 0};
+    if (version != m->version) /* it may know ids that are newer than the mark */
+        p.ids = dt_next_id(k->set->current->dt);
+    return f->scope.boxed && !know_since(f, m, p.ids) ? (struct position){.tick = 0} : p;
 }

@@ -28,7 +28,7 @@ static void free_table(struct known *k)
 
 static bool move_to_bits(struct known *k, uint32_t ids)
 {
-    struct idset bits = {.count = 0};
+    struct idset bits = {.words = 0};
     bool good = idset_add(&bits, 0, ids); /* for memory even if there is no id */
     idset_remove(&bits, 0);
     for (uint32_t i = 0; good && i < k->slots; i++)

@@ -73,26 +73,22 @@ void recent_mark(struct recent *r, uint64_t version, uint32_t ids)
         r->mark = ring;
         r->marks = larger > 0 ? larger : r->marks;
     }
-    if (r->marks == 0)
-        return;
-    if (r->mark_end - r->mark_first == r->marks)
+    uint64_t at = r->mark_end++;
+    if (r->mark_end - r->mark_first > r->marks)
         r->mark_first++;
-    r->mark[r->mark_end++ & (r->marks - 1)] = (struct recent_mark){version, r->key_end, ids};
+    if (r->marks > 0)
+        r->mark[at & (r->marks - 1)] = (struct recent_mark){version, r->key_end, ids};
 }
 
-const struct recent_mark *recent_find(const struct recent *r, uint64_t version)
+uint64_t recent_find(const struct recent *r, uint64_t version)
 {
-    const struct recent_mark *found = NULL;
     uint64_t low = r->mark_first, high = r->mark_end;
     while (low < high) {
         uint64_t middle = low + (high - low) / 2;
-        const struct recent_mark *m = &r->mark[middle & (r->marks - 1)];
-        if (m->version <= version) {
-            found = m;
+        if (recent_at(r, middle + 1)->version <= version)
             low = middle + 1;
-        } else {
+        else
             high = middle;
-        }
     }
-    return found;
+    return low > r->mark_first ? low : 0;
 }

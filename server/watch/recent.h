@@ -3,7 +3,8 @@
  *     marks   version 5, 7 ids | version 8, 7 ids | version 9, 9 ids
  *     keys    ----2----6---------------7-----1-------------- now
  *
- * The keys behind a mark are what has changed since its version. Both are rings: the oldest ones are overwritten. */
+ * The keys behind a mark are what has changed since its version. Both are rings: the oldest ones are overwritten. Marks are
+ * numbered from 1: the number of the last one is the tick of the set (stamps.h). */
 #ifndef SERVER_RECENT_H
 #define SERVER_RECENT_H
 
@@ -33,8 +34,15 @@ void recent_restart(struct recent *r, uint64_t version, uint32_t ids);
 void recent_put(struct recent *r, const uint64_t *key, size_t n);
 void recent_mark(struct recent *r, uint64_t version, uint32_t ids);
 
-/* The last mark whose version is not later; NULL: it is not known what has changed since. */
-const struct recent_mark *recent_find(const struct recent *r, uint64_t version);
+/* The tick of the last mark whose version is not later; 0: it is not known what has changed since. */
+uint64_t recent_find(const struct recent *r, uint64_t version);
+
+/* The mark of a tick; NULL: it is not known what has changed since. */
+static inline const struct recent_mark *recent_at(const struct recent *r, uint64_t tick)
+{
+    bool known = tick > r->mark_first && tick <= r->mark_end;
+    return known ? &r->mark[(tick - 1) & (r->marks - 1)] : NULL;
+}
 
 static inline uint64_t recent_key(const struct recent *r, uint64_t at)
 {

@@ -1,12 +1,11 @@
 /* watch.h - clients that follow a set: after each change they get the rows and rings that are different now, never a log
  * of edits.
  *
- * What edits touch is collected once for each set (dt_touched_take). Watchers that want the same (scope.h) and are up to
- * date get the same text (feed.h), some of them in each turn of the loop. While a set is edited all the time, events get a
- * share of the time, and what has changed meanwhile is a bit for each id. A watcher that lags, because its client does not
- * read or a long reply is being sent, has such bits of its own, and later gets their rows as they are then, in parts. A
- * watcher that knows nothing, or after a change of everything, is sent all ids in ascending order (a reset), which needs no
- * bits.
+ * What changed belongs to the set: it is collected once (dt_touched_take), as a tick of the set. A watcher is a position among
+ * the ticks (feed.h). A change puts all watchers into a queue, whose first ones are served in each turn of the loop: so many,
+ * and for so long. So a change costs other clients the same however many watch, and a watcher that does not read
+ * costs nothing. What changes before a watcher is served again is sent once. While a set is edited all the time,
+ * events get a share of the time (credit.h).
  *
  * For clients that come back (SINCE) the last changes are kept (recent.h), for a while also without watchers. */
 #ifndef SERVER_WATCH_H
@@ -15,7 +14,10 @@
 #include "server/clients/session_state.h"
 #include "server/watch/scope.h"
 
-enum { WATCH_MOST = 64 }; /* sets that a connection watches */
+enum {
+    WATCH_MOST = 64, /* sets that a connection watches */
+    WATCH_TURN = 64  /* watchers that are served in a turn of the loop */
+};
 
 /* The session watches the set. The scope moves there, whatever comes of it. `since` is the last version of which the client
  * knows everything in that scope; 0: none. False: out of memory. */

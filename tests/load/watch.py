@@ -112,7 +112,8 @@ def bytes_held(daemon):
 
 def stalled(o):
     """A watcher that never reads, and one that reads a byte a second, while the whole set changes."""
-    for points, bound in ((o.points, 1), (o.large, 2)):
+    for points in (o.points, o.large):
+        bound = round(4 * points / 2**20) + 1  # the stamps of the set, and its output
         for kind in ('that never reads', 'that reads a byte a second'):
             with loaded(o, points) as daemon:
                 editor = Client(daemon.port)

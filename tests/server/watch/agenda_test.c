@@ -84,14 +84,19 @@ static unsigned busy(void)
     return n;
 }
 
+static bool is_idle(void)
+{
+    return busy() == 0 && agenda_is_done(&b.l.server);
+}
+
 /* Turns of the loop, until nothing is left to do. */
 static void settle(void)
 {
-    for (int i = 0; i < 1000 && busy() > 0; i++) {
+    for (int i = 0; i < 1000 && !is_idle(); i++) {
         watch_turn_end(&b.l.server);
         turn();
     }
-    CHECK(busy() == 0);
+    CHECK(is_idle());
 }
 
 static void watch_many(void)

@@ -158,6 +158,51 @@ TEST(watcher_that_becomes_late_during_a_reset_gets_the_rest_of_it_later)
     daemon_end(&d);
 }
 
+/* Moves the same few points so often that more has changed than is remembered; returns the last version. */
+static uint64_t move_few_often(int fd)
+{
+    enum { FEW = 20, BURST = 250, BURSTS = 30 };
+    static char text[BURST * 64];
+    uint64_t version = 0;
+    for (int i = 0; i < BURSTS; i++) {
+        size_t at = 0;
+        for (int k = 0; k < BURST; k++)
+            at += (size_t)snprintf(text + at, sizeof text - at, "MOVE t %u %g %g\n",
+                                   (unsigned)test_below(FEW), 0.5 + test_uniform() / 100,
+                                   0.5 + test_uniform() / 100);
+        say(fd, text);
+        for (int k = 0; k < BURST; k++)
+            version = version_in(hear_line(fd));
+    }
+    return version;
+}
+
+TEST(watcher_that_has_missed_very_many_edits_is_sent_the_points_that_they_have_touched)
+{
+    static const char *const boxes[] = {NULL, "0.4 0.4 0.6 0.6", "0 0 0.9 0.9"};
+    enum { WATCHERS = 3 };
+    static struct mirror m[WATCHERS];
+    struct daemon d = daemon_start(NULL);
+    int fd = connect_with_sets(&d);
+    for (int i = 0; i < WATCHERS; i++) {
+        m[i].options.box = boxes[i];
+        mirror_watch(&m[i], &d, false);
+        mirror_catch_up(&m[i], ask_version(fd, "MOVE t 0 0.5 0.5\n"));
+        stall(&m[i]);
+    }
+    uint64_t version = move_few_often(fd);
+    for (int i = 0; i < WATCHERS; i++) {
+        unsigned long before = m[i].rows;
+        resume(&m[i]);
+        catch_up_and_check(&m[i], fd, version);
+        CHECK_MSG(m[i].resets == 1 && m[i].rows - before < 1500, "%d: %lu rows", i,
+                  m[i].rows - before);
+        mirror_free(&m[i]);
+    }
+    close(fd);
+    daemon_end(&d);
+}
+
 /* So many more watch what the mirror watches. They are sent events before the mirror. */
 enum { OTHERS = 200 };
 

@@ -1,0 +1,24 @@
+/* credit.h - how much time the events of a set may take.
+ *
+ * While a set is edited, its events get one part of CREDIT_SHARE of the processor time, and some of the time in which the loop is
+ * idle, so that a watcher slows edits down by little. What is not sent yet is merged. Isolated edits never wait,
+ * because there is credit after a pause. Times are in nanoseconds. */
+#ifndef SERVER_CREDIT_H
+#define SERVER_CREDIT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { CREDIT_SHARE = 12, CREDIT_MOST = 2000 * 1000, CREDIT_DEBT = 5000 * 1000 };
+
+struct credit {
+    int64_t ns;                 /* that may be spent; less than 0: owed */
+    int64_t processor, idle_ns; /* the clocks up to which it has been earned */
+};
+
+/* Credits the time until now, on the clocks of the thread's processor time and of the loop's idle time. */
+void credit_earn(struct credit *c, int64_t processor, int64_t idle_ns);
+
+void credit_spend(struct credit *c, int64_t ns);
+
+#endif
