@@ -9,11 +9,10 @@
 
 /* What the session is doing. */
 enum session_state {
-    SESSION_READING,   /* takes requests, or the points of `load`, from its connection */
-    SESSION_WAITING,   /* its request waits in a queue (waiter), or until a time (later) */
-    SESSION_WORKING,   /* a worker has `job` */
-    SESSION_STREAMING, /* sends `stream` */
-    SESSION_LISTING    /* sends those of `listing` */
+    SESSION_READING,  /* takes requests, or the points of `load`, from its connection */
+    SESSION_WAITING,  /* its request waits in a queue (waiter), or until a time (later) */
+    SESSION_WORKING,  /* a worker has `job` */
+    SESSION_STREAMING /* sends `stream` */
 };
 
 struct session {
@@ -51,9 +50,8 @@ struct session {
     struct timer awaited_timer; /* runs at awaited.at_ms */
     enum session_state state;
     union {
-        struct job *job;         /* borrows */
-        struct stream *stream;   /* owns */
-        struct listing *listing; /* owns */
+        struct job *job;       /* borrows */
+        struct stream *stream; /* owns */
     };
     uint64_t edited;               /* the lsn of its last change; 0: it has made none */
     int64_t wait_ms;               /* when its WAIT ends; 0: it has none */

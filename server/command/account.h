@@ -8,7 +8,7 @@
 /* The current request has been answered by *a. `error`: with an ERR line. */
 void account_end(struct session *s, const struct answer *a, bool error);
 
-/* It pauses: it waits in a queue, until a time, for a worker, for its body or for a listing. */
+/* It pauses: it waits in a queue, until a time, for a worker, for its body or for the beginning of a stream. */
 void account_pause(struct session *s, const struct answer *a);
 
 /* The work of a request begins whose body is complete. */

@@ -7,8 +7,8 @@
  * that is three times as fast as one cell after the other, and takes 8 bytes for each. */
 #include "server/command/command.h"
 
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
-#include "server/jobs/stream.h"
 #include "server/ops/cost.h"
 
 #include <stdlib.h>
@@ -179,13 +179,13 @@ static void reply_status(const struct cells_job *j, struct answer *a)
     reply_end(a->out);
 }
 
-static void answer_rows(struct server *s, struct cells_job *j, struct answer *a)
+static void reply_cells(struct server *s, struct cells_job *j, struct answer *a)
 {
     j->rows.version = j->job.base;
     j->rows.view = j->view;
     j->view = NULL;
     reply_status(j, a);
-    stream_answer(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
+    answer_rows(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
     if (a->next == ANSWER_STREAM)
         j->rows.made = NULL;
 }
@@ -194,7 +194,7 @@ static void end_cells(struct server *s, struct job *job, struct answer *a)
 {
     struct cells_job *j = (struct cells_job *)job;
     if (job_succeeded(job, a))
-        answer_rows(s, j, a);
+        reply_cells(s, j, a);
     job_end_view(s, job, j->view);
     dt_cells_made_free(j->rows.made);
     free(j->rows.ids.v);
@@ -372,7 +372,7 @@ static void end_alpha(struct server *s, struct job *job, struct answer *a)
         rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
         reply_ok(a->out, j->loops);
         reply_end(a->out);
-        stream_answer(s, a, &rows, &j->ids);
+        answer_rows(s, a, &rows, &j->ids);
     }
     free(j->ids.v);
 }

@@ -21,12 +21,11 @@ static const char *state_of(const struct session *s)
 {
     switch (s->state) {
     case SESSION_WORKING:
-    case SESSION_LISTING:
         return "working";
     case SESSION_WAITING:
         return "waiting";
     case SESSION_STREAMING:
-        return "sending";
+        return s->stream->begun ? "sending" : "working";
     case SESSION_READING:
         break;
     }
@@ -95,10 +94,10 @@ static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct li
 void client_list(struct server *s, struct answer *a, enum listing_frame frame)
 {
     uint64_t cap = s->clients != NULL ? s->clients->cap : 0, n = cap > 0 ? s->clients->n : 0;
-    if (frame == LISTING_BULK)
-        listing_answer_framed(s, a, list_clients, frame, 0, cap, n * CLIENT_BYTES);
-    else
-        listing_answer(s, a, list_clients, false, 0, cap, n * CLIENT_BYTES);
+    listing_answer(
+        s, a,
+        &(struct listing_plan){
+            .piece = list_clients, .frame = frame, .end = cap, .bytes = n * CLIENT_BYTES});
 }
 
 /* The clients that a KILL names: by id, or by address. */
@@ -262,7 +261,8 @@ static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listi
     return slowlog_piece(s, at, end, rows, append_slow);
 }
 
-bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n)
+/* The number of entries that are requested. */
+static bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n)
 {
     uint32_t there = slowlog_len(&s->slowlog);
     *n = SLOW_ROWS;
@@ -274,13 +274,25 @@ bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n
     return true;
 }
 
+bool slowlog_get(struct server *s, const struct request *q, struct answer *a, listing_piece *piece,
+                 enum listing_frame frame)
+{
+    uint64_t next = s->slowlog.next;
+    uint32_t n;
+    if (!slowlog_wanted(s, q, &n))
+        return false;
+    listing_answer(s, a,
+                   &(struct listing_plan){.piece = piece,
+                                          .frame = frame,
+                                          .at = next,
+                                          .end = next - n,
+                                          .bytes = n * sizeof(struct slow)});
+    return true;
+}
+
 static void get_slow(struct server *s, const struct request *q, struct answer *a)
 {
-    uint32_t n;
-    uint64_t next = s->slowlog.next;
-    if (slowlog_wanted(s, q, &n))
-        listing_answer(s, a, list_slow, false, next, next - n, n * sizeof(struct slow));
-    else
+    if (!slowlog_get(s, q, a, list_slow, LISTING_LINES))
         answer_err(a, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
 }
 

@@ -4,9 +4,9 @@
 
 #include "proto/number.h"
 #include "server/clients/clients.h"
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/listing.h"
-#include "server/jobs/stream.h"
 #include "server/jobs/submit.h"
 
 #include <stdio.h>
@@ -45,7 +45,9 @@ static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listi
 void cmd_sets(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)set, (void)q;
-    listing_answer(s, a, list_sets, true, 0, 0, s->sets.sets * ROW_BYTES);
+    listing_answer(s, a,
+                   &(struct listing_plan){
+                       .piece = list_sets, .sorted = true, .bytes = s->sets.sets * ROW_BYTES});
 }
 
 static bool read_making(struct server *s, struct answer *a, const struct request *q,
@@ -244,7 +246,7 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
     reply_ok(a->out, n);
     reply_end(a->out);
     struct rows rows = {.version = set->current, .form = ROW_POINT, .width = 1};
-    stream_answer(s, a, &rows, &ids);
+    answer_rows(s, a, &rows, &ids);
     free(ids.v);
 }
 
@@ -257,12 +259,12 @@ void cmd_points(struct server *s, struct dataset *set, const struct request *q, 
     if (q->n != (names ? 4u : 2u) + binary)
         answer_usage(a);
     else if (!names || (field = find_fields(a, set, &q->word[3], &fields)) != NULL)
-        stream_answer_points(s, a, set->current, binary, field, fields);
+        answer_points(s, a, set->current, binary, field, fields);
 }
 
 void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,
                     struct answer *a)
 {
     (void)s, (void)q;
-    stream_answer_table(s, a, set->current, DT_COINCIDENT, false, false);
+    answer_table(s, a, set->current, DT_COINCIDENT, false, false);
 }

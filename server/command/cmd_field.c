@@ -3,8 +3,8 @@
 
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
-#include "server/jobs/stream.h"
 #include "server/jobs/submit.h"
 #include "server/ops/cost.h"
 
@@ -209,7 +209,7 @@ void cmd_fget(struct server *s, struct dataset *set, const struct request *q, st
     struct rows rows = {.version = set->current, .form = ROW_VALUE, .width = ROW_VALUE_WORDS};
     reply_ok(a->out, n);
     reply_end(a->out);
-    stream_answer(s, a, &rows, &ids);
+    answer_rows(s, a, &rows, &ids);
     free(ids.v);
 }
 

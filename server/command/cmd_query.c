@@ -2,8 +2,8 @@
 #include "server/command/command.h"
 
 #include "server/command/load.h"
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/query.h"
-#include "server/jobs/stream.h"
 #include "server/ops/limits.h"
 
 #include <stdlib.h>
@@ -75,7 +75,7 @@ void cmd_lists(struct server *s, struct dataset *set, const struct request *q, s
     if (!check_tail(a, &t, SIZE_MAX))
         return;
     if (t.n == 2)
-        stream_answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
+        answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
     else if (t.within)
         answer_within(s, set, q, &t, QUERY_LISTS, a);
     else
@@ -95,7 +95,7 @@ void cmd_triangles(struct server *s, struct dataset *set, const struct request *
         return;
     }
     if (t.n == 2) {
-        stream_answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
+        answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
         return;
     }
     for (size_t i = 2; i < t.n; i++)
@@ -111,7 +111,7 @@ void cmd_edges(struct server *s, struct dataset *set, const struct request *q, s
     if (!check_tail(a, &t, 3))
         return;
     if (t.n == 2)
-        stream_answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
+        answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
     else if (read_id(a, &q->word[2], &query.corner[0]))
         query_answer(s, a, set, &query);
 }
@@ -123,7 +123,7 @@ void cmd_hull(struct server *s, struct dataset *set, const struct request *q, st
     if (t.n > 2 || t.binary)
         answer_usage(a);
     else
-        stream_answer_table(s, a, set->current, DT_HULL, t.cw, false);
+        answer_table(s, a, set->current, DT_HULL, t.cw, false);
 }
 
 /* ---- LOCATE, NEAREST, WITHIN ---- */
@@ -176,8 +176,8 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
 /* ---- LOCATEB, NEARESTB ---- */
 
 /* Answers with a row of `width` ids for each place of the body. */
-static void answer_places(struct server *s, struct dataset *set, enum row_form form, size_t width,
-                          struct answer *a)
+static void answer_body(struct server *s, struct dataset *set, enum row_form form, size_t width,
+                        struct answer *a)
 {
     struct rows rows = {
         .version = set->current, .heavy = true, .binary = true, .form = form, .width = width};
@@ -187,13 +187,13 @@ static void answer_places(struct server *s, struct dataset *set, enum row_form f
     reply_key_u64(a->out, "rows", places.n);
     reply_key_u64(a->out, "bytes", (uint64_t)places.n * width * sizeof(uint32_t));
     reply_end(a->out);
-    stream_answer_places(s, a, &rows, &places);
+    answer_places(s, a, &rows, &places);
 }
 
 void cmd_locateb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
-    answer_places(s, set, ROW_TRIANGLE, 3, a);
+    answer_body(s, set, ROW_TRIANGLE, 3, a);
 }
 
 void cmd_nearestb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -204,5 +204,5 @@ void cmd_nearestb(struct server *s, struct dataset *set, const struct request *q
     if (k > LIMIT_NEAREST_MANY)
         answer_err(a, ERR_RANGE, "at most %d points for each place", LIMIT_NEAREST_MANY);
     else
-        answer_places(s, set, ROW_NEAREST, k, a);
+        answer_body(s, set, ROW_NEAREST, k, a);
 }

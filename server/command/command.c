@@ -223,12 +223,10 @@ void cmd_timeout(struct server *s, struct dataset *set, const struct request *q,
 
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
 {
-    if (a->next == ANSWER_STREAM)
+    if (a->next == ANSWER_STREAM) {
         stream_free(s, a->stream);
-    if (a->next == ANSWER_LISTING)
-        listing_free(a->listing);
-    if (a->next == ANSWER_STREAM || a->next == ANSWER_LISTING)
         a->next = ANSWER_DONE;
+    }
     buf_rewind(a->out, mark);
     if (a->busy)
         answer_err(a, ERR_BUSY, "not enough free memory for the reply at the moment; try again");

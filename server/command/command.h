@@ -141,8 +141,9 @@ void client_row(struct buf *out, const struct session *s);
 bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
                    void (*append)(struct buf *out, const struct slow *e));
 
-/* The number of entries that SLOWLOG GET requests; false: not a number. */
-bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n);
+/* Answers SLOWLOG GET with a listing of these pieces. False, without an answer: the count is not a number. */
+bool slowlog_get(struct server *s, const struct request *q, struct answer *a, listing_piece *piece,
+                 enum listing_frame frame);
 
 /* Sets the name of the connection. False: the name is not valid. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);

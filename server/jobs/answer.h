@@ -10,19 +10,17 @@
 #include "server/sets/wait.h"
 
 struct stream;
-struct listing;
 struct job;
 struct dataset;
 struct load;
 struct command;
 
 enum answer_next {
-    ANSWER_DONE,   /* nothing: the reply is complete */
-    ANSWER_WAIT,   /* the request is carried out again, when what it waits for has come */
-    ANSWER_WORK,   /* a worker has the job, whose end brings the reply */
-    ANSWER_BODY,   /* the body of the request is received */
-    ANSWER_STREAM, /* the rest of the reply comes from a stream of rows */
-    ANSWER_LISTING /* the rest, or all of it, comes from a listing */
+    ANSWER_DONE,  /* nothing: the reply is complete */
+    ANSWER_WAIT,  /* the request is carried out again, when what it waits for has come */
+    ANSWER_WORK,  /* a worker has the job, whose end brings the reply */
+    ANSWER_BODY,  /* the body of the request is received */
+    ANSWER_STREAM /* the rest of the reply, or all of it, comes from a stream */
 };
 
 /* What a request waits for (ANSWER_WAIT). */
@@ -59,9 +57,8 @@ struct answer {
     enum answer_wait wait_for; /* ANSWER_WAIT */
     bool wait_writes; /* WAIT_QUEUE of a set: until it has no writer, else until it can be read */
     union {
-        struct stream *stream;   /* ANSWER_STREAM: moves to the caller */
-        struct listing *listing; /* ANSWER_LISTING: moves to the caller */
-        struct job *job;         /* ANSWER_WORK, WAIT_JOB: borrows */
+        struct stream *stream; /* ANSWER_STREAM: moves to the caller */
+        struct job *job;       /* ANSWER_WORK, WAIT_JOB: borrows */
         struct wait_queue
             *wait;         /* WAIT_QUEUE: borrows; to be entered before anything else happens */
         int64_t wait_ms;   /* WAIT_TIME */

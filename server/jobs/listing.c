@@ -13,52 +13,12 @@ enum { SEND = 64 * 1024 };
 enum phase { MAKING, SORTING, SENDING };
 
 struct listing {
-    listing_piece *piece;
-    uint64_t at, end;
+    struct stream stream; /* first */
+    struct listing_plan plan;
     struct listing_rows rows;
-    bool sorted; /* the rows are sorted by their first words */
-    enum listing_frame frame;
     char pattern[LISTING_PATTERN]; /* that of the rows, if they have one */
     enum phase phase;
-    bool begun;                /* the first byte has been appended */
-    struct reservation memory; /* for the rows */
-    void (*ready)(void *ctx);
-    void *ctx;
-    struct job *job; /* borrows: sorts the rows; NULL: none */
-    bool abandoned;  /* freed while the job runs */
 };
-
-void listing_free(struct listing *l)
-{
-    l->abandoned = true;
-    if (l->job != NULL)
-        return;
-    buf_free(&l->rows.text);
-    reservation_set(&l->memory, 0);
-    free(l);
-}
-
-void listing_notify(struct listing *l, void (*ready)(void *ctx), void *ctx)
-{
-    l->ready = ready;
-    l->ctx = ctx;
-}
-
-static void call_ready(struct listing *l)
-{
-    if (l->ready != NULL)
-        l->ready(l->ctx);
-}
-
-enum listing_frame listing_frame(const struct listing *l)
-{
-    return l->frame;
-}
-
-bool listing_has_begun(const struct listing *l)
-{
-    return l->begun;
-}
 
 /* ---- sorting ---- */
 
@@ -116,15 +76,11 @@ static void end_sorting(struct server *s, struct job *j, struct answer *a)
 {
     struct sorting *it = (struct sorting *)j;
     struct listing *l = it->listing;
-    (void)s, (void)a;
+    (void)a;
     l->rows = it->rows;
     l->rows.text.failed |= j->status != DT_OK;
-    l->job = NULL;
     l->phase = SENDING;
-    if (l->abandoned)
-        listing_free(l);
-    else
-        call_ready(l);
+    stream_job_ended(s, &l->stream);
 }
 
 static void begin_sorting(struct server *s, struct listing *l)
@@ -133,14 +89,13 @@ static void begin_sorting(struct server *s, struct listing *l)
     if (it == NULL) {
         l->rows.text.failed = true;
         l->phase = SENDING;
-        call_ready(l);
         return;
     }
     it->listing = l;
     it->rows = l->rows;
     l->rows.text = (struct buf){0};
     l->phase = SORTING;
-    l->job = &it->job;
+    l->stream.jobs++;
     job_aside(s, NULL, &it->job, JOB_SHORT);
 }
 
@@ -149,7 +104,7 @@ static void begin_sorting(struct server *s, struct listing *l)
 static void append_head(const struct listing *l, struct buf *out)
 {
     char head[32];
-    switch (l->frame) {
+    switch (l->plan.frame) {
     case LISTING_LINES:
         reply_ok(out, l->rows.n);
         reply_end(out);
@@ -166,7 +121,7 @@ static void append_head(const struct listing *l, struct buf *out)
 
 static void append_error(const struct listing *l, struct answer *a)
 {
-    if (l->frame == LISTING_LINES)
+    if (l->plan.frame == LISTING_LINES)
         answer_err(a, ERR_NOMEM, "out of memory; nothing has changed");
     else
         buf_append_text(a->out, "-NOMEM out of memory; nothing has changed\r\n");
@@ -180,7 +135,7 @@ static size_t next_bytes(const struct listing *l)
     size_t n = buf_len(&l->rows.text);
     if (n <= SEND)
         return n;
-    const char *end = l->frame == LISTING_LINES ? memrchr(text, '\n', SEND) : NULL;
+    const char *end = l->plan.frame == LISTING_LINES ? memrchr(text, '\n', SEND) : NULL;
     return end != NULL ? (size_t)(end - text) + 1 : SEND;
 }
 
@@ -192,96 +147,104 @@ static bool send_rows(struct listing *l, struct answer *a)
         append_error(l, a);
         return true;
     }
-    if (!l->begun) {
+    if (!l->stream.begun) {
         append_head(l, out);
         a->shown = l->rows.shown;
     }
-    l->begun = true;
+    l->stream.begun = true;
     size_t n = next_bytes(l);
     buf_append(out, buf_head(&l->rows.text), n);
     buf_consume(&l->rows.text, n);
     if (buf_len(&l->rows.text) > 0)
         return false;
-    if (l->frame == LISTING_BULK)
+    if (l->plan.frame == LISTING_BULK)
         buf_append(out, "\r\n", 2);
     return true;
 }
 
 /* ---- pieces ---- */
 
-void listing_refill(struct server *s, struct answer *a)
+static bool make_piece(struct server *s, struct listing *l)
 {
-    struct listing *l = a->listing;
-    if (l->phase == MAKING && l->piece(s, &l->at, l->end, &l->rows)) {
-        call_ready(l);
-        return;
+    return l->plan.piece(s, &l->plan.at, l->plan.end, &l->rows);
+}
+
+static bool refill(struct server *s, struct stream *st, struct answer *a)
+{
+    struct listing *l = (struct listing *)st;
+    if (l->phase == MAKING && make_piece(s, l)) {
+        stream_wake(st);
+        return true;
     }
     if (l->phase == MAKING) {
-        reservation_set(&l->memory, l->rows.text.cap * (l->sorted ? 2 : 1));
+        reservation_set(&st->memory, l->rows.text.cap * (l->plan.sorted ? 2 : 1));
         l->phase = SENDING;
-        if (l->sorted)
+        if (l->plan.sorted)
             begin_sorting(s, l);
     }
     if (l->phase != SENDING || !send_rows(l, a))
-        return;
-    a->next = ANSWER_DONE;
+        return true;
     a->broken = a->out->failed;
-    listing_free(l);
+    return false;
+}
+
+static void clear(struct server *s, struct stream *st)
+{
+    (void)s;
+    buf_free(&((struct listing *)st)->rows.text);
 }
 
 /* All rows have been made: they are few. */
 static void answer_at_once(struct answer *a, struct listing *l)
 {
-    if (l->sorted && !sort(&l->rows))
+    if (l->plan.sorted && !sort(&l->rows))
         l->rows.text.failed = true;
     while (!send_rows(l, a))
         ;
-    listing_free(l);
 }
 
-static void begin(struct server *s, struct answer *a, const struct listing *what, size_t bytes)
+static void refuse(struct server *s, struct answer *a, const struct listing_plan *plan)
 {
-    struct listing *l = malloc(sizeof *l);
+    if (plan->frame == LISTING_LINES)
+        server_refuse(s, a, plan->bytes);
+    else
+        buf_append_text(a->out, "-BUSY not enough free memory at the moment; try again\r\n");
+    a->refused = true;
+}
+
+static struct listing *new_listing(struct server *s, const struct listing_plan *plan)
+{
+    static const struct stream_kind kind = {.refill = refill, .clear = clear};
+    struct listing *l = calloc(1, sizeof *l);
+    if (l == NULL)
+        return NULL;
+    l->plan = *plan;
+    l->stream.kind = &kind;
+    l->stream.framed = plan->frame != LISTING_LINES;
+    l->stream.memory = server_reservation(s, BUDGET_REPLIES);
+    if (plan->pattern != NULL) {
+        l->rows.pattern = memcpy(l->pattern, plan->pattern->text, plan->pattern->len);
+        l->rows.pattern_len = plan->pattern->len;
+        l->plan.pattern = NULL; /* it is the request's */
+    }
+    return l;
+}
+
+void listing_answer(struct server *s, struct answer *a, const struct listing_plan *plan)
+{
+    struct listing *l = new_listing(s, plan);
     if (l == NULL) {
         answer_out_of_memory(a);
         return;
     }
-    *l = *what;
-    if (l->rows.pattern != NULL)
-        l->rows.pattern = memcpy(l->pattern, l->rows.pattern, l->rows.pattern_len);
-    l->memory = server_reservation(s, BUDGET_REPLIES);
-    if (!l->piece(s, &l->at, l->end, &l->rows)) {
+    if (!make_piece(s, l)) {
         answer_at_once(a, l);
+    } else if (!reservation_resize(&l->stream.memory, plan->bytes * (plan->sorted ? 2 : 1))) {
+        refuse(s, a, plan);
+    } else {
+        a->next = ANSWER_STREAM;
+        a->stream = &l->stream;
         return;
     }
-    if (!reservation_resize(&l->memory, l->sorted ? 2 * bytes : bytes)) {
-        if (l->frame == LISTING_LINES)
-            server_refuse(s, a, bytes);
-        else
-            buf_append_text(a->out, "-BUSY not enough free memory at the moment; try again\r\n");
-        a->refused = true;
-        listing_free(l);
-        return;
-    }
-    a->next = ANSWER_LISTING;
-    a->listing = l;
-}
-
-void listing_answer(struct server *s, struct answer *a, listing_piece *piece, bool sorted,
-                    uint64_t at, uint64_t end, size_t bytes)
-{
-    begin(s, a, &(struct listing){.piece = piece, .sorted = sorted, .at = at, .end = end}, bytes);
-}
-
-void listing_answer_framed(struct server *s, struct answer *a, listing_piece *piece,
-                           enum listing_frame frame, uint64_t at, uint64_t end, size_t bytes)
-{
-    begin(s, a, &(struct listing){.piece = piece, .frame = frame, .at = at, .end = end}, bytes);
-}
-
-void listing_answer_matching(struct server *s, struct answer *a, listing_piece *piece,
-                             enum listing_frame frame, const struct word *pattern, size_t bytes)
-{
-    struct listing_rows rows = {.pattern = pattern->text, .pattern_len = pattern->len};
-    begin(s, a, &(struct listing){.piece = piece, .frame = frame, .rows = rows}, bytes);
+    stream_free(s, &l->stream);
 }

@@ -1,5 +1,5 @@
-/* listing.h - replies that list sets, clients or slow requests: made a piece per turn of the loop, sorted by a
- * worker if necessary, and sent as fast as the socket accepts them.
+/* listing.h - streams that list sets, clients or slow requests: made a piece per turn of the loop, sorted by a worker
+ * if necessary, and sent as fast as the socket accepts them.
  *
  *     pieces, one per turn        a worker        at the rate of the socket
  *     [ 256 ][ 256 ] ... [ 40 ] -> sort by name -> status line, rows
@@ -9,10 +9,7 @@
 #ifndef SERVER_LISTING_H
 #define SERVER_LISTING_H
 
-#include "server/jobs/answer.h"
-#include "server/jobs/server.h"
-
-struct listing;
+#include "server/jobs/stream.h"
 
 /* The rows that have been made. */
 struct listing_rows {
@@ -35,31 +32,16 @@ enum listing_frame {
     LISTING_ARRAY  /* for RESP: the rows are elements of an array, framed already */
 };
 
-/* Answers with a listing from `at` to `end`, whose rows take about `bytes`. If one piece is enough, the reply is
- * complete on return, else a->next is ANSWER_LISTING. */
-void listing_answer(struct server *s, struct answer *a, listing_piece *piece, bool sorted,
-                    uint64_t at, uint64_t end, size_t bytes);
+struct listing_plan {
+    listing_piece *piece;
+    uint64_t at, end;
+    bool sorted; /* the rows are sorted by their first words */
+    enum listing_frame frame;
+    const struct word *pattern; /* borrows: the rows get a copy; NULL: none */
+    size_t bytes;               /* of all rows, about */
+};
 
-/* The same, framed for RESP. */
-void listing_answer_framed(struct server *s, struct answer *a, listing_piece *piece,
-                           enum listing_frame frame, uint64_t at, uint64_t end, size_t bytes);
-
-/* The same from the beginning, with a copy of the pattern in the rows. */
-void listing_answer_matching(struct server *s, struct answer *a, listing_piece *piece,
-                             enum listing_frame frame, const struct word *pattern, size_t bytes);
-
-/* Makes a piece, or appends about 64 KiB of the rows to a->out; a->next is not ANSWER_LISTING any more when the
- * listing has ended. If nothing was appended, `ready` is called when the listing can continue. */
-void listing_refill(struct server *s, struct answer *a);
-
-/* Sets the callback ready(ctx), on the I/O thread, for when the listing can continue. */
-void listing_notify(struct listing *l, void (*ready)(void *ctx), void *ctx);
-
-/* Its framing, and whether its first byte has been appended. */
-enum listing_frame listing_frame(const struct listing *l);
-bool listing_has_begun(const struct listing *l);
-
-/* If a worker has the listing, it is freed when that is done. */
-void listing_free(struct listing *l);
+/* Answers with a listing. If one piece is enough, the reply is complete on return, else a->next is ANSWER_STREAM. */
+void listing_answer(struct server *s, struct answer *a, const struct listing_plan *plan);
 
 #endif

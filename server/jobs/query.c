@@ -1,8 +1,8 @@
 /* query.c - see query.h. */
 #include "server/jobs/query.h"
 
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
-#include "server/jobs/stream.h"
 #include "server/ops/cost.h"
 
 #include <stdlib.h>
@@ -206,7 +206,7 @@ static inline void answer(struct server *s, struct answer *a, struct query *q, s
     if (q->binary)
         reply_key_u64(a->out, "bytes", q->words * sizeof(uint32_t));
     reply_end(a->out);
-    stream_answer(s, a, rows, &q->ids);
+    answer_rows(s, a, rows, &q->ids);
 }
 
 /* ---- by a worker ---- */

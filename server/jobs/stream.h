@@ -1,56 +1,51 @@
-/* stream.h - the rows of a reply, made while they are sent.
+/* stream.h - the rest of a reply, or all of it, which is made while it is sent, at the rate of the socket.
  *
- * A stream pins a version, which it reads at one moment, and has a position in its rows. For a large set,
- * workers make a few pieces ahead of the socket, in parallel; they are sent in order:
- *
- *      rows                   piece 3    piece 2    piece 1    piece 0     out
- *      [ not cut yet ... ]    [ made ]   [in work]  [in work]  [ made ] -> [ being sent ] -> socket
- *
- * A piece is begun only when another one has been moved to `out`, at the rate of the socket. So a client that
- * stops reading costs the memory of a few pieces, however long the reply is. Pieces and ids of a list are
- * in the memory budget.
- *
- * Tables are read through the view. Values of a surface need the whole triangulation of its moment: when a piece finds
- * that the points have been edited since, a worker makes a copy of the set as it was (past.h), and the remaining pieces
- * are made from that. */
+ * There are two kinds: the rows of a set (row_stream.h), and lists of sets, clients or slow requests (listing.h). The
+ * structure of a kind begins with a struct stream. All functions are called on the I/O thread. */
 #ifndef SERVER_STREAM_H
 #define SERVER_STREAM_H
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
-#include "server/sets/rows.h"
 
-struct stream;
+struct stream {
+    const struct stream_kind *kind;
+    bool begun;     /* the reply has its first byte */
+    bool framed;    /* it is made in RESP, not in lines */
+    bool computes;  /* its rows are searched or computed, and not only read */
+    bool abandoned; /* freed while workers use it */
+    unsigned jobs;  /* of workers that use it */
+    struct reservation memory;
+    void (*ready)(void *ctx); /* see stream_notify */
+    void *ctx;
+};
 
-/* Answers with *rows, whose version need not be pinned: writes them at once if they are few, else creates a
- * stream (ANSWER_STREAM), to which *ids moves (it is empty then), and rows->made. ids is NULL for a table. The status
- * line must have been written before. rows->view, unless NULL, is ended when the rows have been sent; without a view,
- * the rows are those of now. If there is no memory for pieces: answer_busy. */
-void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);
+struct stream_kind {
+    /* Appends about one piece to a->out, or nothing if none is ready: then stream_wake is called later. False: the
+     * reply has ended; a->broken: although it is not complete. */
+    bool (*refill)(struct server *s, struct stream *st, struct answer *a);
+    /* Cancels the jobs of the stream; NULL: they are short. */
+    void (*cancel)(struct stream *st);
+    /* Frees what the stream owns. */
+    void (*clear)(struct server *s, struct stream *st);
+};
 
-/* The same for rows of places, which it takes over: they are freed when their rows have been sent. */
-void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
-                          struct places *places);
-
-/* Answers with a whole table of the version: the status line, then its rows. */
-void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
-                         bool cw, bool binary);
-
-/* DT_POINTS with the values of fields after the coordinates; the array, from malloc, moves here, NULL: none. */
-void stream_answer_points(struct server *s, struct answer *a, struct version *v, bool binary,
-                          const struct dt_field **field, size_t fields);
-
-/* Appends the finished pieces of a->stream to a->out, about one, and begins others; a->next is not ANSWER_STREAM
- * any more when the stream has ended. If nothing was appended, `ready` is called later. */
+/* Appends the next piece of a->stream, if it is ready; a->next is not ANSWER_STREAM any more when the reply has ended,
+ * and the stream has been freed. If nothing was appended, `ready` is called later. */
 void stream_refill(struct server *s, struct answer *a);
 
-/* Sets the callback ready(ctx), on the I/O thread, for when a worker has made a piece. */
+/* Sets the callback ready(ctx) for when the stream can continue. */
 void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx);
 
-/* Whether its rows are searched or computed, and not only read. */
-bool stream_computes(const struct stream *st);
-
-/* If workers are making pieces, the stream is freed when they are done. */
+/* If workers use the stream, it is freed when they are done. */
 void stream_free(struct server *s, struct stream *st);
+
+/* ---- for the kinds ---- */
+
+/* The stream can continue. */
+void stream_wake(struct stream *st);
+
+/* A job of the stream, which counted in st->jobs, has ended: the stream can continue, or is freed. */
+void stream_job_ended(struct server *s, struct stream *st);
 
 #endif

@@ -203,8 +203,11 @@ void redis_keys(struct server *s, const struct request *q, struct answer *a)
     if (q->n != 2)
         redis_usage(a, "KEYS pattern");
     else if (good_pattern(a, &q->word[1]) && redis_sees_sets(s, a))
-        listing_answer_matching(s, a, list_names, LISTING_ARRAY, &q->word[1],
-                                s->sets.sets * ROW_BYTES);
+        listing_answer(s, a,
+                       &(struct listing_plan){.piece = list_names,
+                                              .frame = LISTING_ARRAY,
+                                              .pattern = &q->word[1],
+                                              .bytes = s->sets.sets * ROW_BYTES});
 }
 
 /* SCAN cursor [MATCH pattern] [COUNT n] [TYPE type] */

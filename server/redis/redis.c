@@ -179,14 +179,9 @@ static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listi
 static void slowlog(struct server *s, const struct request *q, struct answer *a)
 {
     struct line_reply t;
-    uint32_t n;
-    uint64_t next = s->slowlog.next;
     if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->role == ROLE_WRITE &&
-        slowlog_wanted(s, q, &n)) {
-        listing_answer_framed(s, a, list_slow, LISTING_ARRAY, next, next - n,
-                              n * sizeof(struct slow));
+        slowlog_get(s, q, a, list_slow, LISTING_ARRAY))
         return;
-    }
     if (!redis_ask(s, q, a, "", &t))
         return;
     if (word_is(&q->word[1], "LEN")) {

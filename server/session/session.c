@@ -8,7 +8,6 @@
 #include "server/command/ahead.h"
 #include "server/command/command.h"
 #include "server/command/load.h"
-#include "server/jobs/listing.h"
 #include "server/jobs/stream.h"
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
@@ -226,8 +225,8 @@ static bool step(struct session *s)
         conn_yield(&s->conn);
         return false;
     }
-    if (s->state == SESSION_STREAMING || s->state == SESSION_LISTING)
-        return session_step_rows(s);
+    if (s->state == SESSION_STREAMING)
+        return session_step_stream(s);
     return s->load != NULL ? session_step_load(s) : step_request(s);
 }
 
@@ -283,8 +282,6 @@ static void on_closed(struct conn *c)
         s->job->cancel = true;
     if (s->state == SESSION_STREAMING)
         stream_free(s->server, s->stream);
-    if (s->state == SESSION_LISTING)
-        listing_free(s->listing);
     if (s->load != NULL)
         load_free(s->server, s->load);
     watch_leave(s);
@@ -384,8 +381,7 @@ void session_not_saved(struct hold *h)
         answer_err(&a, ERR_NOFOLLOWERS,
                    "too few followers have the last changes, which are saved here");
     bool delivered = session_deliver(s, &a);
-    if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING ||
-        s->state == SESSION_LISTING || !delivered || c->out.failed)
+    if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING || !delivered || c->out.failed)
         conn_close(c); /* nothing may follow that line */
     else
         conn_finish(c);

@@ -4,7 +4,6 @@
 #include "server/command/account.h"
 #include "server/command/command.h"
 #include "server/command/load.h"
-#include "server/jobs/listing.h"
 #include "server/jobs/stream.h"
 #include "server/redis/resp3.h"
 #include "server/session/session.h"
@@ -44,10 +43,16 @@ void session_consume(struct session *s)
     s->held = 0;
 }
 
+/* Whether there is a reply, or the beginning of one. */
+static bool has_begun(const struct answer *a)
+{
+    return a->next == ANSWER_DONE || (a->next == ANSWER_STREAM && a->stream->begun);
+}
+
 static void account(struct session *s, const struct answer *a)
 {
     s->command = a->command;
-    if (a->next == ANSWER_DONE || a->next == ANSWER_STREAM) {
+    if (has_begun(a)) {
         account_end(s, a, a->refused || s->refused);
         s->refused = false;
     } else if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING) {
@@ -56,7 +61,7 @@ static void account(struct session *s, const struct answer *a)
     }
 }
 
-/* A piece of the stream has been made, or the listing can continue. */
+/* The stream can continue. */
 static void on_piece(void *ctx)
 {
     conn_yield(&((struct session *)ctx)->conn);
@@ -108,12 +113,6 @@ static void enter_state(struct session *s, const struct answer *a)
         s->state = SESSION_STREAMING;
         s->stream = a->stream;
         stream_notify(s->stream, on_piece, s);
-        break;
-    case ANSWER_LISTING:
-        s->state = SESSION_LISTING;
-        s->listing = a->listing;
-        listing_notify(s->listing, on_piece, s);
-        conn_yield(&s->conn);
         break;
     case ANSWER_WORK:
         s->state = SESSION_WORKING;
@@ -167,8 +166,7 @@ bool session_take_over(struct session *s, struct answer *a)
     }
     if (a->next != ANSWER_WAIT)
         end_request(s, a);
-    return !a->closes && (s->state == SESSION_READING || s->state == SESSION_STREAMING ||
-                          s->state == SESSION_LISTING);
+    return !a->closes && (s->state == SESSION_READING || s->state == SESSION_STREAMING);
 }
 
 bool session_refuse(struct session *s, enum reply_code code, const char *why)
@@ -187,48 +185,27 @@ bool session_refuse_line(struct session *s, enum line_fault fault)
                           line_fault_text(fault));
 }
 
-/* ---- rows ---- */
+/* ---- streams ---- */
 
-/* Delivers the next rows of a stream or a listing. */
-static bool go_on_sending(struct session *s, const struct answer *a)
+/* A request counts as answered when its stream has begun. */
+bool session_step_stream(struct session *s)
 {
-    bool delivered = session_deliver(s, a),
-         more = a->next == ANSWER_STREAM || a->next == ANSWER_LISTING;
+    struct answer a = session_answer(s);
+    bool begun = s->stream->begun;
+    if (s->stream->framed)
+        a.out = &s->conn.out;
+    a.next = ANSWER_STREAM;
+    a.stream = s->stream;
+    stream_refill(s->server, &a);
+    if (!begun && has_begun(&a))
+        account_end(s, &a, a.refused);
+    hold_reply(s, &a);
+    bool delivered = session_deliver(s, &a), more = a.next == ANSWER_STREAM;
     if (!more)
         s->state = SESSION_READING;
     if (!delivered)
         conn_close(&s->conn);
-    else if (more && conn_out_end(&s->conn) > a->mark) /* continue when this piece has been sent */
+    else if (more && conn_out_end(&s->conn) > a.mark) /* continue when this piece has been sent */
         conn_yield(&s->conn);
     return delivered && !more;
-}
-
-static bool step_stream(struct session *s)
-{
-    struct answer a = session_answer(s);
-    a.next = ANSWER_STREAM;
-    a.stream = s->stream;
-    stream_refill(s->server, &a);
-    return go_on_sending(s, &a);
-}
-
-/* A listing counts as answered when its first row has been made. */
-static bool step_listing(struct session *s)
-{
-    bool begun = listing_has_begun(s->listing);
-    struct answer a = session_answer(s);
-    if (listing_frame(s->listing) != LISTING_LINES)
-        a.out = &s->conn.out;
-    a.next = ANSWER_LISTING;
-    a.listing = s->listing;
-    listing_refill(s->server, &a);
-    if (!begun && (a.next != ANSWER_LISTING || listing_has_begun(a.listing)))
-        account_end(s, &a, a.refused);
-    hold_reply(s, &a);
-    return go_on_sending(s, &a);
-}
-
-bool session_step_rows(struct session *s)
-{
-    return s->state == SESSION_STREAMING ? step_stream(s) : step_listing(s);
 }

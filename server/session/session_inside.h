@@ -38,8 +38,8 @@ void session_consume(struct session *s);
 /* Delivers the answer and does what it requires; whether the next request may be carried out now. */
 bool session_take_over(struct session *s, struct answer *a);
 
-/* Sends the next rows of the stream or the listing; true: continue with the next request. */
-bool session_step_rows(struct session *s);
+/* Sends the next piece of the stream; true: continue with the next request. */
+bool session_step_stream(struct session *s);
 
 /* Answers with an error and ends the session, because the rest of the input cannot be parsed. Always false. */
 bool session_refuse(struct session *s, enum reply_code code, const char *why);

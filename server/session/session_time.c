@@ -94,7 +94,7 @@ void session_on_awaited(struct timer *t)
 void session_break_off(struct session *s, int64_t waited_ms)
 {
     const struct conn *c = &s->conn;
-    bool computes = s->state == SESSION_STREAMING && stream_computes(s->stream);
+    bool computes = s->state == SESSION_STREAMING && s->stream->computes;
     bool unread = s->state != SESSION_WORKING && conn_sendable(c) > 0;
     if (computes || (unread && c->loop->awake_ms - c->progress_ms >= waited_ms))
         conn_close(&s->conn);

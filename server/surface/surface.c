@@ -1,8 +1,8 @@
 /* surface.c - see surface.h. */
 #include "server/surface/surface.h"
 
+#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
-#include "server/jobs/stream.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 
@@ -53,7 +53,7 @@ static void answer_values(struct server *s, struct answer *a, struct dataset *se
     if (q->binary)
         reply_key_u64(a->out, "bytes", (uint64_t)n * sizeof(double));
     reply_end(a->out);
-    stream_answer_places(s, a, &rows, &q->places);
+    answer_places(s, a, &rows, &q->places);
 }
 
 /* ---- contours, by a job ---- */
@@ -78,7 +78,7 @@ static void answer_lines(struct server *s, struct answer *a, struct surface_job 
     j->line = (struct dt_ids){0};
     reply_ok(a->out, j->lines);
     reply_end(a->out);
-    stream_answer(s, a, &rows, &ids);
+    answer_rows(s, a, &rows, &ids);
     free(ids.v);
 }
 

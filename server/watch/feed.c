@@ -234,7 +234,7 @@ bool feed_can_take(const struct watcher *w)
 {
     const struct session *s = w->session;
     return !s->conn.closed && !s->conn.finishing && s->state != SESSION_STREAMING &&
-           s->state != SESSION_LISTING && !conn_full(&s->conn);
+           !conn_full(&s->conn);
 }
 
 /* Whether the connection sends it later. */

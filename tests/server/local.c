@@ -70,11 +70,7 @@ static void refill(struct local *l, struct answer *a)
     size_t before = buf_len(a->out);
     if (a->next == ANSWER_STREAM)
         stream_refill(&l->server, a);
-    if (a->next == ANSWER_STREAM && buf_len(a->out) == before)
-        collect(l, a);
-    if (a->next == ANSWER_LISTING)
-        listing_refill(&l->server, a);
-    if (a->next == ANSWER_LISTING && !list_is_empty(&l->server.jobs)) /* it is being sorted */
+    if (a->next == ANSWER_STREAM && buf_len(a->out) == before && !list_is_empty(&l->server.jobs))
         collect(l, a);
 }
 
@@ -89,7 +85,7 @@ static bool complete(struct local *l, struct answer *a)
     do {
         wait_for_job(l, a);
         refill(l, a);
-    } while (has_job(a) || a->next == ANSWER_STREAM || a->next == ANSWER_LISTING);
+    } while (has_job(a) || a->next == ANSWER_STREAM);
     l->closed = l->closed || a->closes || a->broken;
     return a->next == ANSWER_WAIT;
 }

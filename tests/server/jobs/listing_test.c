@@ -62,9 +62,9 @@ TEST(long_listings_are_made_in_pieces)
     CHECK(request_split(&l.server.request, "SETS", 4));
     command_run(&l.server, &l.server.request, &a);
     unsigned pieces = 0;
-    for (size_t before = 0; a.next == ANSWER_LISTING; before = buf_len(&out), pieces++) {
+    for (size_t before = 0; a.next == ANSWER_STREAM; before = buf_len(&out), pieces++) {
         CHECK(buf_len(&out) - before <= 66000);
-        listing_refill(&l.server, &a);
+        stream_refill(&l.server, &a);
     }
     CHECK(pieces >= SETS / 300);
     buf_append_char(&out, '\0');
@@ -88,8 +88,8 @@ TEST(sets_that_stay_are_listed_once_while_others_come_and_go)
     struct answer a = {.out = &out, .role = ROLE_WRITE};
     CHECK(request_split(&l.server.request, "SETS", 4));
     command_run(&l.server, &l.server.request, &a);
-    for (unsigned i = 0; a.next == ANSWER_LISTING; i++) {
-        listing_refill(&l.server, &a);
+    for (unsigned i = 0; a.next == ANSWER_STREAM; i++) {
+        stream_refill(&l.server, &a);
         for (unsigned k = 0; k < 300; k++) { /* the table of sets grows meanwhile */
             snprintf(line, sizeof line, "DROP go%u\nCREATE come%u_%u\n", i * 300 + k, i, k);
             local_ask(&l, line);
