@@ -7,7 +7,7 @@
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/jobs/stream.h"
+#include "server/replies/stream.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/watch/watch.h"

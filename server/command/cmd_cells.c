@@ -7,9 +7,9 @@
  * that is three times as fast as one cell after the other, and takes 8 bytes for each. */
 #include "server/command/command.h"
 
-#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+#include "server/replies/answer_rows.h"
 
 #include <stdlib.h>
 

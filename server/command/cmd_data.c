@@ -4,10 +4,10 @@
 
 #include "proto/number.h"
 #include "server/clients/clients.h"
-#include "server/jobs/answer_rows.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/listing.h"
 #include "server/jobs/submit.h"
+#include "server/replies/answer_rows.h"
+#include "server/replies/listing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,10 +3,10 @@
 
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
-#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
 #include "server/jobs/submit.h"
 #include "server/ops/cost.h"
+#include "server/replies/answer_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

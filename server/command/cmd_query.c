@@ -2,9 +2,9 @@
 #include "server/command/command.h"
 
 #include "server/command/load.h"
-#include "server/jobs/answer_rows.h"
-#include "server/jobs/query.h"
 #include "server/ops/limits.h"
+#include "server/replies/answer_rows.h"
+#include "server/replies/query.h"
 
 #include <stdlib.h>
 

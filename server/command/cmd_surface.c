@@ -3,9 +3,9 @@
 
 #include "proto/number.h"
 #include "server/command/load.h"
-#include "server/jobs/query.h"
 #include "server/ops/limits.h"
-#include "server/surface/surface.h"
+#include "server/replies/query.h"
+#include "server/replies/surface.h"
 
 #include <math.h>
 #include <stdlib.h>

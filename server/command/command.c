@@ -6,9 +6,9 @@
 #include "server/command/expire.h"
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/stream.h"
 #include "server/jobs/upkeep.h"
 #include "server/ops/limits.h"
+#include "server/replies/stream.h"
 
 #include <stdlib.h>
 #include <string.h>

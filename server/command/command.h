@@ -5,8 +5,8 @@
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
-#include "server/jobs/listing.h"
 #include "server/jobs/server.h"
+#include "server/replies/listing.h"
 
 /* set is NULL for a command without CMD_SET, or if there is no set of that name and the command does not require
  * one. */

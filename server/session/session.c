@@ -8,9 +8,9 @@
 #include "server/command/ahead.h"
 #include "server/command/command.h"
 #include "server/command/load.h"
-#include "server/jobs/stream.h"
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
+#include "server/replies/stream.h"
 #include "server/session/session_inside.h"
 #include "server/watch/watch.h"
 

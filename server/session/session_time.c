@@ -2,8 +2,8 @@
  * ended; and a probe detects closed connections. */
 #include "server/command/account.h"
 #include "server/command/load.h"
-#include "server/jobs/stream.h"
 #include "server/ops/limits.h"
+#include "server/replies/stream.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 

@@ -6,8 +6,8 @@
 #include "server/command/load.h"
 #include "server/jobs/job.h"
 #include "server/jobs/keep.h"
-#include "server/jobs/stream.h"
 #include "server/lifecycle.h"
+#include "server/replies/stream.h"
 #include "tests/test.h"
 
 #include <poll.h>

@@ -1,7 +1,7 @@
 /* listing_test.c - replies about many sets, clients or slow requests: complete, sorted, and made in
  * pieces. */
 #include "server/command/command.h"
-#include "server/jobs/listing.h"
+#include "server/replies/listing.h"
 #include "tests/server/daemon.h"
 #include "tests/server/local.h"
 #include "tests/test.h"

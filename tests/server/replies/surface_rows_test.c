@@ -1,8 +1,8 @@
 /* surface_rows_test.c - values of a surface are made while they are sent: they are those of the moment of the request,
  * whatever is edited meanwhile, and take the memory of a few pieces. */
 #include "server/command/command.h"
-#include "server/jobs/row_stream.h"
 #include "server/lifecycle.h"
+#include "server/replies/row_stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

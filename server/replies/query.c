@@ -1,9 +1,9 @@
 /* query.c - see query.h. */
-#include "server/jobs/query.h"
+#include "server/replies/query.h"
 
-#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+#include "server/replies/answer_rows.h"
 
 #include <stdlib.h>
 

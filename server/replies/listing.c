@@ -1,5 +1,5 @@
 /* listing.c - see listing.h. */
-#include "server/jobs/listing.h"
+#include "server/replies/listing.h"
 
 #include "proto/resp.h"
 #include "server/jobs/job.h"

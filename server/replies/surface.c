@@ -1,10 +1,10 @@
 /* surface.c - see surface.h. */
-#include "server/surface/surface.h"
+#include "server/replies/surface.h"
 
-#include "server/jobs/answer_rows.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
+#include "server/replies/answer_rows.h"
 
 #include <stdlib.h>
 #include <string.h>

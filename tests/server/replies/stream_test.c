@@ -1,8 +1,8 @@
 /* stream_test.c - replies that workers make in pieces: the same bytes as without workers, and abandoned
  * replies, or those without memory, leave nothing behind. */
 #include "server/command/command.h"
-#include "server/jobs/stream.h"
 #include "server/lifecycle.h"
+#include "server/replies/stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -16,7 +16,7 @@
 #ifndef SERVER_ROW_STREAM_H
 #define SERVER_ROW_STREAM_H
 
-#include "server/jobs/stream.h"
+#include "server/replies/stream.h"
 #include "server/sets/rows.h"
 
 /* Answers with a stream of *rows and pins their version. True: ANSWER_STREAM; what *rows owns, its fields, and *places
