@@ -2,6 +2,7 @@
 #include "proto/body.h"
 
 #include "proto/number.h"
+#include "proto/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -113,18 +114,13 @@ static enum body_fault judge(const struct body *b, size_t i, double v)
 
 /* ---- text ---- */
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t';
-}
-
 /* The next word between *p and end, moving *p behind it; its length is 0 at the end. */
 static const char *next_word(const char **p, const char *end, size_t *len)
 {
-    while (*p < end && is_blank(**p))
+    while (*p < end && text_is_blank(**p))
         (*p)++;
     const char *word = *p;
-    while (*p < end && !is_blank(**p))
+    while (*p < end && !text_is_blank(**p))
         (*p)++;
     *len = (size_t)(*p - word);
     return word;
@@ -193,9 +189,9 @@ static size_t take_plain_line(struct body *b, const char *bytes, size_t n)
     bool plain = b->fault == BODY_GOOD && b->width == 2;
     size_t len = plain ? proto_read_leading_double(p, n, &x) : 0;
     p += len;
-    if (len == 0 || p == end || !is_blank(*p))
+    if (len == 0 || p == end || !text_is_blank(*p))
         return 0;
-    while (p < end && is_blank(*p))
+    while (p < end && text_is_blank(*p))
         p++;
     len = proto_read_leading_double(p, (size_t)(end - p), &y);
     p += len;

@@ -11,6 +11,16 @@
 
 #define PROTO_NUMBER_MAX 32 /* bytes that a function below may write */
 
+/* A coordinate is 0, or its magnitude is in this range [PROTOCOL.md, section 1]; the core's is the same. */
+#define PROTO_COORDINATE_LEAST 0x1p-142
+#define PROTO_COORDINATE_MOST 0x1p201
+
+static inline bool proto_is_coordinate(double v)
+{
+    double size = v < 0 ? -v : v;
+    return size == 0 || (size >= PROTO_COORDINATE_LEAST && size <= PROTO_COORDINATE_MOST);
+}
+
 /* Reads the decimal number that is all of s[0 .. len): an optional sign, digits with at most one
  * '.' among, before or after them, optionally 'e' or 'E' with an optional sign and digits. Blanks,
  * NaN, infinities and hexadecimal are refused: false, *v unchanged.
@@ -24,9 +34,16 @@ bool proto_read_double(const char *s, size_t len, double *v);
 /* The same for a number at the front of s[0 .. len): returns its length; 0 if there is none, *v unchanged. */
 size_t proto_read_leading_double(const char *s, size_t len, double *v);
 
+/* Whether s[0 .. len) is a number that proto_read_double reads. */
+bool proto_is_number(const char *s, size_t len);
+
 /* Reads the decimal digits that are all of s[0 .. len). A sign, a blank, no digit, or a value above
- * 2^32 - 1: false, *v unchanged. */
+ * 2^32 - 1, or 2^64 - 1: false, *v unchanged. */
 bool proto_read_u32(const char *s, size_t len, uint32_t *v);
+bool proto_read_u64(const char *s, size_t len, uint64_t *v);
+
+/* The same for hexadecimal digits in lower case. */
+bool proto_read_hex(const char *s, size_t len, uint64_t *v);
 
 /* Writes the finite number v with the fewest digits that read back to v (and of those the nearest
  * to v), laid out as JavaScript does: 0.000001 <= |v| < 1e21 without an exponent, others like 1e-7

@@ -12,6 +12,7 @@
 #include "proto/number.h"
 #include "proto/number_exact.h"
 #include "proto/powers.h"
+#include "proto/text.h"
 
 #define DIGITS 19 /* any 19 digits fit a 64-bit word */
 #define INFINITY_BITS ((uint64_t)2047 << 52)
@@ -25,14 +26,9 @@ struct scan {
     bool negative;
 };
 
-static bool is_digit(char c)
-{
-    return (unsigned char)(c - '0') < 10;
-}
-
 static const char *scan_digits(const char *p, const char *end, uint64_t *word)
 {
-    for (; p < end && is_digit(*p); p++)
+    for (; p < end && text_is_digit(*p); p++)
         *word = 10 * *word + (uint64_t)(*p - '0');
     return p;
 }
@@ -88,9 +84,9 @@ static const char *scan_exponent(const char *p, const char *end, int64_t *expone
     bool negative = at < end && *at == '-';
     if (at < end && (*at == '-' || *at == '+'))
         at++;
-    if (at == end || !is_digit(*at))
+    if (at == end || !text_is_digit(*at))
         return p;
-    for (; at < end && is_digit(*at); at++)
+    for (; at < end && text_is_digit(*at); at++)
         if (e < (int64_t)1 << 56)
             e = 10 * e + (*at - '0');
     *exponent += negative ? -e : e;
@@ -231,18 +227,50 @@ bool proto_read_double(const char *s, size_t len, double *v)
     return true;
 }
 
+bool proto_is_number(const char *s, size_t len)
+{
+    struct scan n;
+    return len > 0 && scan(s, s + len, &n) == s + len;
+}
+
+/* The value of a digit, of base 16 at most; 16: it is none. */
+static unsigned digit_of(char c)
+{
+    return text_is_digit(c)       ? (unsigned)(c - '0')
+           : c >= 'a' && c <= 'f' ? (unsigned)(c - 'a') + 10
+                                  : 16;
+}
+
+/* Reads the digits that are all of s[0 .. len), of a number that is at most `most`. */
+static inline bool read_digits(const char *s, size_t len, unsigned base, uint64_t most, uint64_t *v)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < len; i++) {
+        unsigned digit = digit_of(s[i]);
+        if (digit >= base || sum > most / base || base * sum > most - digit)
+            return false;
+        sum = base * sum + digit;
+    }
+    if (len > 0)
+        *v = sum;
+    return len > 0;
+}
+
+bool proto_read_u64(const char *s, size_t len, uint64_t *v)
+{
+    return read_digits(s, len, 10, UINT64_MAX, v);
+}
+
+bool proto_read_hex(const char *s, size_t len, uint64_t *v)
+{
+    return read_digits(s, len, 16, UINT64_MAX, v);
+}
+
 bool proto_read_u32(const char *s, size_t len, uint32_t *v)
 {
-    uint64_t word = 0;
-    if (len == 0)
+    uint64_t word;
+    if (!read_digits(s, len, 10, UINT32_MAX, &word))
         return false;
-    for (size_t i = 0; i < len; i++) {
-        if (!is_digit(s[i]))
-            return false;
-        word = 10 * word + (uint64_t)(s[i] - '0');
-        if (word > UINT32_MAX)
-            return false;
-    }
     *v = (uint32_t)word;
     return true;
 }

@@ -1,6 +1,8 @@
 /* reply_read.c - the framing of replies: a status line, then the number of lines or bytes that it states. */
 #include "proto/reply_read.h"
 
+#include "proto/number.h"
+
 #include <string.h>
 
 static ptrdiff_t bad(struct reply_reader *r, const char *fault)
@@ -15,22 +17,6 @@ static bool starts_with(const char *s, size_t len, const char *prefix)
     return len >= n && memcmp(s, prefix, n) == 0;
 }
 
-/* s[0 .. len) as a number; it must consist of digits only. */
-static bool read_u64(const char *s, size_t len, uint64_t *v)
-{
-    uint64_t sum = 0;
-    if (len == 0)
-        return false;
-    for (size_t i = 0; i < len; i++) {
-        unsigned digit = (unsigned)(unsigned char)s[i] - '0';
-        if (digit > 9 || sum > (UINT64_MAX - digit) / 10)
-            return false;
-        sum = 10 * sum + digit;
-    }
-    *v = sum;
-    return true;
-}
-
 static bool is_event(const char *s, size_t len)
 {
     return starts_with(s, len, "EVENT ");
@@ -43,7 +29,7 @@ static bool read_row_count(const char *s, size_t len, uint64_t *rows)
     if (word == 3 && !starts_with(s, len, "OK "))
         return false;
     const char *space = memchr(s + word, ' ', len - word);
-    return read_u64(s + word, (space != NULL ? (size_t)(space - s) : len) - word, rows);
+    return proto_read_u64(s + word, (space != NULL ? (size_t)(space - s) : len) - word, rows);
 }
 
 /* "ERR CODE text"; the text may be missing. */
@@ -65,7 +51,7 @@ static bool read_status(struct reply_reader *r, struct reply_part *part)
     part->kind = is_event(part->text, part->len) ? REPLY_EVENT : REPLY_OK;
     if ((part->kind == REPLY_EVENT && !r->events) || !read_row_count(part->text, part->len, &rows))
         return false;
-    if (rows == 0 && reply_key(part, "bytes", &value, &len) && !read_u64(value, len, &bytes))
+    if (rows == 0 && reply_key(part, "bytes", &value, &len) && !proto_read_u64(value, len, &bytes))
         return false;
     r->rows_left = rows;
     r->bytes_left = bytes;
@@ -134,7 +120,7 @@ bool reply_key_number(const struct reply_part *status, const char *key, uint64_t
 {
     const char *text;
     size_t len;
-    return reply_key(status, key, &text, &len) && read_u64(text, len, value);
+    return reply_key(status, key, &text, &len) && proto_read_u64(text, len, value);
 }
 
 uint64_t reply_rows(const struct reply_part *status)

@@ -1,13 +1,10 @@
 /* request.c - see request.h. ASCII only: the locale has no effect. */
 #include "proto/request.h"
 
+#include "proto/text.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t';
-}
 
 static bool grow(struct request *q, size_t need)
 {
@@ -49,12 +46,12 @@ bool request_split(struct request *q, const char *text, size_t len)
     const char *end = text + len;
     q->n = 0;
     for (const char *p = text;;) {
-        while (p < end && is_blank(*p))
+        while (p < end && text_is_blank(*p))
             p++;
         if (p == end)
             return true;
         const char *word = p;
-        while (p < end && !is_blank(*p))
+        while (p < end && !text_is_blank(*p))
             p++;
         if (!append(q, word, (size_t)(p - word))) {
             q->n = 0;
@@ -83,7 +80,7 @@ bool word_is_whole(const struct word *w, const char *upper)
 
 static bool may_name(char c)
 {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || text_is_digit(c) || c == '_' ||
            c == '.' || c == ':' || c == '-';
 }
 
@@ -104,7 +101,7 @@ bool word_is_field_name(const struct word *w)
 
 static size_t skip(const char *text, size_t len, size_t at, bool blanks)
 {
-    while (at < len && (text[at] == ' ' || text[at] == '\t') == blanks)
+    while (at < len && text_is_blank(text[at]) == blanks)
         at++;
     return at;
 }

@@ -1,6 +1,8 @@
 /* json.c - see json.h. The grammar of numbers is that of RFC 8259, section 6. */
 #include "clients/cli/json.h"
 
+#include "proto/text.h"
+
 #include <ctype.h>
 #include <string.h>
 
@@ -47,12 +49,12 @@ static bool next_piece(struct piece *rest, char separator, struct piece *piece)
 static size_t digits(const char *s, size_t len)
 {
     size_t n = 0;
-    while (n < len && isdigit((unsigned char)s[n]))
+    while (n < len && text_is_digit(s[n]))
         n++;
     return n;
 }
 
-static bool is_number(const char *s, size_t len)
+static bool is_json_number(const char *s, size_t len)
 {
     size_t at = len > 0 && s[0] == '-', n = digits(s + at, len - at);
     if (n == 0 || (n > 1 && s[at] == '0'))
@@ -92,7 +94,7 @@ void json_string(const char *text, size_t len)
 
 static void put_scalar(struct piece v)
 {
-    if (is_number(v.text, v.len))
+    if (is_json_number(v.text, v.len))
         fwrite(v.text, 1, v.len, stdout);
     else
         json_string(v.text, v.len);

@@ -53,12 +53,10 @@ int options_unknown(const char *command, char **argv, int option)
 
 bool options_name_file(int argc, char **argv)
 {
-    double number;
-    for (int i = 1; i < argc; i++) {
-        bool is_number = proto_read_double(argv[i], strlen(argv[i]), &number);
-        if (!is_number && (argv[i][0] == '-' || (i > 1 && strpbrk(argv[i], "./") != NULL)))
+    for (int i = 1; i < argc; i++)
+        if (!proto_is_number(argv[i], strlen(argv[i])) &&
+            (argv[i][0] == '-' || (i > 1 && strpbrk(argv[i], "./") != NULL)))
             return true;
-    }
     return false;
 }
 

@@ -126,18 +126,12 @@ static int draw_lines(void *ctx, FILE *out)
 
 /* ---- arguments ---- */
 
-static bool is_number(const char *text, size_t len)
-{
-    double v;
-    return proto_read_double(text, len, &v);
-}
-
 static bool are_numbers(const char *text)
 {
     size_t n = 0;
     for (;; text++, n++) {
         size_t len = strcspn(text, ",");
-        if (!is_number(text, len) || n == MOST_LEVELS || len > PROTO_NUMBER_MAX)
+        if (!proto_is_number(text, len) || n == MOST_LEVELS || len > PROTO_NUMBER_MAX)
             return false;
         text += len;
         if (*text == '\0')
@@ -153,7 +147,7 @@ static int read_option(struct work *w, int option, char **argv)
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
     else if (option != 'e' && option != 'b' && option != 'm')
         return shapes_file_option(&w->file, option, argv);
-    else if (!is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
+    else if (!proto_is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
         return options_wrong(argv[0], "%s is not a number", optarg);
     else
         *(option == 'e' ? &w->every : option == 'b' ? &w->base : &w->max_edge) = optarg;

@@ -8,14 +8,13 @@
  *
  * The table has types and descriptions. A line that is not in it is converted by the same rules, so what a later daemon
  * reports appears as well. */
-#include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "proto/number.h"
 
 /* LEFT_OUT: text that changes all the time; as a label each value of it would be a time series of its own. */
 enum kind { UNTYPED, GAUGE, BYTES, COUNTER, TEXT, LEFT_OUT };
@@ -197,15 +196,6 @@ static void add_label(struct sample *s, const char *name, const char *value)
     memcpy(to, "\"}", 3);
 }
 
-static bool is_number(const char *value)
-{
-    char *end;
-    if (strspn(value, "+-.0123456789eE") != strlen(value))
-        return false;
-    errno = 0;
-    return isfinite(strtod(value, &end)) && *end == '\0' && end > value;
-}
-
 /* ---- lines of INFO ---- */
 
 static struct sample *add(struct metrics *m, const char *key)
@@ -226,7 +216,7 @@ static void add_value(struct metrics *m, const char *key, const char *value, con
     struct sample *s = add(m, key);
     if (s == NULL)
         return;
-    if (!is_number(value))
+    if (!proto_is_number(value, strlen(value)))
         s->kind = TEXT;
     double factor = name_metric(s);
     if (label != NULL)
@@ -255,7 +245,7 @@ static void add_group(struct metrics *m, const char *key, char *values)
         if (value == NULL)
             continue;
         *value++ = '\0';
-        if (is_number(value)) {
+        if (proto_is_number(value, strlen(value))) {
             snprintf(name, sizeof name, "%s_%.80s", label, word);
             add_value(m, name, value, label, of);
             continue;

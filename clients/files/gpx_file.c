@@ -9,6 +9,7 @@
 #include "clients/reading/number.h"
 #include "clients/reading/xml_scan.h"
 #include "proto/number.h"
+#include "proto/text.h"
 
 static const char *const kinds[GPX_KINDS] = {
     [GPX_WPT] = "wpt", [GPX_RTEPT] = "rtept", [GPX_TRKPT] = "trkpt"};
@@ -39,11 +40,11 @@ static int kind_of(struct xml_part name)
 /* Without blanks around it. */
 static struct xml_part trim(struct xml_part v)
 {
-    while (v.len > 0 && strchr(" \t\r\n", v.text[0]) != NULL) {
+    while (v.len > 0 && text_is_space(v.text[0])) {
         v.text++;
         v.len--;
     }
-    while (v.len > 0 && strchr(" \t\r\n", v.text[v.len - 1]) != NULL)
+    while (v.len > 0 && text_is_space(v.text[v.len - 1]))
         v.len--;
     return v;
 }

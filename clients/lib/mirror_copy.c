@@ -144,16 +144,7 @@ static bool next_id(struct row *r, uint32_t *id)
 {
     const char *word;
     size_t len;
-    uint64_t sum = 0;
-    if (!next_word(r, &word, &len) || len == 0 || len > 10)
-        return false;
-    for (size_t i = 0; i < len; i++) {
-        if (word[i] < '0' || word[i] > '9')
-            return false;
-        sum = 10 * sum + (unsigned)(word[i] - '0');
-    }
-    *id = (uint32_t)sum;
-    return sum < UINT32_MAX;
+    return next_word(r, &word, &len) && proto_read_u32(word, len, id) && *id < UINT32_MAX;
 }
 
 static bool next_double(struct row *r, double *v)

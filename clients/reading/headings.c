@@ -1,6 +1,8 @@
 /* headings.c - see headings.h. */
 #include "clients/reading/headings.h"
 
+#include "proto/text.h"
+
 #include <ctype.h>
 #include <string.h>
 
@@ -159,7 +161,7 @@ static bool is_filler(const char *text, size_t len)
         if (is_word(text, len, fillers[i]))
             return true;
     size_t digits = 0;
-    while (digits < len && isdigit((unsigned char)text[digits]))
+    while (digits < len && text_is_digit(text[digits]))
         digits++;
     return len >= 4 && digits == len;
 }

@@ -6,6 +6,7 @@
 #include <strings.h>
 
 #include "proto/number.h"
+#include "proto/text.h"
 
 enum { ROOM = 64 };
 
@@ -18,11 +19,6 @@ struct cut {
     struct value exponent; /* without its letter; len 0: none */
     size_t commas, points, groups;
 };
-
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
 
 static bool begins(struct value v, const char *what)
 {
@@ -70,7 +66,7 @@ static bool cut(struct value v, struct cut *c)
         char letter = mark > 0 ? GROUP_MARK : v.text[0];
         if (is_exponent(c, v))
             break;
-        if (!is_digit(letter) && letter != ',' && letter != '.' && letter != GROUP_MARK)
+        if (!text_is_digit(letter) && letter != ',' && letter != '.' && letter != GROUP_MARK)
             return false;
         c->commas += letter == ',';
         c->points += letter == '.';
@@ -97,7 +93,7 @@ static bool has_groups(const struct cut *c, char mark, char decimal)
         return false;
     for (; i < c->n && c->mantissa[i] != decimal; i++) {
         if (c->mantissa[i] != mark) {
-            run += is_digit(c->mantissa[i]);
+            run += text_is_digit(c->mantissa[i]);
             continue;
         }
         if (marks == 0 ? run < 1 || run > 3 : run != 3)
@@ -191,7 +187,7 @@ static bool read_cut(const struct number_style *style, const struct cut *c, doub
     if (c->negative)
         text[n++] = '-';
     for (size_t i = 0; i < c->n; i++)
-        if (is_digit(c->mantissa[i]))
+        if (text_is_digit(c->mantissa[i]))
             text[n++] = c->mantissa[i];
         else if (c->mantissa[i] == decimal)
             text[n++] = '.';
@@ -283,7 +279,7 @@ bool number_read_degrees(const struct number_style *style, struct value v, int a
     skip(&v, sign_length(v, &negative));
     while (v.len > 0 && parts < 3) {
         size_t n = 0;
-        while (n < v.len && (is_digit(v.text[n]) || v.text[n] == '.' || v.text[n] == ','))
+        while (n < v.len && (text_is_digit(v.text[n]) || v.text[n] == '.' || v.text[n] == ','))
             n++;
         if (n == 0 || (parts > 0 && part[parts - 1] != (double)(long)part[parts - 1]) ||
             !number_read(style, (struct value){v.text, n}, &part[parts]) || part[parts] > 360 ||
@@ -314,7 +310,7 @@ bool number_split_unit(struct value *v, struct value *unit)
                                         "deg",      "degrees",  "masl",   "m asl", "m.",
                                         "m a.s.l.", "\xC2\xB0", "\xB0",   "m NHN", "m AMSL"};
     size_t n = v->len;
-    while (n > 0 && !is_digit(v->text[n - 1]))
+    while (n > 0 && !text_is_digit(v->text[n - 1]))
         n--;
     *unit = value_trim(v->text + n, v->text + v->len);
     for (size_t i = 0; n > 0 && i < sizeof units / sizeof units[0]; i++)

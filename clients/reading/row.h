@@ -6,7 +6,8 @@
 #ifndef CLIENTS_ROW_H
 #define CLIENTS_ROW_H
 
-#include <stdbool.h>
+#include "proto/text.h"
+
 #include <stddef.h>
 
 struct value {
@@ -32,7 +33,7 @@ struct row_quotes {
 
 static inline bool value_is_blank(char c)
 {
-    return c == ' ' || c == '\t' || c == '\r';
+    return text_is_blank(c) || c == '\r';
 }
 
 /* Without blanks at both ends. */

@@ -1,12 +1,9 @@
 /* xml_scan.c - see xml_scan.h. */
 #include "clients/reading/xml_scan.h"
 
-#include <string.h>
+#include "proto/text.h"
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
+#include <string.h>
 
 static bool begins(const struct xml_scan *x, const char *text)
 {
@@ -66,7 +63,7 @@ static bool read_tag(struct xml_scan *x, struct xml_tag *tag)
         end--;
     }
     const char *name = p;
-    for (; p < end && !is_blank(*p); p++)
+    for (; p < end && !text_is_space(*p); p++)
         if (*p == ':')
             name = p + 1;
     tag->name = (struct xml_part){name, (size_t)(p - name)};
@@ -102,10 +99,10 @@ bool xml_attribute(const struct xml_tag *tag, const char *name, struct xml_part 
 {
     const char *p = tag->attribute.text, *end = p + tag->attribute.len;
     while (p < end) {
-        while (p < end && is_blank(*p))
+        while (p < end && text_is_space(*p))
             p++;
         const char *key = p;
-        while (p < end && *p != '=' && !is_blank(*p))
+        while (p < end && *p != '=' && !text_is_space(*p))
             p++;
         struct xml_part found = {key, (size_t)(p - key)};
         while (p < end && *p != '"' && *p != '\'')

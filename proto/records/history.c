@@ -1,8 +1,11 @@
 /* history.c - see history.h. */
 #include "proto/records/history.h"
 
+#include "proto/number.h"
+
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 struct history history_begin(uint64_t random)
 {
@@ -34,29 +37,16 @@ void history_write(char text[HISTORY_TEXT], const struct history *h)
              h->nonce);
 }
 
-/* Reads digits of that base up to `end`, of a number that is at most `most`. */
-static bool read_number(const char **at, const char *end, unsigned base, uint64_t most, uint64_t *v)
-{
-    const char *from = *at;
-    for (*v = 0; *at < end; ++*at) {
-        char c = **at;
-        unsigned digit = c >= '0' && c <= '9' ? (unsigned)(c - '0') : (unsigned)(c - 'a') + 10;
-        if (digit >= base || *v > (most - digit) / base)
-            break;
-        *v = *v * base + digit;
-    }
-    return *at > from;
-}
-
 bool history_read(const char *text, size_t n, struct history *h)
 {
-    const char *at = text, *end = text + n;
-    uint64_t origin, generation, nonce;
-    if (!read_number(&at, end, 16, UINT64_MAX, &origin) || at == end || *at++ != '.' ||
-        !read_number(&at, end, 10, UINT32_MAX, &generation) || at == end || *at++ != '.' ||
-        !read_number(&at, end, 16, UINT32_MAX, &nonce) || at != end)
+    const char *end = text + n, *dot = memchr(text, '.', n);
+    const char *last = dot == NULL ? NULL : memchr(dot + 1, '.', (size_t)(end - dot - 1));
+    uint64_t origin, nonce;
+    uint32_t generation = 0;
+    if (last == NULL || !proto_read_hex(text, (size_t)(dot - text), &origin) ||
+        !proto_read_u32(dot + 1, (size_t)(last - dot - 1), &generation) ||
+        !proto_read_hex(last + 1, (size_t)(end - last - 1), &nonce) || nonce > UINT32_MAX)
         return false;
-    *h = (struct history){
-        .origin = origin, .generation = (uint32_t)generation, .nonce = (uint32_t)nonce};
+    *h = (struct history){.origin = origin, .generation = generation, .nonce = (uint32_t)nonce};
     return true;
 }

@@ -107,19 +107,6 @@ struct target {
     const struct word *address;
 };
 
-/* False: not a number of at most 64 bits. */
-static bool read_client_id(const struct word *w, uint64_t *id)
-{
-    *id = 0;
-    for (size_t i = 0; i < w->len; i++) {
-        unsigned digit = (unsigned char)w->text[i] - '0';
-        if (digit > 9 || *id > (UINT64_MAX - digit) / 10)
-            return false;
-        *id = *id * 10 + digit;
-    }
-    return w->len > 0;
-}
-
 static bool read_target(const struct request *q, struct target *t)
 {
     const struct word *last = &q->word[q->n - 1];
@@ -128,7 +115,7 @@ static bool read_target(const struct request *q, struct target *t)
     if (q->n != 3 && !id && !address)
         return false;
     t->address = last;
-    t->by_id = !address && read_client_id(last, &t->id);
+    t->by_id = !address && proto_read_u64(last->text, last->len, &t->id);
     return t->by_id || !id;
 }
 

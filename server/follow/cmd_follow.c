@@ -98,30 +98,14 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
 
 /* ---- SYNC ---- */
 
-/* Hexadecimal digits, as many as a digest has. */
-static bool read_digest(const struct word *w, uint64_t *digest)
-{
-    char text[17];
-    if (w->len != 16 || !copy_word(w, text, sizeof text) ||
-        strspn(text, "0123456789abcdef") != w->len)
-        return false;
-    return sscanf(text, "%16" SCNx64, digest) == 1;
-}
-
-static bool read_lsn(const struct word *w, uint64_t *lsn)
-{
-    char text[21];
-    return w->len > 0 && w->len < 20 && copy_word(w, text, sizeof text) &&
-           strspn(text, "0123456789") == w->len && sscanf(text, "%20" SCNu64, lsn) == 1;
-}
-
 void cmd_sync(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct session *who = clients_asker(s, a);
     struct position from;
     (void)set;
     if (!history_read(q->word[1].text, q->word[1].len, &from.history) ||
-        !read_lsn(&q->word[2], &from.lsn) || !read_digest(&q->word[3], &from.digest)) {
+        !proto_read_u64(q->word[2].text, q->word[2].len, &from.lsn) || q->word[3].len != 16 ||
+        !proto_read_hex(q->word[3].text, 16, &from.digest)) {
         answer_usage(a);
         return;
     }

@@ -1,6 +1,7 @@
 /* role.c - see role.h. */
 #include "server/follow/role.h"
 
+#include "proto/number.h"
 #include "server/system/own_file.h"
 
 #include <errno.h>
@@ -128,14 +129,13 @@ bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port
     if (colon == NULL || (brackets && (colon == text || colon[-1] != ']')))
         return false;
     size_t n = (size_t)(colon - text) - (brackets ? 2 : 0);
-    char *end;
-    unsigned long v = strtoul(colon + 1, &end, 10);
-    bool digits = colon[1] >= '0' && colon[1] <= '9'; /* strtoul takes signs and spaces, too */
-    if (n == 0 || n >= ROLE_ADDRESS || *end != '\0' || !digits || v == 0 || v > 65535)
+    uint32_t v = 0;
+    bool number = proto_read_u32(colon + 1, strlen(colon + 1), &v);
+    if (n == 0 || n >= ROLE_ADDRESS || !number || v == 0 || v > 65535)
         return false;
     memcpy(host, text + brackets, n);
     host[n] = '\0';
-    *port = (unsigned)v;
+    *port = v;
     return true;
 }
 

@@ -236,17 +236,6 @@ static bool read_option(struct answer *a, const struct word *w, struct scan *sca
     return false;
 }
 
-static bool read_cursor(const struct word *w, uint64_t *cursor)
-{
-    *cursor = 0;
-    for (size_t i = 0; i < w->len; i++) {
-        if (w->text[i] < '0' || w->text[i] > '9')
-            return false;
-        *cursor = *cursor * 10 + (uint64_t)(w->text[i] - '0');
-    }
-    return w->len > 0 && w->len <= 19;
-}
-
 static bool read_scan(struct answer *a, const struct request *q, struct scan *scan)
 {
     enum { USUAL = 10 };
@@ -255,7 +244,7 @@ static bool read_scan(struct answer *a, const struct request *q, struct scan *sc
         redis_usage(a, "SCAN cursor [MATCH pattern] [COUNT n] [TYPE type]");
         return false;
     }
-    if (!read_cursor(&q->word[1], &scan->cursor)) {
+    if (!proto_read_u64(q->word[1].text, q->word[1].len, &scan->cursor)) {
         redis_error(a, "NUMBER that is not a cursor of SCAN");
         return false;
     }

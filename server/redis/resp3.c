@@ -1,7 +1,9 @@
 /* resp3.c - see resp3.h. */
 #include "server/redis/resp3.h"
 
+#include "proto/number.h"
 #include "proto/resp.h"
+#include "proto/text.h"
 
 #include <string.h>
 
@@ -21,18 +23,9 @@ static void put(struct buf *out, char mark, const char *text, size_t len)
 static bool is_digits(const char *text, size_t len)
 {
     for (size_t i = 0; i < len; i++)
-        if (text[i] < '0' || text[i] > '9')
+        if (!text_is_digit(text[i]))
             return false;
     return len > 0 && len <= 18; /* fits in 64 bits */
-}
-
-static bool is_number(const char *text, size_t len)
-{
-    size_t sign = len > 1 && text[0] == '-';
-    for (size_t i = sign; i < len; i++)
-        if (strchr("0123456789.e+-", text[i]) == NULL || text[i] == '\0')
-            return false;
-    return len > sign && text[sign] >= '0' && text[sign] <= '9';
 }
 
 static bool is(const char *text, size_t len, const char *what)
@@ -47,9 +40,9 @@ static void put_word(struct buf *out, char type, const char *text, size_t len)
         put(out, ':', text, len);
     else if (type == 'd' && is(text, len, "nan"))
         resp3_null(out);
-    else if (type == 'd' && is_number(text, len))
+    else if (type == 'd' && proto_is_number(text, len))
         put(out, ',', text, len);
-    else if (type == 'w' && (is_digits(text, len) || is_number(text, len)))
+    else if (type == 'w' && (is_digits(text, len) || proto_is_number(text, len)))
         put_word(out, is_digits(text, len) ? 'i' : 'd', text, len);
     else
         resp_bulk(out, text, len);

@@ -1,6 +1,7 @@
 /* cmd_watch.c - see cmd_watch.h. */
 #include "server/watch/cmd_watch.h"
 
+#include "proto/number.h"
 #include "server/clients/clients.h"
 #include "server/watch/watch.h"
 
@@ -10,13 +11,7 @@
 /* A version; false: the ERR line has been written. */
 static bool read_version(struct answer *a, const struct word *w, uint64_t *version)
 {
-    enum { DIGITS = 18 };
-    bool good = w->len > 0 && w->len <= DIGITS;
-    *version = 0;
-    for (size_t i = 0; good && i < w->len; i++) {
-        good = w->text[i] >= '0' && w->text[i] <= '9';
-        *version = 10 * *version + (uint64_t)(w->text[i] - '0');
-    }
+    bool good = proto_read_u64(w->text, w->len, version);
     if (!good)
         answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(w));
     return good;

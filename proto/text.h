@@ -1,0 +1,24 @@
+/* text.h - kinds of characters, in ASCII: the locale has no effect. */
+#ifndef PROTO_TEXT_H
+#define PROTO_TEXT_H
+
+#include <stdbool.h>
+
+/* What separates words of a line. */
+static inline bool text_is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* A blank, or part of the end of a line. */
+static inline bool text_is_space(char c)
+{
+    return text_is_blank(c) || c == '\r' || c == '\n';
+}
+
+static inline bool text_is_digit(char c)
+{
+    return (unsigned char)(c - '0') < 10;
+}
+
+#endif
