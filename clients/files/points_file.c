@@ -77,16 +77,9 @@ static bool grow(struct points_file *f)
     return true;
 }
 
-/* Values that the server would refuse as RANGE, reported here with the line's number [PROTOCOL.md, section
- * 1]. */
-static bool in_range(double v)
-{
-    return v == 0 || (fabs(v) >= 0x1p-142 && fabs(v) <= 0x1p201);
-}
-
 bool points_file_append(struct points_file *f, double x, double y)
 {
-    if (!in_range(x) || !in_range(y))
+    if (!proto_is_coordinate(x) || !proto_is_coordinate(y)) /* the server would refuse it */
         return points_file_fault(f, "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude");
     if (f->n == f->cap && !grow(f))
         return false;

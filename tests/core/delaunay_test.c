@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/delaunay.h"
+#include "proto/number.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
@@ -84,14 +85,23 @@ TEST(coordinates_beyond_the_exact_range_are_refused)
 
 TEST(many_coordinates_are_valid_if_each_of_them_is)
 {
-    const double other[] = {0,        -0.0,        0x1p-142, -0x1p201,   (double)NAN,
-                            HUGE_VAL, 0x1.001p201, -0x1p202, 0x1.fp-143, -0x1p-1074};
+    const double other[] = {0,
+                            -0.0,
+                            0x1p-142,
+                            -0x1p201,
+                            (double)NAN,
+                            HUGE_VAL,
+                            0x1.0000000000001p201,
+                            -0x1p202,
+                            0x1.fffffffffffffp-143,
+                            -0x1p-1074};
     for (size_t n = 1; n <= 7; n++)
         for (size_t i = 0; i < n; i++)
             for (size_t k = 0; k < sizeof other / sizeof *other; k++) {
                 double v[] = {1, -2, 3, -4, 5, -6, 7};
                 v[i] = other[k];
                 CHECK(dt_coordinates_ok(v, n) == (k < 4) && dt_coordinate_ok(v[i]) == (k < 4));
+                CHECK(proto_is_coordinate(v[i]) == (k < 4)); /* for clients */
                 CHECK(dt_coordinates_ok(v, i));
             }
 }
