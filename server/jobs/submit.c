@@ -175,6 +175,11 @@ static void run(struct job *j)
 {
     struct change *c = change_of_job(j);
     j->status = c->kind->edit(j->dt, c, &j->options);
+    if (((struct submission *)j)->live && j->fresh != NULL && j->status == DT_OK) {
+        j->status = dt_refresh(j->dt, &j->options);
+        if (j->status == DT_OK)
+            dt_prepare(j->dt, &j->options); /* without memory for the grid, searches take longer */
+    }
 }
 
 /* Writes the status line of a change that has been carried out, up to its version. */
@@ -245,6 +250,24 @@ static size_t points_of(const struct change *c)
     return c->kind == &change_kinds[CHANGE_MOVE];
 }
 
+/* Whether the change is made on a copy, which is triangulated before it replaces the set: others read the triangulation, and
+ * in place the change would take about as long. If so, the memory of that is reserved. */
+static bool keeps_live(struct server *s, const struct dataset *set, struct submission *x)
+{
+    enum {
+        SHARE = 32
+    }; /* of the points: an edit in place takes about as long as a build of so many */
+    const struct version *v = set->current;
+    const uint32_t points = v->sum.points;
+    if (!v->asked || !v->sum.current || s->workers == NULL ||
+        cost_at_once(COST_EDIT, x->job.points) || x->job.points < points / SHARE)
+        return false;
+    struct dt_options options = job_options(s);
+    size_t bytes = dt_build_memory(v->dt, &options);
+    bytes += (size_t)((double)bytes / points * (double)x->job.points);
+    return reservation_resize(&x->job.memory, x->job.memory.bytes + bytes);
+}
+
 /* ---- all changes ---- */
 
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
@@ -284,6 +307,7 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
     if (set != NULL && c->kind->edit != NULL) {
         x->job.what = c->kind->what;
         x->job.points = points_of(c);
+        x->live = x->job.copies = keeps_live(s, set, x);
         job_change(s, a, &x->job, set, weight_of(set, c));
         return;
     }

@@ -25,8 +25,10 @@ static void end_refresh(struct server *s, struct job *j, struct answer *a)
 
 bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
 {
-    if (!version_is_stale(set->current))
+    if (!version_is_stale(set->current)) {
+        set->current->asked = true;
         return true;
+    }
     if (!dataset_admits(set, true, a->turn)) {
         answer_wait(a, &set->queue, true);
         return false;
@@ -38,6 +40,7 @@ bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
         return false;
     }
     j->what = "triangulating";
+    j->copies = large;
     j->memory = server_reservation(s, BUDGET_BUILDS);
     if (large && !job_reserve_build(s, a, set, &j->memory)) {
         job_free(s, j);

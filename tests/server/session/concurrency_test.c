@@ -62,6 +62,51 @@ TEST(points_are_read_while_their_set_is_triangulated)
     CHECK(during);
 }
 
+/* Sends LOADB of n random points, and returns when a worker has begun to add them. */
+static void begin_to_load(const struct daemon *d, int fd, unsigned n)
+{
+    char text[64];
+    double *xy = malloc(2 * n * sizeof *xy);
+    CHECK(xy != NULL);
+    for (unsigned i = 0; i < 2 * n; i++)
+        xy[i] = test_uniform();
+    uint64_t jobs = daemon_info(d, "jobs");
+    snprintf(text, sizeof text, "LOADB t %u\n", n);
+    say(fd, text);
+    say_bytes(fd, xy, 2 * n * sizeof *xy);
+    free(xy);
+    while (daemon_info(d, "jobs") == jobs && !has_answered(fd))
+        pause_ms(1);
+}
+
+TEST(set_that_is_queried_is_read_while_a_large_load_is_added)
+{
+    struct daemon d = daemon_start(NULL);
+    int busy = daemon_connect(&d), reader = daemon_connect(&d);
+    unsigned during = 0;
+    load_random(busy, "t", 400000);
+    say(busy, "TRIANGULATE t\n");
+    hear_line(busy);
+    say(reader, "NEAREST t 0.5 0.5\n");
+    CHECK(strcmp(hear_line(reader), "OK 1") == 0);
+    hear_line(reader);
+    begin_to_load(&d, busy, 100000);
+    while (!has_answered(busy)) {
+        say(reader, "GET t 7\nNEAREST t 0.5 0.5\n");
+        for (int i = 0; i < 2; i++) {
+            CHECK(strcmp(hear_line(reader), "OK 1") == 0);
+            hear_line(reader);
+        }
+        during += !has_answered(busy);
+    }
+    CHECK(strncmp(hear_line(busy), "OK 0 first=400000 added=100000 ", 31) == 0);
+    CHECK(during > 0);
+    say(reader, "STAT t\nCHECK t\n");
+    CHECK(strstr(hear_line(reader), "points=500000 ") != NULL);
+    CHECK(strncmp(hear_line(reader), "OK 0 delaunay=yes points=500000 ", 32) == 0);
+    daemon_end(&d);
+}
+
 /* How many ADD requests have waited. */
 static unsigned adds_that_waited(int fd)
 {
