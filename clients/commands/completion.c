@@ -24,20 +24,40 @@ static void put_formats(void)
         printf(" %s", formats[i].name);
 }
 
-/* Writes the names of all subcommands, or of those that take sets or files, with the text between them. */
-enum kind { KIND_ALL, KIND_SETS, KIND_FILES };
+static bool is_any(const struct subcommand *s)
+{
+    return s != NULL;
+}
 
-static void put_names(enum kind kind, const char *between)
+static bool takes_set(const struct subcommand *s)
+{
+    return s->set || s->run == command_copy;
+}
+
+static bool takes_files(const struct subcommand *s)
+{
+    return s->files;
+}
+
+static bool takes_set_and_files(const struct subcommand *s)
+{
+    return s->files && s->set;
+}
+
+static bool takes_only_files(const struct subcommand *s)
+{
+    return s->files && !s->set;
+}
+
+/* Writes the names of these subcommands, with the text between them. */
+static void put_names(bool (*chosen)(const struct subcommand *s), const char *between)
 {
     bool first = true;
-    for (size_t i = 0; i < subcommand_count; i++) {
-        const struct subcommand *s = &subcommands[i];
-        if ((kind == KIND_SETS && !s->set && s->run != command_copy) ||
-            (kind == KIND_FILES && !s->files))
-            continue;
-        printf("%s%s", first ? "" : between, s->name);
-        first = false;
-    }
+    for (size_t i = 0; i < subcommand_count; i++)
+        if (chosen(&subcommands[i])) {
+            printf("%s%s", first ? "" : between, subcommands[i].name);
+            first = false;
+        }
 }
 
 /* The part that bash and zsh share: finds the command and the number of its words before the one to be
@@ -108,14 +128,14 @@ static void put_bash(void)
     put_option_cases(reply, end);
     fputs("        esac\n        return\n    fi\n    case $command in\n", stdout);
     printf("    '') %s", reply);
-    put_names(KIND_ALL, " ");
+    put_names(is_any, " ");
     printf("%s; return ;;\n    ", end);
-    put_names(KIND_SETS, " | ");
+    put_names(takes_set, " | ");
     printf(")\n        if ((at == 0)); then %s$(\"${COMP_WORDS[0]}\" \"${where[@]}\" %s)%s; "
            "return; fi ;;\n"
            "    esac\n    case $command in\n    ",
            reply, read_sets, end);
-    put_names(KIND_FILES, " | ");
+    put_names(takes_files, " | ");
     puts(") compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- \"$word\")) ;;");
     put_word_cases(reply, end);
     puts("    esac\n}\ncomplete -F _delaunay delaunay");
@@ -132,14 +152,14 @@ static void put_zsh(void)
     puts("    if [[ ${words[CURRENT]} == -* ]]; then\n        case $command in");
     put_option_cases("compadd -- ", "");
     fputs("        esac\n        return\n    fi\n    case $command in\n    '') compadd ", stdout);
-    put_names(KIND_ALL, " ");
+    put_names(is_any, " ");
     fputs("; return ;;\n    ", stdout);
-    put_names(KIND_SETS, " | ");
+    put_names(takes_set, " | ");
     printf(")\n        if ((at == 0)); then compadd -- ${(f)\"$(${words[1]} $where %s)\"}; return; "
            "fi ;;\n"
            "    esac\n    case $command in\n    ",
            read_sets);
-    put_names(KIND_FILES, " | ");
+    put_names(takes_files, " | ");
     puts(") _files ;;");
     put_word_cases("compadd ", "");
     puts("    esac\n}\n"
@@ -209,15 +229,14 @@ static void put_fish(void)
         put_fish_options(&subcommands[i]);
     }
     fputs("complete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
-    put_names(KIND_SETS, " ");
+    put_names(takes_set, " ");
     printf("; and __delaunay_at 2' -a \"(delaunay %s)\"\n",
            "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
-    fputs("complete -c delaunay -n '__fish_seen_subcommand_from draw run' -F\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace raster contour "
-          "voronoi alpha; and not "
-          "__delaunay_at "
-          "2' -F\n",
-          stdout);
+    fputs("complete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
+    put_names(takes_only_files, " ");
+    fputs("' -F\ncomplete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
+    put_names(takes_set_and_files, " ");
+    puts("; and not __delaunay_at 2' -F");
     for (size_t i = 0; i < subcommand_count; i++)
         if (subcommands[i].words != NULL)
             printf("complete -c delaunay -n '__fish_seen_subcommand_from %s%s' -a '%s'\n",
