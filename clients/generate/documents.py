@@ -29,7 +29,10 @@ def faults_of_headings(protocol, commands):
         for form in re.split(r"[,;] ", heading):
             described.setdefault(form.split()[0], set()).update(words(form))
     for c in commands:
-        for word in sorted(described.pop(c.name, set()) ^ words(c.usage)):
+        if c.name not in described:
+            yield "proto/PROTOCOL.md: there is no section about %s" % c.name
+            continue
+        for word in sorted(described.pop(c.name) ^ words(c.usage)):
             yield "proto/PROTOCOL.md: the headings of %s, or its usage: %s" % (c.name, word)
     for name in described:
         yield "proto/PROTOCOL.md: there is no command %s" % name

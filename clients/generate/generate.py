@@ -57,7 +57,8 @@ def main(daemon, check=None):
         for path, text in files(commands):
             (REPOSITORY / path).write_text(text)
     else:
-        print(*faults(commands), sep="\n", end="")
+        for fault in faults(commands):
+            print(fault)
 
 
 if __name__ == "__main__":

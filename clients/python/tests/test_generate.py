@@ -71,6 +71,7 @@ class Generated(unittest.TestCase):
 
     def test_documents_are_compared_with_the_usage(self):
         self.assertEqual(list(documents.faults_of_headings("### SPAN set x y [k] [METHOD slow|fast]\n### SPAN set [CW]\n", [READS])), [])
+        self.assertEqual(list(documents.faults_of_headings("", [READS])), ["proto/PROTOCOL.md: there is no section about SPAN"])
         faults = list(documents.faults_of_headings("### SPAN set x y r\n### GONE\n", [READS]))
         self.assertEqual([fault.split(": ")[-1] for fault in faults], "CW METHOD k r slow|fast".split() + ["there is no command GONE"])
         self.assertEqual(list(documents.faults_of_page("p", ".BR SPAN ,\n.B SPAN CW\n.B HOME\n", [READS])), [])
