@@ -4,7 +4,7 @@
 #include "proto/line.h"
 #include "proto/number.h"
 #include "proto/resp.h"
-#include "server/jobs/server.h"
+#include "server/command/command.h"
 
 #include <string.h>
 
@@ -48,35 +48,6 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
     return true;
 }
 
-/* The meaning of the words after a set's name. */
-enum subject { SUBJECT_OTHER, SUBJECT_PLACE, SUBJECT_ID, SUBJECT_EDIT };
-
-/* Guessed from the first letter and the number of words: if the guess is wrong, what is fetched is not
- * needed, and nothing else happens. */
-static enum subject subject_of(const struct ahead_request *r)
-{
-    switch (r->word[0].text[0] & ~0x20) {
-    case 'N': /* NEAREST set x y [k] */
-        return r->n >= 4 ? SUBJECT_PLACE : SUBJECT_OTHER;
-    case 'A': /* ADD set x y */
-        return r->n == 4 ? SUBJECT_PLACE : SUBJECT_OTHER;
-    case 'L': /* LOCATE set x y, LISTS set id ... */
-        if (r->n == 4)
-            return SUBJECT_PLACE;
-        break;
-    case 'G': /* GET set id ... */
-    case 'T': /* TRIANGLES set a ... */
-    case 'E': /* EDGES set a */
-        break;
-    case 'D': /* DEL set id ... */
-    case 'M': /* MOVE set id x y */
-        return r->n >= 3 ? SUBJECT_EDIT : SUBJECT_OTHER;
-    default:
-        return SUBJECT_OTHER;
-    }
-    return r->n >= 3 ? SUBJECT_ID : SUBJECT_OTHER;
-}
-
 static void take_place(struct questions *all, struct ahead_request *r)
 {
     struct dt_place *p = &all->place[all->places];
@@ -93,16 +64,18 @@ static void take_id(struct questions *all, const struct ahead_request *r)
     all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
 }
 
+/* Notes what is to be prefetched for the request. */
 static void take_question(struct server *s, struct questions *all, struct ahead_request *r)
 {
-    enum subject subject = subject_of(r);
-    if (subject == SUBJECT_OTHER || !is_ours(s, all, &r->word[1]))
+    enum command_ahead ahead = r->command != NULL ? r->command->ahead : AHEAD_NOTHING;
+    size_t words = ahead == AHEAD_PLACE ? 4 : 3;
+    if (ahead == AHEAD_NOTHING || r->n < words || !is_ours(s, all, &r->word[1]))
         return;
-    if (subject == SUBJECT_PLACE)
+    if (ahead == AHEAD_PLACE)
         take_place(all, r);
     else
         take_id(all, r);
-    all->edits |= subject == SUBJECT_EDIT;
+    all->edits |= ahead == AHEAD_EDIT;
 }
 
 static void fetch(struct questions *all)
@@ -119,24 +92,19 @@ static void fetch(struct questions *all)
     }
 }
 
-/* Whether a body could follow, which is no request: that of LOAD, or of a command that ends in B. */
-static bool may_have_body(const struct request *q)
-{
-    size_t last = q->n > 0 && q->word[0].len > 0 ? q->word[0].len - 1 : 0;
-    return q->n > 0 && q->n <= 4 && last > 0 &&
-           ((q->word[0].text[last] & ~0x20) == 'B' || word_is(&q->word[0], "LOAD"));
-}
-
-/* Appends a request that has been parsed; NULL: it is too long, or may have a body. */
-static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
+/* Appends a request that has been parsed; NULL: it is too long, or a body follows it. */
+static struct ahead_request *keep(struct server *s, const char *text, size_t len,
                                   const struct request *q)
 {
-    if (q->n > AHEAD_WORDS || may_have_body(q))
+    struct ahead *a = s->ahead;
+    const struct command *c = q->n > 1 ? command_find_again(s, &q->word[0]) : NULL;
+    if (q->n > AHEAD_WORDS || (c != NULL && (c->flags & CMD_BODY) != 0))
         return NULL;
     struct ahead_request *r = &a->of[a->n++];
     r->text = text;
     r->len = len;
     r->n = q->n;
+    r->command = c;
     r->placed = false;
     for (size_t i = 0; i < q->n; i++)
         r->word[i] = q->word[i];
@@ -156,10 +124,9 @@ static void look(struct server *s, const char *bytes, size_t n)
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
         struct ahead_request *r;
         took = next_request(bytes + at, n - at, q);
-        if (took == 0 || (r = keep(a, bytes + at, took, q)) == NULL)
+        if (took == 0 || (r = keep(s, bytes + at, took, q)) == NULL)
             break;
-        if (r->n > 1 && r->word[0].len > 0)
-            take_question(s, &all, r);
+        take_question(s, &all, r);
     }
     fetch(&all);
 }
@@ -175,5 +142,7 @@ size_t ahead_take(struct server *s, const char *bytes, size_t n)
     if (!request_set(&s->request, r->word, r->n))
         return 0;
     a->place = r->placed ? &r->place : NULL;
+    if (r->command != NULL)
+        s->command = r->command;
     return r->len;
 }

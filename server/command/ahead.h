@@ -11,6 +11,7 @@
 #include "proto/request.h"
 
 struct server;
+struct command;
 
 enum { AHEAD_WORDS = 6 }; /* of a short request */
 
@@ -19,7 +20,8 @@ struct ahead_request {
     size_t len;                    /* its bytes there, with the end of line */
     struct word word[AHEAD_WORDS]; /* borrow the input */
     size_t n;
-    bool placed; /* `place` has been parsed */
+    const struct command *command; /* NULL: unknown, or the request is one word */
+    bool placed;                   /* `place` has been parsed */
     struct dt_place place;
 };
 

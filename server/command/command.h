@@ -28,17 +28,21 @@ enum {
     CMD_QUICK = 512   /* so quick that looking at the clock for each would be felt */
 };
 
+/* What is prefetched for requests in a pipeline (ahead.h): the place in the third and fourth word, or the point whose id is the
+ * third word, which is only read, or edited. */
+enum command_ahead { AHEAD_NOTHING, AHEAD_PLACE, AHEAD_ID, AHEAD_EDIT };
+
 struct command {
     const char *name;
     unsigned least, most; /* words, the name included; most 0: any number */
     unsigned flags;
     command_handler *handler;
     const char *usage, *help;
-    const char *
-        rows; /* the types of the rows of its replies in RESP 3 (redis/resp3.h); NULL: it has none */
+    const char *rows; /* the types of its rows in RESP 3 (redis/resp3.h); NULL: it has none */
     /* What clients return of the status line: facts `key:type`, the types being i, d, b and s (integer, double, 1 or yes, text), `?`
      * behind one that may be missing. A single fact is the result, several are a record of facts; NULL: nothing. */
     const char *result;
+    enum command_ahead ahead;
 };
 
 /* NULL: there is none of that name. */
