@@ -56,7 +56,8 @@ static bool give_up(struct session *s)
 {
     s->timed_out = true;
     timer_clear(&s->later);
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     answer_status(&a, DT_CANCELLED);
     bool next = session_take_over(s, &a);
     end_turn(s);
@@ -127,7 +128,8 @@ static bool carry_out(struct session *s, bool http)
     if (leave_for_later(s, q))
         return false;
     take_timeout(s, q);
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     command_run(s->server, q, &a);
     return session_take_over(s, &a);
 }
@@ -165,7 +167,8 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     if (leave_for_later(s, q))
         return false;
     take_timeout(s, q);
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     a.out = &s->conn.out;
     if (!redis_answer(s->server, q, &a)) {
         a.out = &s->server->lines;
@@ -373,7 +376,8 @@ void session_not_saved(struct hold *h)
     buf_rewind(&c->out, conn_sendable(c));
     hold_clear(h);
     wait_served(&s->waiter);
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     if ((s->server->held.failing & HOLD_DISK) != 0)
         answer_err(&a, ERR_IO,
                    "the disk has failed: it is unknown whether the last changes were saved");
@@ -394,7 +398,8 @@ void session_not_saved(struct hold *h)
  * that already wait for the set. */
 void session_job_done(struct session *s, struct job *j)
 {
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     size_t mark = buf_len(a.out);
     timer_clear(&s->probe);
     s->state = SESSION_READING;

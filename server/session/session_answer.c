@@ -171,7 +171,8 @@ bool session_take_over(struct session *s, struct answer *a)
 
 bool session_refuse(struct session *s, enum reply_code code, const char *why)
 {
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     answer_err(&a, code, "%s", why);
     session_deliver(s, &a);
     wait_served(&s->waiter);
@@ -190,7 +191,8 @@ bool session_refuse_line(struct session *s, enum line_fault fault)
 /* A request counts as answered when its stream has begun. */
 bool session_step_stream(struct session *s)
 {
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     bool begun = s->stream->begun;
     if (s->stream->framed)
         a.out = &s->conn.out;

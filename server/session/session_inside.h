@@ -8,25 +8,24 @@
 #include "proto/reply.h"
 #include "server/clients/session_state.h"
 
-/* A new answer for the current request. It is copied from an empty one, which compilers do with a few vector
+/* Makes it a new answer for the current request. It is copied from an empty one, which compilers do with a few vector
  * moves; to clear a structure of this size they use `rep stos`, which is slower. */
-static inline struct answer session_answer(struct session *s)
+static inline void session_answer(struct session *s, struct answer *a)
 {
     static const struct answer empty;
-    struct answer a = empty;
-    a.out = s->resp ? &s->server->lines : &s->conn.out;
-    a.mark = conn_out_end(&s->conn);
-    a.owner = s->id;
-    a.role = s->role;
-    a.token = s->token;
-    a.typed = s->typed;
-    a.multi = s->multi;
-    a.since_ns = s->pause.began_ns;
-    a.command = s->command;
-    a.turn = wait_turn(&s->waiter);
-    a.waited = s->waited;
-    a.timed_out = s->timed_out;
-    return a;
+    *a = empty;
+    a->out = s->resp ? &s->server->lines : &s->conn.out;
+    a->mark = conn_out_end(&s->conn);
+    a->owner = s->id;
+    a->role = s->role;
+    a->token = s->token;
+    a->typed = s->typed;
+    a->multi = s->multi;
+    a->since_ns = s->pause.began_ns;
+    a->command = s->command;
+    a->turn = wait_turn(&s->waiter);
+    a->waited = s->waited;
+    a->timed_out = s->timed_out;
 }
 
 /* Moves the bytes of the answer to the output. False: the reply cannot be completed. */

@@ -13,7 +13,8 @@ static bool carry_out_load(struct session *s)
     account_load(s);
     if (!s->load->adds)
         session_set_deadline(s);
-    struct answer a = session_answer(s);
+    struct answer a;
+    session_answer(s, &a);
     command_run_body(s->server, s->load, &a);
     return session_take_over(s, &a);
 }
