@@ -146,3 +146,13 @@ size_t ahead_take(struct server *s, const char *bytes, size_t n)
         s->command = r->command;
     return r->len;
 }
+
+bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
+{
+    if (s->ahead->place != NULL) {
+        *p = *s->ahead->place;
+        return true;
+    }
+    p->near = UINT32_MAX;
+    return read_point(a, &q->word[2], &p->at);
+}

@@ -12,6 +12,7 @@
 
 struct server;
 struct command;
+struct answer;
 
 enum { AHEAD_WORDS = 6 }; /* of a short request */
 
@@ -48,5 +49,9 @@ static inline bool ahead_has_more(const struct ahead *a)
  * if it cannot be parsed here. Between two calls without ahead_forget the input may only lose bytes at its
  * front. Cost: amortised linear in the request. */
 size_t ahead_take(struct server *s, const char *bytes, size_t n);
+
+/* Reads the place in the third and fourth word of the current request, with a hint if it has been prefetched. False: the ERR line
+ * has been written. */
+bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
 
 #endif

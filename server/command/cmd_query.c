@@ -1,6 +1,7 @@
 /* cmd_query.c - the commands that read a triangulation. */
 #include "server/command/command.h"
 
+#include "server/command/ahead.h"
 #include "server/command/load.h"
 #include "server/ops/limits.h"
 #include "server/replies/answer_rows.h"

@@ -2,6 +2,7 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
+#include "server/command/ahead.h"
 #include "server/command/load.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"

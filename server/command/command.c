@@ -2,7 +2,6 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
-#include "server/command/ahead.h"
 #include "server/command/expire.h"
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
@@ -313,16 +312,6 @@ bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, str
     put_in_order(&lo->x, &hi->x);
     put_in_order(&lo->y, &hi->y);
     return true;
-}
-
-bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
-{
-    if (s->ahead->place != NULL) {
-        *p = *s->ahead->place;
-        return true;
-    }
-    p->near = UINT32_MAX;
-    return read_point(a, &q->word[2], &p->at);
 }
 
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n)

@@ -115,9 +115,6 @@ const struct dt_field **find_fields(struct answer *a, const struct dataset *set,
 /* Whether these are names of fields, not too many; false: the ERR line has been written. */
 bool check_field_names(struct answer *a, const struct word *names);
 
-/* The place in the third and fourth word, with a hint if it has been prefetched. */
-bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
-
 /* The field of that name; NULL: the ERR line has been written. */
 const struct dt_field *find_field(struct answer *a, const struct dataset *set,
                                   const struct word *w);
