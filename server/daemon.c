@@ -86,22 +86,20 @@ static void refill_reserve(void)
         watch_listeners(true);
 }
 
-/* Drops the temporary sets of connections that have ended, a few at a time. Sets with a writer are dropped in a later
- * second. */
-static void drop_orphans(struct task *task)
+static void drop_temporary(struct task *task)
 {
-    if (registry_drop_orphans(&d.server.sets))
+    if (expire_temporary(&d.server))
         loop_yield(&d.loop, task);
 }
 
 static void on_client_closed(struct session *s)
 {
-    static struct task orphans = {.run = drop_orphans};
+    static struct task drops = {.run = drop_temporary};
     notice_client(s, NOTICE_DEBUG, "disconnected");
     clients_remove(&d.clients, s);
     d.evicted -= s->evicted;
-    if (d.server.sets.orphans != NULL)
-        loop_yield(&d.loop, &orphans);
+    if (!list_is_empty(&d.server.temporary))
+        loop_yield(&d.loop, &drops);
     refill_reserve();
     if (d.stopping && d.clients.n == 0)
         loop_stop(&d.loop);
@@ -381,7 +379,6 @@ static void on_tick(struct loop *loop)
     follower_tick(&d.server);
     keep_tick(&d.server);
     registry_tidy(&d.server.sets);
-    registry_drop_orphans(&d.server.sets);
     expire_tick(&d.server);
     announce_if_ready();
     notify_systemd();

@@ -53,11 +53,11 @@ struct session {
         struct job *job;       /* borrows */
         struct stream *stream; /* owns */
     };
-    uint64_t edited;               /* the lsn of its last change; 0: it has made none */
-    int64_t wait_ms;               /* when its WAIT ends; 0: it has none */
-    struct list watching;          /* owns; the sets that it watches (server/watch), */
-    uint32_t watches;              /* so many */
-    struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
+    uint64_t edited;       /* the lsn of its last change; 0: it has made none */
+    int64_t wait_ms;       /* when its WAIT ends; 0: it has none */
+    struct list watching;  /* owns; the sets that it watches (server/watch), */
+    uint32_t watches;      /* so many */
+    struct list temporary; /* its temporary sets (dataset.fellow) */
     struct load *load; /* owns: the body that is being received, or that of the current request */
     bool late;         /* the loop's turn is long: only a quick request is carried out in it */
     bool refused;      /* the request whose body is being received has already been refused */

@@ -42,6 +42,17 @@ void expire_never(struct server *s, struct dataset *set)
     submit_at_once(s, set, CHANGE_EXPIRE, 0);
 }
 
+bool expire_temporary(struct server *s)
+{
+    enum { SETS_A_TURN = 200, LONG_AGO_MS = 1 };
+    for (int n = 0; n < SETS_A_TURN && !list_is_empty(&s->temporary); n++) {
+        struct dataset *set = list_owner(list_pop(&s->temporary), offsetof(struct dataset, fellow));
+        registry_expire(&s->sets, set, LONG_AGO_MS);
+        expire_drop_if_due(s, set);
+    }
+    return !list_is_empty(&s->temporary);
+}
+
 double expire_seconds_left(const struct dataset *set)
 {
     int64_t left = set->expires_ms - expire_now_ms();

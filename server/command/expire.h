@@ -24,6 +24,10 @@ bool expire_is_due(const struct dataset *set);
 /* Drops the set if its time has come and it can be dropped. Whether it has been. */
 bool expire_drop_if_due(struct server *s, struct dataset *set);
 
+/* Drops some of the temporary sets whose connections have ended (server.temporary), in less than a millisecond. Those that a
+ * job edits expire. Whether there are more. */
+bool expire_temporary(struct server *s);
+
 /* Of a set that is dropped at some time; not negative. */
 double expire_seconds_left(const struct dataset *set);
 

@@ -48,6 +48,7 @@ struct server {
     struct wait_queue log;     /* of changes that wait because the log's queue is full */
     struct reservation queued; /* bytes in that queue */
     struct registry sets;
+    struct list temporary;   /* sets whose connections have ended, to be dropped (dataset.fellow) */
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct loading loading;  /* sets that were read at the start, and are not triangulated yet */
     struct holders held;     /* replies that wait for the disk (hold.h) */

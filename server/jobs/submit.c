@@ -155,12 +155,14 @@ static struct dataset *create(struct server *s, struct answer *a, struct submiss
         return NULL;
     }
     struct dataset *set = registry_create(&s->sets, &name, change_tolerance(&x->change));
-    if (set != NULL && x->temporary != NULL && !dataset_make_temporary(set, x->temporary)) {
-        registry_drop(&s->sets, set);
-        set = NULL;
-    }
-    if (set == NULL)
+    if (set == NULL) {
         answer_out_of_memory(a);
+    } else if (x->temporary != NULL) {
+        set->temporary = true;
+        list_prepend(
+            x->temporary,
+            &set->fellow); /* dropped from the newest on: so the heap shrinks in small steps */
+    }
     return set;
 }
 

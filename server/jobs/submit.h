@@ -9,10 +9,10 @@
 /* A change on its way: a job, if it edits points or values. */
 struct submission {
     struct job job;
-    struct change change; /* owns */
-    size_t expected;      /* bytes that are prepared for it (keep.h), until it ends */
-    bool live;            /* a copy is changed and triangulated, while others read the set */
-    struct temporaries **temporary; /* the new set is one of these; NULL: it is not temporary */
+    struct change change;   /* owns */
+    size_t expected;        /* bytes that are prepared for it (keep.h), until it ends */
+    bool live;              /* a copy is changed and triangulated, while others read the set */
+    struct list *temporary; /* the new set is one of these; NULL: it is not temporary */
 };
 
 /* A change of the set of that name, with everything else 0. It moves to submit, or is freed by job_free. NULL: out of

@@ -288,7 +288,7 @@ static void on_closed(struct conn *c)
     if (s->load != NULL)
         load_free(s->server, s->load);
     watch_leave(s);
-    registry_orphan(&s->server->sets, s->temporary);
+    list_move(&s->server->temporary, &s->temporary);
     if (s->closed != NULL)
         s->closed(s);
     free(s->name);

@@ -241,17 +241,9 @@ static void free_set(struct registry *r, struct dataset *set)
 {
     r->sets--;
     registry_expire(r, set, 0);
+    list_remove(&set->fellow);
     version_unpin(r, set->current);
     free(set);
-}
-
-static void leave_list(struct dataset *set)
-{
-    if (!set->temporary)
-        return;
-    *set->temporary_link = set->temporary_next;
-    if (set->temporary_next != NULL)
-        set->temporary_next->temporary_link = set->temporary_link;
 }
 
 void registry_drop(struct registry *r, struct dataset *set)
@@ -262,7 +254,6 @@ void registry_drop(struct registry *r, struct dataset *set)
     while (*at != set)
         at = &(*at)->next;
     *at = set->next;
-    leave_list(set);
     wait_wake_all(&set->queue);
     free_set(r, set);
 }
@@ -404,56 +395,6 @@ void registry_begin_life_in_memory(struct registry *r)
     r->unlogged = 0;
 }
 
-/* ---- temporary sets ---- */
-
-bool dataset_make_temporary(struct dataset *set, struct temporaries **of)
-{
-    if (*of == NULL && (*of = calloc(1, sizeof **of)) == NULL)
-        return false;
-    set->temporary = true;
-    set->temporary_next = (*of)->first;
-    set->temporary_link = &(*of)->first;
-    if (set->temporary_next != NULL)
-        set->temporary_next->temporary_link = &set->temporary_next;
-    (*of)->first = set;
-    return true;
-}
-
-void registry_orphan(struct registry *r, struct temporaries *of)
-{
-    if (of == NULL)
-        return;
-    of->next = r->orphans;
-    r->orphans = of;
-}
-
-/* Drops or passes by at most *left of them. */
-static void drop_temporaries(struct registry *r, struct temporaries *of, int *left)
-{
-    for (struct dataset *set = of->first, *next; set != NULL && *left > 0; set = next, --*left) {
-        next = set->temporary_next;
-        if (set->writer == NULL)
-            registry_drop(r, set);
-    }
-}
-
-bool registry_drop_orphans(struct registry *r)
-{
-    int left = 200; /* sets, of some microseconds each */
-    struct temporaries **at = &r->orphans;
-    while (*at != NULL && left > 0) {
-        struct temporaries *of = *at;
-        drop_temporaries(r, of, &left);
-        if (of->first != NULL) {
-            at = &of->next;
-        } else {
-            *at = of->next;
-            free(of);
-        }
-    }
-    return left == 0;
-}
-
 void registry_clear(struct registry *r)
 {
     for (size_t i = 0; i < r->buckets; i++) {
@@ -462,11 +403,6 @@ void registry_clear(struct registry *r)
             free_set(r, set);
         }
     }
-    for (struct temporaries *of = r->orphans, *next; of != NULL; of = next) {
-        next = of->next;
-        free(of);
-    }
-    r->orphans = NULL;
     free(r->bucket);
     r->bucket = NULL;
     r->buckets = 0;

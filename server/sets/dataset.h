@@ -53,34 +53,27 @@ struct dataset {
     struct dataset_result triangulation, proof; /* the last TRIANGULATE and CHECK */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
-    bool triangulated;  /* the log has a TRIANGULATE of it (with --data) */
-    bool loading;       /* it was read from disk and is not triangulated yet */
-    bool temporary;     /* dropped when its connection ends, and never on disk */
-    int64_t expires_ms; /* when it is dropped, in milliseconds since 1970; 0: never */
-    struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
-    struct wait_queue queue;                          /* of requests that wait for it */
+    bool triangulated;       /* the log has a TRIANGULATE of it (with --data) */
+    bool loading;            /* it was read from disk and is not triangulated yet */
+    bool temporary;          /* dropped when its connection ends, and never on disk */
+    int64_t expires_ms;      /* when it is dropped, in milliseconds since 1970; 0: never */
+    struct list_link fellow; /* of a temporary set: in the list of its connection's */
+    struct wait_queue queue; /* of requests that wait for it */
     struct watched *watched; /* borrows; who watches it (server/watch); NULL: nobody */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
 
-/* The temporary sets of a connection. */
-struct temporaries {
-    struct dataset *first;
-    struct temporaries *next; /* in the registry's list of orphans */
-};
-
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    size_t expiring;             /* sets that are dropped at some time, */
-    struct list expiring_sets;   /* in the order of registry_next_expiring */
-    struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
-    struct reservation memory;   /* of all versions */
-    struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
-    uint32_t life;               /* the number of this life of the daemon (record.h) */
-    uint64_t unlogged;           /* changes that are in no log */
-    struct list untidy;          /* those with data that was saved for readers that have finished */
+    size_t expiring;           /* sets that are dropped at some time, */
+    struct list expiring_sets; /* in the order of registry_next_expiring */
+    struct reservation memory; /* of all versions */
+    struct dt_pages *pages;    /* borrows; for the large arrays of sets; NULL: none */
+    uint32_t life;             /* the number of this life of the daemon (record.h) */
+    uint64_t unlogged;         /* changes that are in no log */
+    struct list untidy;        /* those with data that was saved for readers that have finished */
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
@@ -114,14 +107,6 @@ void registry_begin_life_in_memory(struct registry *r);
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms);
 /* The next one of the sets that are dropped at some time, round and round; NULL: there are none. Cost: constant. */
 struct dataset *registry_next_expiring(struct registry *r);
-/* Adds a set to a connection's temporary sets *of, whose list is created with the first one (NULL before). False
- * when out of memory. registry_drop removes it. */
-bool dataset_make_temporary(struct dataset *set, struct temporaries **of);
-/* Their connection has ended: the sets move to the registry, for registry_drop_orphans. NULL is allowed. */
-void registry_orphan(struct registry *r, struct temporaries *of);
-/* Drops some orphans, in less than a millisecond; those that have a writer are dropped later. Whether there are
- * more that could be dropped now. */
-bool registry_drop_orphans(struct registry *r);
 /* Frees more of the data that was saved for readers that have finished, in about a millisecond at most. To
  * be called once a second. */
 void registry_tidy(struct registry *r);

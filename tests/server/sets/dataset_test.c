@@ -201,20 +201,20 @@ TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
 
 TEST(temporary_set_is_replaced_by_one_of_its_name_only)
 {
-    struct temporaries *mine = NULL;
+    struct list mine = {0};
     registry_init(&sets);
     registry_init(&others);
     struct dataset *t = create("t"), *u = create("u");
-    CHECK(dataset_make_temporary(t, &mine) && dataset_make_temporary(u, &mine));
+    t->temporary = u->temporary = true;
+    list_append(&mine, &t->fellow);
+    list_append(&mine, &u->fellow);
     create_other("u", 2, 3);
     CHECK(registry_replace(&sets, &others, true));
-    CHECK(registry_find(&sets, &(struct word){"t", 1}) == t && mine->first == t);
-    CHECK(!registry_find(&sets, &(struct word){"u", 1})->temporary && t->temporary_next == NULL);
-    registry_orphan(&sets, mine);
-    while (registry_drop_orphans(&sets))
-        ;
-    CHECK(sets.sets == 1);
+    CHECK(registry_find(&sets, &(struct word){"t", 1}) == t && sets.sets == 2);
+    CHECK(!registry_find(&sets, &(struct word){"u", 1})->temporary);
+    CHECK(list_first(&mine) == &t->fellow && list_last(&mine) == &t->fellow);
     registry_clear(&sets);
+    CHECK(list_is_empty(&mine));
 }
 
 /* All begin in the same second or two, as if the clock stood still or were set back. */

@@ -65,9 +65,13 @@ TEST(temporary_set_that_another_client_writes_ends_after_that)
     say(owner, "CREATE t TEMPORARY\n");
     expect(owner, "OK 0\n");
     load_random(other, "t", 300000);
+    await_info(&d, "clients", 3); /* with the one that asks */
     say(other, "TRIANGULATE t\n");
     close(owner);
+    await_info(&d, "clients", 2);
     CHECK(strncmp(hear_line(other), "OK 0 points=300000", 18) == 0);
+    say(other, "SETS\nSTAT t\n");
+    expect(other, "OK 0\nERR NOSET there is no set t\n");
     await_sets(&d, 0);
     daemon_end(&d);
 }
