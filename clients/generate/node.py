@@ -22,9 +22,9 @@ import { RequestOptions } from './index';
 /** The commands that need no more than their words. */
 export interface Table {
 """
-WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "word": "%s"}
-MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "word": "[...%s]"}
-TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "word": "string | number"}
+WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "text": "%s", "word": "%s"}
+MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "text": "[...%s]", "word": "[...%s]"}
+TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "text": "string", "word": "string | number"}
 READS = {"i": "number", "d": "number", "b": "truth", "s": "text"}
 FACTS = {"i": "number", "d": "number", "b": "boolean", "s": "string"}
 
@@ -80,7 +80,9 @@ def result_type(command):
 def option_type(option):
     if option.choices:
         return " | ".join("'%s'" % choice for choice in option.choices)
-    return "boolean" if not option.values else "number" if len(option.values) == 1 else "ArrayLike<number>"
+    if not option.values:
+        return "boolean"
+    return TYPES[option.kind()] if len(option.values) == 1 else "ArrayLike<%s>" % TYPES[option.kind()]
 
 
 def type_of(method):

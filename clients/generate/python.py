@@ -27,9 +27,9 @@ READS = frozenset(
 class Table(Asking):
     """The commands that need no more than their words."""
 '''
-TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "word": "Word"}
-WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "word": "%s"}
-MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "word": "%s"}
+TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "text": "str", "word": "Word"}
+WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "text": "%s", "word": "%s"}
+MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "text": "%s", "word": "%s"}
 FACTS = {"i": "int", "d": "float", "b": "bool", "s": "str"}
 
 
@@ -49,8 +49,7 @@ def parameters(method):
         if not o.values and not o.choices:
             yield name + ": bool = False"
         else:
-            of = "str" if o.choices else "float" if len(o.values) == 1 else "Sequence[float]"
-            yield "%s: Optional[%s] = None" % (name, of)
+            yield "%s: Optional[%s] = None" % (name, TYPES[o.kind()] if len(o.values) < 2 else "Sequence[%s]" % TYPES[o.kind()])
 
 
 def words(method):

@@ -4,6 +4,7 @@ import re
 from typing import NamedTuple
 
 INTEGERS = "id a b c first k n columns rows followers port".split()
+TEXTS = "name address history digest token command section pattern".split()
 DOUBLES = "x y x0 y0 x1 y1 r radius seconds t e step".split()
 
 
@@ -15,10 +16,11 @@ class Value(NamedTuple):
     many: bool = False
 
     def kind(self):
-        """What it is written from: a number, or the name of a set or a field, or any word."""
+        """What it is written from: a number, the name of a set or a field, another text, or any of these."""
         if self.name in ("set", "field"):
             return self.name
-        return "integer" if self.name in INTEGERS else "double" if self.name in DOUBLES else "word"
+        of = {"integer": INTEGERS, "double": DOUBLES, "text": TEXTS}
+        return next((kind for kind, names in of.items() if self.name in names), "word")
 
 
 class Option(NamedTuple):
@@ -27,6 +29,9 @@ class Option(NamedTuple):
     keyword: str
     values: tuple
     choices: tuple
+
+    def kind(self):
+        return "text" if self.choices else Value(self.values[0]).kind()
 
 
 def read(command):

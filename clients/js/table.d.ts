@@ -31,7 +31,7 @@ export interface Table {
   /** Begins to write all sets to the data directory, and begins a new log. Resolves with `lsn`. */
   snapshot(options?: RequestOptions): Promise<number>;
   /** Writes a copy of the data directory, while it is in use, below --backup-dir. */
-  backup(name: string | number, options?: RequestOptions): Promise<{ lsn: number; files: number; size: number; copied: number }>;
+  backup(name: string, options?: RequestOptions): Promise<{ lsn: number; files: number; size: number; copied: number }>;
   /** Waits until so many followers have the changes of this connection on disk. Resolves with `followers`. */
   wait(followers: number, seconds: number, options?: RequestOptions): Promise<number>;
 }

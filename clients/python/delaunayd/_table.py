@@ -74,7 +74,7 @@ class Table(Asking):
         """Begins to write all sets to the data directory, and begins a new log. Returns `lsn`."""
         return self._ask(protocol.fact("lsn", int), "SNAPSHOT")
 
-    def backup(self, name: Word) -> Dict[str, Value]:
+    def backup(self, name: str) -> Dict[str, Value]:
         """Writes a copy of the data directory, while it is in use, below --backup-dir."""
         return self._ask(protocol.values, "BACKUP", name)
 

@@ -41,6 +41,11 @@ class Generated(unittest.TestCase):
             text,
         )
         self.assertNotIn("def span(", python.generate([READS], {"span"}, ""))
+        options = command("SPAN set name [INTO set] [AT x y] [LIKE something]", "x")
+        self.assertIn(
+            "name: str, into: Optional[str] = None, at: Optional[Sequence[float]] = None, like: Optional[Word] = None)",
+            python.generate([options], set(), ""),
+        )
 
     def test_methods_for_node(self):
         text = node.generate([READS, CHANGES], set(), "")
