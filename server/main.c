@@ -1,8 +1,8 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
 #include "server/catalog.h"
 #include "server/daemon.h"
-#include "server/disk/recover.h"
 #include "server/ops/command_line.h"
+#include "server/repair/repair.h"
 #include "server/system/machine.h"
 #include "server/system/notice.h"
 
@@ -26,8 +26,8 @@ int main(int argc, char **argv)
         break;
     }
     machine_return_blocks(config.max_memory);
-    int status = config.check != NULL    ? recovery_check(config.check)
-                 : config.repair != NULL ? recovery_repair(config.repair)
+    int status = config.check != NULL    ? repair_check(config.check)
+                 : config.repair != NULL ? repair_run(config.repair)
                                          : daemon_run(&config);
     notice_flush(FLUSH_MS);
     return status;

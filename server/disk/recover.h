@@ -68,9 +68,4 @@ void recovery_clear(struct recovery *r);
 /* How much has been read, 0 to 100. */
 unsigned recovery_percent(struct recovery *r);
 
-/* The commands delaunayd --check DIR and --repair DIR: report on standard output and return the exit status:
- * 0 if the directory is good (after the repair), 1 if not. */
-int recovery_check(const char *path);
-int recovery_repair(const char *path);
-
 #endif

@@ -1,8 +1,9 @@
-/* repair.c - delaunayd --check DIR and --repair DIR. */
-#include "server/disk/recover.h"
+/* repair.c - see repair.h. */
+#include "server/repair/repair.h"
 
 #include "server/disk/aside.h"
 #include "server/disk/log_file.h"
+#include "server/disk/recover.h"
 #include "server/disk/segment_reader.h"
 #include "server/follow/role.h"
 #include "server/repair/salvage.h"
@@ -39,7 +40,7 @@ static int print_result(struct recovery *r)
     return good ? 0 : 1;
 }
 
-int recovery_check(const char *path)
+int repair_check(const char *path)
 {
     struct datadir dir, arrived;
     struct recovery r;
@@ -183,7 +184,7 @@ static void repair(struct recovery *r, bool leads)
     }
 }
 
-int recovery_repair(const char *path)
+int repair_run(const char *path)
 {
     struct datadir dir;
     struct recovery r;
@@ -206,5 +207,5 @@ int recovery_repair(const char *path)
     repair(&r, role_read(path).kind != ROLE_FOLLOWS);
     recovery_clear(&r);
     datadir_close(&dir);
-    return recovery_check(path);
+    return repair_check(path);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks the rules for the source. Prints each breach as FILE:LINE: what; exits 1 if there is one.
 #
-#     lint.sh [BUILD_DIR]      with a build directory, object files of core/ are checked for variables and calls, too, and generated files
+#     lint.sh [BUILD_DIR]      with a build directory, object files are checked for variables and calls, too, and generated files
 #                              are compared with what its daemon makes of them
 #
 # LINT_STRICT=1 makes a missing tool (clang-format-14, clang-tidy, cppcheck, mypy) a failure; otherwise it is only mentioned.
@@ -86,25 +86,44 @@ core_is_pure() {
         sed 's|$|    (not in core/)|'
 }
 
-core_objects() {
-    code core | sed -n "s|^\(.*\)\.c\$|$build/\1.o|p"
+objects() { # FOLDER
+    code "$1" | sed -n "s|^\(.*\)\.c\$|$build/\1.o|p"
 }
 
-# delaunay.h declares functions of all rooms, so includes alone do not show who calls whom.
-core_calls_no_room_above() {
-    core_objects | xargs nm -A --format=posix | awk -v order="${rooms[core]}" '
-        BEGIN { for (n = split(order, room, " "); n > 0; n--) level[room[n]] = n }
-        { split($1, path, "/core/"); split(path[2], name, "/"); at = level[name[1]] }
-        $3 ~ /^[TDRB]$/ { home[$2] = name[1] }
-        $3 == "U" { file[++calls] = "core/" path[2]; from[calls] = at; called[calls] = $2 }
-        END { for (i = 1; i <= calls; i++) if (level[home[called[i]]] > from[i]) {
-            sub(/\.o:$/, ".c", file[i]); print file[i] ": calls " called[i] " of core/" home[called[i]] } }'
+# What an object file defines or uses, as `FILE NAME TYPE`.
+symbols() { # FOLDER
+    objects "$1" | xargs nm -A --format=posix | sed -E "s|^$build/([^:]*)\.o: ([^ ]+) (.).*|\1.c \2 \3|"
+}
+
+# Headers may declare functions of all rooms, so includes alone do not show who calls whom. Calls through pointers are not seen.
+calls_no_room_above() { # FOLDER
+    symbols "$1" | awk -v order="${rooms[$1]}" '
+        function room(file, part) { return split(file, part, "/") > 2 ? part[2] : "" }
+        BEGIN { for (n = split(order, name, " "); n > 0; n--) level[name[n]] = n; level[""] = 99 }
+        $3 ~ /[TDRB]/ { home[$2] = $1 }
+        $3 == "U" { from[++calls] = $1; called[calls] = $2 }
+        END { for (i = 1; i <= calls; i++) {
+            of = home[called[i]]
+            if (of != "" && level[room(of)] > level[room(from[i])]) print from[i] ": calls " called[i] " of " of } }'
+}
+
+# A header of a room declares what files of that room define, a header above the rooms what any file defines.
+declares_what_its_room_defines() { # FOLDER
+    { symbols "$1"; code "$1" | grep '\.h$' | xargs grep -HoE '^[a-z][a-z_0-9 *]*[ *][a-z_0-9]+\(' | grep -vE ':(static|typedef) ' |
+        sed -E 's|^([^:]*):.*[ *]([a-z_0-9]+)\($|\1 \2|'; } | awk '
+        function room(file, part) { return split(file, part, "/") > 2 ? part[2] : "" }
+        NF == 3 && $3 ~ /[TDRB]/ { home[$2] = $1 }
+        NF == 2 { header[++n] = $1; declared[n] = $2 }
+        END { for (i = 1; i <= n; i++) {
+            of = home[declared[i]]; at = room(header[i])
+            if (of == "") print header[i] ": declares " declared[i] ", which no file defines"
+            else if (at != "" && room(of) != at) print header[i] ": declares " declared[i] " of " of } }'
 }
 
 # core/ has no global or static variables. Tables of constants are in read-only sections.
 core_has_no_globals() {
     local o
-    for o in $(core_objects); do
+    for o in $(objects core); do
         objdump -t "$o" | awk -v o="$o" '/ O (\.data|\.bss|\.tdata|\.tbss|\*COM\*)/ && !/\.data\.rel\.ro/ {
             print o ": the variable " $NF " outlives a call" }'
     done
@@ -181,7 +200,8 @@ types() {
     for folder in core proto server clients; do no_include_cycles "$folder"; done
     core_is_pure
     [ -z "$build" ] || core_has_no_globals
-    [ -z "$build" ] || core_calls_no_room_above
+    [ -z "$build" ] || for folder in core server; do calls_no_room_above "$folder"; done
+    [ -z "$build" ] || for folder in core proto server; do declares_what_its_room_defines "$folder"; done
     file_rules
     [ -z "$build" ] || generated
     format

@@ -1,7 +1,7 @@
 /* directory.c - see directory.h. */
 #include "tests/server/directory.h"
 
-#include "server/disk/recover.h"
+#include "server/repair/repair.h"
 #include "tests/test.h"
 
 #include <dirent.h>
@@ -151,7 +151,7 @@ int directory_repair(const struct directory *dir, char *text, size_t size)
     fflush(stdout);
     int was = dup(STDOUT_FILENO), to = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
     CHECK(was >= 0 && to >= 0 && dup2(to, STDOUT_FILENO) >= 0);
-    int status = recovery_repair(dir->path);
+    int status = repair_run(dir->path);
     fflush(stdout);
     dup2(was, STDOUT_FILENO);
     ssize_t n = pread(to, text, size - 1, 0);

@@ -4,6 +4,7 @@
  * A few fixed cases; MIX_ROUNDS=100000 tries that many others. */
 #include "server/disk/recover.h"
 #include "server/disk/segment_reader.h"
+#include "server/repair/repair.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
@@ -247,7 +248,7 @@ static void quietly_repair(const char *path)
     fflush(stdout);
     int was = dup(STDOUT_FILENO), null = open("/dev/null", O_WRONLY);
     CHECK(was >= 0 && null >= 0 && dup2(null, STDOUT_FILENO) >= 0);
-    recovery_repair(path);
+    repair_run(path);
     fflush(stdout);
     dup2(was, STDOUT_FILENO);
     close(was);

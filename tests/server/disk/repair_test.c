@@ -2,6 +2,7 @@
  * before the damage is kept unchanged, the old files are in damaged.*, and no data is ever
  * wrong. */
 #include "server/disk/recover.h"
+#include "server/repair/repair.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
@@ -13,10 +14,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* One run of a daemon each, so that each gets its own segment; one change per line. */
-static const char *const lives[] = {
-    "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
-    "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
+    /* One run of a daemon each, so that each gets its own segment; one change per line. */
+    static const char *const lives[] = {
+        "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
+        "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
 
 enum { LIVES = sizeof lives / sizeof lives[0] };
 
@@ -249,7 +250,7 @@ TEST(repair_that_breaks_off_keeps_the_damaged_record)
     calls_watch(s.dir.path);
     calls_fail("create damaged.log.1", 1, 1, EIO);
     fflush(stdout);
-    CHECK(recovery_repair(s.dir.path) == 1);
+    CHECK(repair_run(s.dir.path) == 1);
     CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
     CHECK_MSG(directory_file(&s.dir, "damaged.log.0000000000000001", 0, path), "%s", text);
     CHECK(is_aside(&s, 1) && is_aside(&s, 2));
@@ -303,7 +304,7 @@ TEST(repair_of_a_log_has_a_copy_on_the_disk_before_anything_is_cut_off)
     write_segment(&d, 1, 3, SEGMENT_HEADER + RECORD_HEADER + 9);
     write_segment(&d, 4, 4, SEGMENT_HEADER + 3);
     calls_watch(d.path);
-    CHECK(recovery_repair(d.path) == 0);
+    CHECK(repair_run(d.path) == 0);
     CHECK_STR(calls_text(),
               "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
               "cut log.1\nsync log.1\n"
@@ -316,7 +317,7 @@ TEST(repair_of_a_header_has_a_copy_on_the_disk_before_it_is_made_again)
     struct directory d = directory_quick();
     write_segment(&d, 1, 3, 9);
     calls_watch(d.path);
-    CHECK(recovery_repair(d.path) == 0);
+    CHECK(repair_run(d.path) == 0);
     CHECK(strstr(calls_text(),
                  "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
                  "write log.1\nsync log.1\n") != NULL);
@@ -330,7 +331,7 @@ TEST(repair_that_puts_a_segment_aside_syncs_that_it_has_gone)
     write_segment(&d, 1, 2, 0);
     write_segment(&d, 5, 5, 0);
     calls_watch(d.path);
-    CHECK(recovery_repair(d.path) == 0);
+    CHECK(repair_run(d.path) == 0);
     CHECK(calls_end("remove log.5\nsync .\n"));
     directory_remove(&d);
 }
@@ -343,7 +344,7 @@ TEST(repair_that_only_puts_segments_aside_needs_no_space)
     write_segment(&d, 6, 6, 0);
     calls_watch(d.path);
     calls_limit_space(0);
-    CHECK(recovery_repair(d.path) == 0);
+    CHECK(repair_run(d.path) == 0);
     CHECK_STR(calls_text(), "link log.5 damaged.log.5\nsync .\nremove log.5\n"
                             "link log.6 damaged.log.6\nsync .\nremove log.6\nsync .\n");
     directory_remove(&d);
