@@ -232,7 +232,7 @@ void resp_part(struct buf *out, const struct reply_reader *r, const struct reply
         if (part->last)
             buf_append(out, "\r\n", 2);
         break;
-    case REPLY_EVENT: /* see server/redis/resp3.h */
+    case REPLY_EVENT: /* see server/replies/resp3.h */
     case REPLY_COMMENT:
         break;
     }

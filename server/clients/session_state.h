@@ -62,7 +62,7 @@ struct session {
     bool late;         /* the loop's turn is long: only a quick request is carried out in it */
     bool refused;      /* the request whose body is being received has already been refused */
     bool resp;         /* the current request came in RESP framing (proto/resp.h) */
-    bool typed;        /* replies in RESP are typed, since HELLO 3 (server/redis/resp3.h) */
+    bool typed;        /* replies in RESP are typed, since HELLO 3 (server/replies/resp3.h) */
     bool multi;        /* requests in RESP are refused, since MULTI */
     bool in_bulk;      /* the body is one bulk string */
     size_t bulk_left;  /* bytes of it that have not been read */

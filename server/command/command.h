@@ -38,7 +38,7 @@ struct command {
     unsigned flags;
     command_handler *handler;
     const char *usage, *help;
-    const char *rows; /* the types of its rows in RESP 3 (redis/resp3.h); NULL: it has none */
+    const char *rows; /* the types of its rows in RESP 3 (replies/resp3.h); NULL: it has none */
     /* What clients return of the status line: facts `key:type`, the types being i, d, b and s (integer, double, 1 or yes, text), `?`
      * behind one that may be missing. A single fact is the result, several are a record of facts; NULL: nothing. */
     const char *result;

@@ -2,7 +2,7 @@
 #include "server/redis/redis_reply.h"
 
 #include "proto/resp.h"
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* resp3.c - see resp3.h. */
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 
 #include "proto/number.h"
 #include "proto/resp.h"

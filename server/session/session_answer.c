@@ -4,7 +4,7 @@
 #include "server/command/account.h"
 #include "server/command/command.h"
 #include "server/command/load.h"
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 #include "server/replies/stream.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"

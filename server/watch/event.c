@@ -2,7 +2,7 @@
 #include "server/watch/event.h"
 
 #include "proto/reply.h"
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 
 #include <math.h>
 #include <stdlib.h>

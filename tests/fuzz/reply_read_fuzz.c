@@ -2,12 +2,12 @@
  * the same way. Converted to RESP 3 they must be whole elements.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -I. -fsanitize=fuzzer,address,undefined
- * tests/fuzz/reply_read_fuzz.c \ proto/reply_read.c proto/resp.c server/redis/resp3.c ... */
+ * tests/fuzz/reply_read_fuzz.c \ proto/reply_read.c proto/resp.c server/replies/resp3.c ... */
 #include <stdlib.h>
 #include <string.h>
 
 #include "proto/reply_read.h"
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

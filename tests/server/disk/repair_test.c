@@ -14,10 +14,10 @@
 #include <string.h>
 #include <unistd.h>
 
-    /* One run of a daemon each, so that each gets its own segment; one change per line. */
-    static const char *const lives[] = {
-        "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
-        "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
+/* One run of a daemon each, so that each gets its own segment; one change per line. */
+static const char *const lives[] = {
+    "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
+    "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
 
 enum { LIVES = sizeof lives / sizeof lives[0] };
 

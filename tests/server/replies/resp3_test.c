@@ -1,7 +1,7 @@
 /* resp3_test.c - typed replies. */
 #include "proto/resp.h"
 #include "server/commands.h"
-#include "server/redis/resp3.h"
+#include "server/replies/resp3.h"
 #include "tests/test.h"
 
 #include <string.h>
