@@ -33,7 +33,10 @@ MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "
 FACTS = {"i": "int", "d": "float", "b": "bool", "s": "str"}
 
 
-def name_of(value):
+def name_of(value, method):
+    """The set is `name`; another name beside it is `other`."""
+    if value.name == "name" and method.command.about == "set":
+        return "other"
     return "name" if value.name == "set" else value.name + "s" * value.many
 
 
@@ -41,9 +44,9 @@ def parameters(method):
     for v in method.values:
         of = TYPES[v.kind()]
         if v.many:
-            yield "%s: Iterable[%s]" % (name_of(v), of)
+            yield "%s: Iterable[%s]" % (name_of(v, method), of)
         else:
-            yield "%s: %s" % (name_of(v), "Optional[%s] = None" % of if v.optional else of)
+            yield "%s: %s" % (name_of(v, method), "Optional[%s] = None" % of if v.optional else of)
     for o in method.options:
         name = "_".join(methods.option_name(o))
         if not o.values and not o.choices:
@@ -56,11 +59,11 @@ def words(method):
     yield '"%s"' % method.command.name
     for v in method.values:
         if v.many:
-            yield "*" + MANY[v.kind()] % name_of(v)
+            yield "*" + MANY[v.kind()] % name_of(v, method)
         elif v.optional:
-            yield "*option(None, %s)" % name_of(v)
+            yield "*option(None, %s)" % name_of(v, method)
         else:
-            yield WRITTEN[v.kind()] % name_of(v)
+            yield WRITTEN[v.kind()] % name_of(v, method)
     for o in method.options:
         yield '*option("%s", %s)' % (o.keyword, "_".join(methods.option_name(o)))
 

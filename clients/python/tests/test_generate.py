@@ -42,8 +42,9 @@ class Generated(unittest.TestCase):
         )
         self.assertNotIn("def span(", python.generate([READS], {"span"}, ""))
         options = command("SPAN set name [INTO set] [AT x y] [LIKE something]", "x")
+        compile(python.generate([options], set(), ""), "_table.py", "exec")
         self.assertIn(
-            "name: str, into: Optional[str] = None, at: Optional[Sequence[float]] = None, like: Optional[Word] = None)",
+            "name: str, other: str, into: Optional[str] = None, at: Optional[Sequence[float]] = None, like: Optional[Word] = None)",
             python.generate([options], set(), ""),
         )
 
