@@ -32,6 +32,10 @@ static const char *subject_of(const struct command *c)
 
 static void print_command(FILE *out, const struct command *c)
 {
+    static const char *const body[] = {[LOAD_NOTHING] = "null",
+                                       [LOAD_POINTS] = "\"points\"",
+                                       [LOAD_PLACES] = "\"places\"",
+                                       [LOAD_VALUES] = "\"values\""};
     fputc('{', out);
     print_text(out, "name", c->name);
     print_text(out, "usage", c->usage);
@@ -49,8 +53,7 @@ static void print_command(FILE *out, const struct command *c)
     fputs(", ", out);
     print_flag(out, "changes", c, CMD_WRITE);
     fputs(", ", out);
-    print_flag(out, "body", c, CMD_BODY);
-    fputc('}', out);
+    fprintf(out, "\"body\": %s}", body[c->body.rows]);
 }
 
 void catalog_print(FILE *out)

@@ -98,7 +98,7 @@ static struct ahead_request *keep(struct server *s, const char *text, size_t len
 {
     struct ahead *a = s->ahead;
     const struct command *c = q->n > 1 ? command_find_again(s, &q->word[0]) : NULL;
-    if (q->n > AHEAD_WORDS || (c != NULL && (c->flags & CMD_BODY) != 0))
+    if (q->n > AHEAD_WORDS || (c != NULL && c->body.rows != LOAD_NOTHING))
         return NULL;
     struct ahead_request *r = &a->of[a->n++];
     r->text = text;

@@ -9,7 +9,7 @@ void cmd_load(struct server *s, struct dataset *set, const struct request *q, st
 {
     struct load *l = a->body;
     struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
-    struct word names = load_field_names(q);
+    struct word names = load_field_names(l->shape, q);
     if (x == NULL)
         return;
     x->change.first = CHANGE_ANY;

@@ -27,13 +27,20 @@ void answer_usage(struct answer *a)
     answer_err(a, ERR_SYNTAX, "usage: %s", a->command->usage);
 }
 
+/* Whether the number of words is one that the command takes. `most` counts FIELDS and the names, which may be missing. */
+static bool has_words(const struct command *c, const struct request *q)
+{
+    unsigned without = c->body.fields && load_field_names(&c->body, q).len == 0 ? 2 : 0;
+    return q->n >= c->least && (c->most == 0 || q->n <= c->most - without) &&
+           ((c->flags & CMD_PAIRS) == 0 || (q->n - c->least) % 2 == 0);
+}
+
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
 {
-    bool words = q->n >= c->least && (c->most == 0 || q->n <= c->most);
-    if (words && ((c->flags & CMD_BODY) == 0 || load_has_words(q)))
-        return true;
-    answer_usage(a);
-    return false;
+    bool words = has_words(c, q);
+    if (!words)
+        answer_usage(a);
+    return words;
 }
 
 bool check_write_role(struct answer *a)
@@ -139,10 +146,11 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 
 /* ---- bodies of refused requests ---- */
 
-static bool takes_body(const struct server *s, const struct word *name)
+/* The command of that name, if its requests have a body; else NULL. */
+static const struct command *find_with_body(const struct server *s, const struct word *name)
 {
     const struct command *c = command_find(s, name);
-    return c != NULL && (c->flags & CMD_BODY) != 0;
+    return c != NULL && c->body.rows != LOAD_NOTHING ? c : NULL;
 }
 
 void command_skip_body(struct server *s, const struct request *q, struct answer *a)
@@ -152,11 +160,14 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
         rest.word += 2;
         rest.n -= 2;
     }
-    if (takes_body(s, rest.word)) {
-        load_skip(s, &rest, a);
+    const struct command *c = find_with_body(s, rest.word);
+    if (c != NULL && has_words(c, &rest)) {
+        load_skip(s, &c->body, &rest, a);
+    } else if (c != NULL) {
+        a->closes = true;
     } else if (word_is(q->word, "TIMEOUT") || command_find(s, q->word) == NULL) {
         for (size_t i = 1; i < q->n; i++)
-            if (takes_body(s, &q->word[i]))
+            if (find_with_body(s, &q->word[i]) != NULL)
                 a->closes = true;
     }
 }
@@ -189,8 +200,8 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
                !check_set(s, a, c, q, &set)) {
         if (a->body == NULL)
             command_skip_body(s, q, a);
-    } else if ((c->flags & CMD_BODY) != 0 && a->body == NULL) {
-        load_start(s, q, a, (c->flags & CMD_WRITE) != 0);
+    } else if (c->body.rows != LOAD_NOTHING && a->body == NULL) {
+        load_start(s, &c->body, q, a);
     } else if (check_state(s, a, c, q, set)) {
         if ((c->flags & CMD_SET) != 0)
             note_changes(s, a, c, set);

@@ -5,6 +5,7 @@
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
+#include "server/command/load.h"
 #include "server/jobs/server.h"
 #include "server/replies/listing.h"
 
@@ -18,10 +19,10 @@ enum {
     CMD_EXISTING = 2, /* which must be there */
     CMD_WRITE = 4, /* and is changed: no other writer is at work on it, and the client may write */
     CMD_FRESH = 8, /* its triangulation, if it has one, is up to date */
-    CMD_SEARCH = 2048, /* and has the grid by which searches begin near their place */
-    CMD_LIVE = 16,     /* it has a triangulation */
-    CMD_OPEN = 32,     /* allowed before AUTH */
-    CMD_BODY = 64, /* a body follows the line, and the handler runs when it is there (a->body) */
+    CMD_SEARCH = 2048,  /* and has the grid by which searches begin near their place */
+    CMD_LIVE = 16,      /* it has a triangulation */
+    CMD_OPEN = 32,      /* allowed before AUTH */
+    CMD_PAIRS = 64,     /* the words after the first `least` come in pairs */
     CMD_ALL_SETS = 128, /* it is about all sets */
     CMD_FREES = 256, /* it makes sets smaller: possible as long as there is any space on the disk */
     CMD_ADMIN = 1024, /* it is about other clients: not for those who may only read */
@@ -43,6 +44,7 @@ struct command {
      * behind one that may be missing. A single fact is the result, several are a record of facts; NULL: nothing. */
     const char *result;
     enum command_ahead ahead;
+    struct load_shape body; /* follows the line; the handler runs when it is there (a->body) */
 };
 
 /* NULL: there is none of that name. */

@@ -55,35 +55,9 @@ static struct load *new_load(struct server *s, const struct request *q, bool add
     return l;
 }
 
-/* What follows the line of a request. */
-struct shape {
-    enum body_form form;
-    uint32_t count;
-    size_t coordinates, values; /* numbers of a row */
-};
-
-static void begin(struct server *s, const struct request *q, struct answer *a, bool adds,
-                  const struct shape *shape)
+struct word load_field_names(const struct load_shape *shape, const struct request *q)
 {
-    struct load *l = new_load(s, q, adds && shape->coordinates > 0);
-    if (l == NULL) {
-        answer_out_of_memory(a);
-        a->closes = true; /* the body could not be distinguished from requests */
-        return;
-    }
-    size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
-    body_init(&l->body, shape->form, shape->count, most, dt_coordinates_ok);
-    body_columns(&l->body, shape->coordinates, shape->values);
-    l->sets = shape->coordinates == 0;
-    l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
-    a->next = ANSWER_BODY;
-    a->load = l;
-}
-
-struct word load_field_names(const struct request *q)
-{
-    bool names = q->n > 3 && word_is(&q->word[q->n - 2], "FIELDS") &&
-                 (word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB"));
+    bool names = shape->fields && q->n > 3 && word_is(&q->word[q->n - 2], "FIELDS");
     return names ? q->word[q->n - 1] : (struct word){"", 0};
 }
 
@@ -95,65 +69,71 @@ static size_t count_names(const struct word *w)
     return n;
 }
 
-/* The word of q that counts the rows of its body; NULL: there is none. */
-static const struct word *count_of(const struct request *q, size_t words)
+/* What the line of a request says about its body. */
+struct announced {
+    enum body_form form;
+    uint32_t count;
+    size_t values; /* of a row, besides its coordinates */
+};
+
+/* False: the line does not say how long the body is. */
+static bool read_line(const struct load_shape *shape, const struct request *q, struct announced *b)
 {
-    size_t at = word_is(&q->word[0], "FSETB") ? 4 : word_is(&q->word[0], "INTERPOLATEB") ? 3 : 2;
-    return words > at ? &q->word[at] : NULL;
+    struct word names = load_field_names(shape, q);
+    bool counted = shape->count < (names.len > 0 ? q->n - 2 : q->n);
+    const struct word *n = &q->word[shape->count];
+    *b = (struct announced){.form = !shape->lines ? BODY_BINARY
+                                    : counted     ? BODY_LINES
+                                                  : BODY_DOT,
+                            .values = shape->rows == LOAD_VALUES ? 1 : count_names(&names)};
+    return b->form == BODY_DOT || (counted && proto_read_u32(n->text, n->len, &b->count));
 }
 
-/* The shape of the body that follows q, which has as many words as its command takes. False: the line does not say
- * it. */
-static bool read_shape(const struct request *q, struct shape *shape)
+static void begin(struct server *s, const struct load_shape *shape, const struct request *q,
+                  struct answer *a, bool adds, const struct announced *b)
 {
-    struct word names = load_field_names(q);
-    const struct word *n = count_of(q, names.len > 0 ? q->n - 2 : q->n);
-    bool lines = word_is(&q->word[0], "LOAD"), values = word_is(&q->word[0], "FSETB");
-    *shape = (struct shape){.form = !lines      ? BODY_BINARY
-                                    : n == NULL ? BODY_DOT
-                                                : BODY_LINES,
-                            .coordinates = values ? 0 : 2,
-                            .values = values ? 1 : count_names(&names)};
-    return shape->form == BODY_DOT || (n != NULL && proto_read_u32(n->text, n->len, &shape->count));
-}
-
-bool load_has_words(const struct request *q)
-{
-    if (word_is(&q->word[0], "FSETB"))
-        return q->n == 5;
-    if (word_is(&q->word[0], "INTERPOLATEB"))
-        return q->n == 4 || q->n == 6 || q->n == 8; /* options are two words each */
-    size_t fields = load_field_names(q).len > 0 ? 2 : 0;
-    return q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3) + fields;
-}
-
-void load_start(struct server *s, const struct request *q, struct answer *a, bool adds)
-{
-    struct shape shape;
-    if (read_shape(q, &shape)) {
-        if (shape.values <= DT_MAX_FIELDS) {
-            begin(s, q, a, adds, &shape);
-        } else {
-            answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
-            load_skip(s, q, a);
-        }
+    struct load *l = new_load(s, q, adds);
+    if (l == NULL) {
+        answer_out_of_memory(a);
+        a->closes = true; /* the body could not be distinguished from requests */
         return;
     }
-    const struct word *w = count_of(q, q->n);
-    answer_err(a, ERR_NUMBER, "%.*s is not a number of points", (int)(w->len < 32 ? w->len : 32),
-               w->text);
-    a->closes = true;
+    l->shape = shape;
+    size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
+    body_init(&l->body, b->form, b->count, most, dt_coordinates_ok);
+    body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
+    l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
+    a->next = ANSWER_BODY;
+    a->load = l;
 }
 
-void load_skip(struct server *s, const struct request *q, struct answer *a)
+void load_start(struct server *s, const struct load_shape *shape, const struct request *q,
+                struct answer *a)
 {
-    struct shape shape;
+    struct announced b;
+    if (!read_line(shape, q, &b)) {
+        const struct word *w = &q->word[shape->count];
+        answer_err(a, ERR_NUMBER, "%.*s is not a number of points",
+                   (int)(w->len < 32 ? w->len : 32), w->text);
+        a->closes = true;
+    } else if (b.values > DT_MAX_FIELDS) {
+        answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+        load_skip(s, shape, q, a);
+    } else {
+        begin(s, shape, q, a, shape->rows == LOAD_POINTS, &b);
+    }
+}
+
+void load_skip(struct server *s, const struct load_shape *shape, const struct request *q,
+               struct answer *a)
+{
+    struct announced b;
     /* Those who have shown no token may not keep the server reading. */
-    if (a->role == ROLE_NONE || !load_has_words(q) || !read_shape(q, &shape)) {
+    if (a->role == ROLE_NONE || !read_line(shape, q, &b)) {
         a->closes = true;
         return;
     }
-    begin(s, q, a, false, &shape);
+    begin(s, shape, q, a, false, &b);
     if (a->next != ANSWER_BODY)
         return;
     a->load->refused = true;
@@ -165,12 +145,17 @@ static const char *row_name(const struct load *l)
 {
     if (l->body.form != BODY_BINARY)
         return "line";
-    return l->sets ? "value" : l->adds ? "point" : "place";
+    static const char *const name[] = {
+        [LOAD_POINTS] = "point", [LOAD_PLACES] = "place", [LOAD_VALUES] = "value"};
+    return name[l->shape->rows];
 }
 
 static const char *outcome(const struct load *l)
 {
-    return l->sets ? "; no value was set" : l->adds ? "; nothing was loaded" : "";
+    static const char *const text[] = {[LOAD_POINTS] = "; nothing was loaded",
+                                       [LOAD_PLACES] = "",
+                                       [LOAD_VALUES] = "; no value was set"};
+    return text[l->shape->rows];
 }
 
 static void say(struct answer *a, const struct load *l, enum reply_code code, const char *what)

@@ -9,27 +9,39 @@
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
 
-struct load {
-    struct body body;
-    struct server *server;     /* borrows */
-    struct reservation memory; /* of the points received so far */
-    enum reply_code shortage;  /* the error if there is no memory for more */
-    size_t expected;           /* bytes to prefault for them (keep.h) */
-    bool adds;                 /* the points are to be added to a set */
-    bool sets;                 /* there are only values, for points of a set */
-    uint64_t came, seen;       /* bytes received; and when load_stalls last saw progress */
-    int64_t seen_ms;           /* when that was; 0: not yet */
-    bool refused;              /* the error has been sent: the body is only skipped */
-    struct buf line;           /* owns: the words of the request, separated by blanks */
+/* The body of a command's requests. */
+enum load_rows { LOAD_NOTHING, LOAD_POINTS /* to be added to the set */, LOAD_PLACES, LOAD_VALUES };
+struct load_shape {
+    enum load_rows rows; /* LOAD_NOTHING: no body */
+    unsigned count;      /* the index of the word that counts the rows */
+    bool
+        lines; /* the rows are lines; without a count they end with `.`. Otherwise they are binary */
+    bool
+        fields; /* the last two words may be FIELDS and names: each row has values of these fields, too */
 };
 
-/* Begins to receive the body of q: a->load. `adds`: it changes the set. If the line does not say how long the body is,
- * the ERR line has been written. */
-void load_start(struct server *s, const struct request *q, struct answer *a, bool adds);
+struct load {
+    struct body body;
+    const struct load_shape *shape; /* borrows */
+    struct server *server;          /* borrows */
+    struct reservation memory;      /* of the points received so far */
+    enum reply_code shortage;       /* the error if there is no memory for more */
+    size_t expected;                /* bytes to prefault for them (keep.h) */
+    bool adds;                      /* the points are to be added to a set */
+    uint64_t came, seen;            /* bytes received; and when load_stalls last saw progress */
+    int64_t seen_ms;                /* when that was; 0: not yet */
+    bool refused;                   /* the error has been sent: the body is only skipped */
+    struct buf line;                /* owns: the words of the request, separated by blanks */
+};
+
+/* Begins to receive the body of q: a->load. If the line does not say how long the body is, the ERR line has been written. */
+void load_start(struct server *s, const struct load_shape *shape, const struct request *q,
+                struct answer *a);
 
 /* The request q has been refused. Its body is skipped if the line says how long it is; otherwise it is unknown where
  * the next request begins, and the connection is closed. */
-void load_skip(struct server *s, const struct request *q, struct answer *a);
+void load_skip(struct server *s, const struct load_shape *shape, const struct request *q,
+               struct answer *a);
 
 /* Writes the error of a complete body; false: it is valid. */
 bool load_refuse(struct server *s, const struct load *l, struct answer *a);
@@ -41,11 +53,8 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
  * received. */
 bool load_stalls(struct load *l, int64_t now_ms);
 
-/* Whether the words of q, as far as they say what body follows, are those of its command. */
-bool load_has_words(const struct request *q);
-
 /* The names of the fields that come with the points, `a,b,c`; len 0: none. q is the request. */
-struct word load_field_names(const struct request *q);
+struct word load_field_names(const struct load_shape *shape, const struct request *q);
 
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);

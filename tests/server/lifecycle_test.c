@@ -76,7 +76,7 @@ TEST(commands_are_printed_once_each_as_json)
     const char *row = strstr(text, "{\"name\": \"DEL\""), *end = strchr(row, '\n');
     const char *least =
         strstr(row, "\"least\": 3, \"most\": null, \"role\": \"rw\", \"about\": \"set\", ");
-    const char *exists = strstr(row, "\"exists\": true, \"changes\": true, \"body\": false}");
+    const char *exists = strstr(row, "\"exists\": true, \"changes\": true, \"body\": null}");
     CHECK(least != NULL && exists != NULL && least < exists && exists < end);
 }
 

@@ -38,7 +38,7 @@ TEST(commands_are_named_once_and_explained)
 TEST(names_say_which_commands_have_a_body)
 {
     for (size_t i = 0; i < command_count; i++) {
-        bool body = (commands[i].flags & CMD_BODY) != 0;
+        bool body = commands[i].body.rows != LOAD_NOTHING;
         CHECK_MSG(line_is_whole_request(commands[i].name, strlen(commands[i].name)) == !body, "%s",
                   commands[i].name);
     }
