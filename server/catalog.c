@@ -49,8 +49,7 @@ static void print_command(FILE *out, const struct command *c)
     print_text(out, "about", subject_of(c));
     print_text(out, "rows", c->rows);
     print_text(out, "result", c->result);
-    print_flag(out, "exists", c, CMD_EXISTING);
-    fputs(", ", out);
+    fprintf(out, "\"exists\": %s, ", command_needs_set(c) ? "true" : "false");
     print_flag(out, "changes", c, CMD_WRITE);
     fputs(", ", out);
     fprintf(out, "\"body\": %s}", body[c->body.rows]);

@@ -108,7 +108,7 @@ static void note_triangulation(struct registry *r, struct dataset *set, const st
 
 const struct change_kind change_kinds[CHANGE_KINDS] = {
     [CHANGE_CREATE] = {.record = RECORD_CREATE, .flags = CHANGE_NEW},
-    [CHANGE_DROP] = {.record = RECORD_DROP, .flags = CHANGE_EXISTING},
+    [CHANGE_DROP] = {.record = RECORD_DROP, .flags = CHANGE_EXISTING | CHANGE_FREES},
     [CHANGE_EXPIRE] = {.record = RECORD_EXPIRE, .flags = CHANGE_EXISTING, .note = note_expiry},
     [CHANGE_ADD] = {.record = RECORD_ADD,
                     .what = "adding points",
@@ -118,7 +118,7 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
                     .edit = add_points},
     [CHANGE_DELETE] = {.record = RECORD_DELETE,
                        .what = "deleting points",
-                       .flags = CHANGE_EXISTING,
+                       .flags = CHANGE_EXISTING | CHANGE_FREES,
                        .items = ITEMS_IDS,
                        .undone = "; nothing was deleted",
                        .edit = delete_points},
@@ -139,7 +139,7 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
                     .undone = "; no value was set",
                     .edit = set_runs},
     [CHANGE_FDROP] = {.record = RECORD_FDROP,
-                      .flags = CHANGE_EXISTING,
+                      .flags = CHANGE_EXISTING | CHANGE_FREES,
                       .has_field = true,
                       .edit = drop_field},
     [CHANGE_TRIANGULATE] = {.record = RECORD_TRIANGULATE,
@@ -202,7 +202,7 @@ const char *change_contradiction(const struct change *c, const struct dataset *s
 /* The kind of change that a record alone is; NULL: it is none, or a part of a LOAD. */
 static const struct change_kind *kind_of(const struct record *r)
 {
-    for (size_t i = 0; i < CHANGE_KINDS; i++)
+    for (size_t i = CHANGE_NONE + 1; i < CHANGE_KINDS; i++)
         if (change_kinds[i].record == r->type && r->name_len > 0)
             return &change_kinds[i];
     return NULL;

@@ -17,6 +17,7 @@
 #define CHANGE_LATEST_MS 0x1p53 /* since 1970; the last time at which a set may be dropped */
 
 enum change_code {
+    CHANGE_NONE, /* no kind */
     CHANGE_CREATE,
     CHANGE_DROP,
     CHANGE_EXPIRE,
@@ -61,7 +62,9 @@ struct change {
 enum {
     CHANGE_EXISTING = 1, /* the set must be there */
     CHANGE_NEW = 2,      /* the set must not be there */
-    CHANGE_GROWS = 4     /* the points get the next ids of the set; a missing set is created */
+    CHANGE_GROWS = 4,    /* the points get the next ids of the set; a missing set is created */
+    CHANGE_FREES =
+        8 /* it makes the set smaller: possible as long as there is any space on the disk */
 };
 
 /* The part of the change that a record's items hold. */

@@ -82,13 +82,6 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
         job_free(s, &x->job);
 }
 
-void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
-{
-    struct submission *x = submission_new(s, a, CHANGE_DROP, &q->word[1]);
-    if (x != NULL)
-        submit(s, a, set, x);
-}
-
 void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct dt_summary *sum = &set->current->sum;
@@ -169,8 +162,8 @@ static double *read_rows(struct server *s, struct answer *a, const struct reques
 }
 
 /* Points, and the values of fields that are named before them. */
-static bool read_points(struct server *s, struct dataset *set, const struct request *q,
-                        struct answer *a, struct change *c)
+bool read_new_points(struct server *s, const struct dataset *set, const struct request *q,
+                     struct answer *a, struct change *c)
 {
     bool fields = word_is(&q->word[2], "FIELDS");
     if (fields && (c->columns = read_field_names(a, set, &q->word[3])) == NULL)
@@ -189,43 +182,25 @@ static bool read_points(struct server *s, struct dataset *set, const struct requ
     return rows != NULL;
 }
 
-void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+bool read_ids_to_delete(struct server *s, const struct dataset *set, const struct request *q,
+                        struct answer *a, struct change *c)
 {
-    struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
-    if (x == NULL)
-        return;
-    if (read_points(s, set, q, a, &x->change) && submit_reserve(s, a, set, x))
-        submit(s, a, set, x);
-    else
-        job_free(s, &x->job);
+    (void)s, (void)set;
+    c->n = (uint32_t)(q->n - 2);
+    c->ids = read_ids(a, &q->word[2], c->n);
+    return c->ids != NULL;
 }
 
-void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+bool read_move(struct server *s, const struct dataset *set, const struct request *q,
+               struct answer *a, struct change *c)
 {
-    struct submission *x = submission_new(s, a, CHANGE_DELETE, &q->word[1]);
-    if (x == NULL)
-        return;
-    x->change.n = (uint32_t)(q->n - 2);
-    x->change.ids = read_ids(a, &q->word[2], q->n - 2);
-    if (x->change.ids != NULL)
-        submit(s, a, set, x);
-    else
-        job_free(s, &x->job);
-}
-
-void cmd_move(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
-{
-    struct submission *x = submission_new(s, a, CHANGE_MOVE, &q->word[1]);
     struct dt_point to;
-    if (x == NULL)
-        return;
-    if (!read_id(a, &q->word[2], &x->change.first) || !read_point(a, &q->word[3], &to)) {
-        job_free(s, &x->job);
-        return;
-    }
-    x->change.a = to.x;
-    x->change.b = to.y;
-    submit(s, a, set, x);
+    (void)s, (void)set;
+    if (!read_id(a, &q->word[2], &c->first) || !read_point(a, &q->word[3], &to))
+        return false;
+    c->a = to.x;
+    c->b = to.y;
+    return true;
 }
 
 void cmd_get(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

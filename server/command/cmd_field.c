@@ -4,7 +4,6 @@
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
 #include "server/jobs/job.h"
-#include "server/jobs/submit.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
 
@@ -144,8 +143,10 @@ bool check_field_names(struct answer *a, const struct word *names)
     return false;
 }
 
-static bool read_pairs(struct answer *a, const struct request *q, struct change *c)
+bool read_values_to_set(struct server *s, const struct dataset *set, const struct request *q,
+                        struct answer *a, struct change *c)
 {
+    (void)s, (void)set;
     if (q->n % 2 == 0) {
         answer_err(a, ERR_SYNTAX, "an id without a value");
         return false;
@@ -162,17 +163,6 @@ static bool read_pairs(struct answer *a, const struct request *q, struct change 
         good = read_id(a, &q->word[3 + 2 * i], &c->pairs[i].id) &&
                read_value(a, &q->word[4 + 2 * i], &c->pairs[i].value);
     return good;
-}
-
-void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
-{
-    struct submission *x = submission_new(s, a, CHANGE_SET, &q->word[1]);
-    if (x == NULL)
-        return;
-    if (read_pairs(a, q, &x->change) && submit_reserve(s, a, set, x))
-        submit(s, a, set, x);
-    else
-        job_free(s, &x->job);
 }
 
 /* The rows `id value` of n ids; NULL: the ERR line has been written. */
@@ -257,13 +247,13 @@ void cmd_fields(struct server *s, struct dataset *set, const struct request *q, 
         job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? JOB_LIGHT : JOB_SHORT);
 }
 
-void cmd_fdrop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+bool read_existing_field(struct server *s, const struct dataset *set, const struct request *q,
+                         struct answer *a, struct change *c)
 {
     const struct word *field = &q->word[2];
-    struct submission *x =
-        find_field(a, set, field) == NULL ? NULL : submission_new(s, a, CHANGE_FDROP, &q->word[1]);
-    if (x == NULL)
-        return;
-    x->change.field = name_of(field->text, field->len);
-    submit(s, a, set, x);
+    (void)s;
+    if (find_field(a, set, field) == NULL)
+        return false;
+    c->field = name_of(field->text, field->len);
+    return true;
 }

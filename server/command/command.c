@@ -5,6 +5,7 @@
 #include "server/command/expire.h"
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
+#include "server/jobs/submit.h"
 #include "server/jobs/upkeep.h"
 #include "server/ops/limits.h"
 #include "server/replies/stream.h"
@@ -96,7 +97,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     bool there = *set != NULL && ((*set)->born || (c->flags & CMD_WRITE) != 0);
     if (!there)
         *set = NULL;
-    if (!there && (c->flags & CMD_EXISTING) != 0) {
+    if (!there && command_needs_set(c)) {
         note_changes(s, a, c, NULL);
         answer_err(a, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
         return false;
@@ -111,7 +112,7 @@ static bool is_saved(const struct server *s, const struct command *c, const stru
     if (set != NULL)
         return !set->temporary;
     bool temporary = false;
-    for (size_t i = 2; c->handler == cmd_create && s->read_only.why == NULL && i < q->n; i++)
+    for (size_t i = 2; c->change == CHANGE_CREATE && s->read_only.why == NULL && i < q->n; i++)
         temporary = temporary || word_is(&q->word[i], "TEMPORARY");
     return !temporary;
 }
@@ -126,8 +127,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         return false;
     }
     bool saves = (c->flags & CMD_ALL_SETS) != 0; /* what a follower may, too */
+    bool frees = saves || (change_kinds[c->change].flags & CHANGE_FREES) != 0;
     if (writes && is_saved(s, c, q, set) && !(saves && s->read_only.why != NULL) &&
-        !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
+        !durable_admits_change(s, a, frees))
         return false;
     if (set == NULL)
         return true;
@@ -270,6 +272,20 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
         command_run(s, &s->request, a);
     else
         command_out_of_memory(s, a, mark);
+}
+
+/* ---- changes ---- */
+
+void cmd_change(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct command *c = a->command;
+    struct submission *x = submission_new(s, a, c->change, &q->word[1]);
+    if (x == NULL)
+        return;
+    if ((c->read == NULL || c->read(s, set, q, a, &x->change)) && submit_reserve(s, a, set, x))
+        submit(s, a, set, x);
+    else
+        job_free(s, &x->job);
 }
 
 /* ---- arguments ---- */

@@ -5,6 +5,7 @@
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
+#include "server/changes/change.h"
 #include "server/command/load.h"
 #include "server/jobs/server.h"
 #include "server/replies/listing.h"
@@ -16,7 +17,7 @@ typedef void command_handler(struct server *s, struct dataset *set, const struct
 
 enum {
     CMD_SET = 1,      /* the second word names a set */
-    CMD_EXISTING = 2, /* which must be there */
+    CMD_EXISTING = 2, /* which must be there; of a change, its kind says that */
     CMD_WRITE = 4, /* and is changed: no other writer is at work on it, and the client may write */
     CMD_FRESH = 8, /* its triangulation, if it has one, is up to date */
     CMD_SEARCH = 2048,  /* and has the grid by which searches begin near their place */
@@ -24,10 +25,13 @@ enum {
     CMD_OPEN = 32,      /* allowed before AUTH */
     CMD_PAIRS = 64,     /* the words after the first `least` come in pairs */
     CMD_ALL_SETS = 128, /* it is about all sets */
-    CMD_FREES = 256, /* it makes sets smaller: possible as long as there is any space on the disk */
-    CMD_ADMIN = 1024, /* it is about other clients: not for those who may only read */
-    CMD_QUICK = 512   /* so quick that looking at the clock for each would be felt */
+    CMD_ADMIN = 1024,   /* it is about other clients: not for those who may only read */
+    CMD_QUICK = 512     /* so quick that looking at the clock for each would be felt */
 };
+
+/* Reads the change that a request asks for: *c is one of its kind and its set. False: the ERR line has been written. */
+typedef bool change_reader(struct server *s, const struct dataset *set, const struct request *q,
+                           struct answer *a, struct change *c);
 
 /* What is prefetched for requests in a pipeline (ahead.h): the place in the third and fourth word, or the point whose id is the
  * third word, which is only read, or edited. */
@@ -43,9 +47,17 @@ struct command {
     /* What clients return of the status line: facts `key:type`, the types being i, d, b and s (integer, double, 1 or yes, text), `?`
      * behind one that may be missing. A single fact is the result, several are a record of facts; NULL: nothing. */
     const char *result;
+    enum change_code change; /* the kind of change that it makes; CHANGE_NONE: none */
+    change_reader *read;     /* of cmd_change: reads the change; NULL: it has no arguments */
     enum command_ahead ahead;
     struct load_shape body; /* follows the line; the handler runs when it is there (a->body) */
 };
+
+/* Whether its set must be there. */
+static inline bool command_needs_set(const struct command *c)
+{
+    return ((c->flags & CMD_EXISTING) | (change_kinds[c->change].flags & CHANGE_EXISTING)) != 0;
+}
 
 /* NULL: there is none of that name. */
 const struct command *command_find(const struct server *s, const struct word *name);
@@ -151,12 +163,15 @@ bool slowlog_get(struct server *s, const struct request *q, struct answer *a, li
 /* Sets the name of the connection. False: the name is not valid. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);
 
-command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
-command_handler cmd_expire, cmd_ttl, cmd_persist;                                /* cmd_data.c */
-command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
-command_handler cmd_fields, cmd_fset, cmd_fsetb, cmd_fget, cmd_fdrop;            /* cmd_field.c */
-command_handler cmd_load;                                                        /* cmd_load.c */
-command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
+command_handler cmd_change;                          /* submits what `read` has read; command.c */
+command_handler cmd_sets, cmd_create, cmd_stat;      /* cmd_data.c */
+command_handler cmd_expire, cmd_ttl, cmd_persist;    /* cmd_data.c */
+command_handler cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
+command_handler cmd_fields, cmd_fget;                /* cmd_field.c */
+command_handler cmd_load, cmd_fsetb;                 /* cmd_load.c */
+change_reader read_new_points, read_ids_to_delete, read_move; /* cmd_data.c */
+change_reader read_values_to_set, read_existing_field;        /* cmd_field.c */
+command_handler cmd_triangulate, cmd_check;                   /* cmd_build.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,

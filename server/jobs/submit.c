@@ -240,7 +240,7 @@ static enum job_weight weight_of(const struct dataset *set, const struct change 
         break;
     }
     size_t kib = dt_next_id(set->current->dt) / (1024 / sizeof(double)); /* of a field, at most */
-    bool frees = c->kind == &change_kinds[CHANGE_FDROP];
+    bool frees = (c->kind->flags & CHANGE_FREES) != 0;
     return frees && !cost_at_once(COST_FREE, kib) ? JOB_SHORT : JOB_LIGHT;
 }
 

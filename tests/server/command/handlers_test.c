@@ -29,7 +29,10 @@ TEST(commands_are_named_once_and_explained)
         CHECK(command_find(&l.server, &name) == &commands[i]);
         CHECK(strncmp(commands[i].usage, commands[i].name, name.len) == 0);
         CHECK(commands[i].least >= 1 && commands[i].help[0] != '\0');
-        CHECK((commands[i].flags & CMD_EXISTING) == 0 || (commands[i].flags & CMD_SET) != 0);
+        CHECK(!command_needs_set(&commands[i]) || (commands[i].flags & CMD_SET) != 0);
+        unsigned edits = CMD_SET | CMD_WRITE;
+        CHECK((commands[i].flags & edits) == edits || commands[i].change == CHANGE_NONE);
+        CHECK(commands[i].read == NULL || commands[i].handler == cmd_change);
     }
     local_stop(&l);
 }
