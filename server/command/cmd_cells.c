@@ -39,16 +39,6 @@ static bool is_made(const struct rows *r)
 
 /* ---- before the status line ---- */
 
-/* Lets edits continue between two pieces. A worker has the lock on entry and on return. */
-static enum dt_status pause_job(struct job *j)
-{
-    if (j->queued_ns > 0) {
-        version_unlock(j->base);
-        version_lock_read(j->base);
-    }
-    return atomic_load(&j->cancel) ? DT_CANCELLED : DT_OK;
-}
-
 static enum dt_status find_box(struct cells_job *j)
 {
     struct dt_bounds bounds = {0};
@@ -56,7 +46,7 @@ static enum dt_status find_box(struct cells_job *j)
     for (bool done = false; !done && status == DT_OK;) {
         status = dt_bounds_read(j->job.dt, j->view, &bounds, HULL_LOCKED, &done);
         if (status == DT_OK)
-            status = pause_job(&j->job);
+            status = job_pause(&j->job);
     }
     dt_bounds_grow(&bounds, &j->lo, &j->hi);
     return status;
@@ -103,7 +93,7 @@ static enum dt_status count_corners(struct cells_job *j)
         done += n;
         atomic_store(&j->job.progress, (unsigned)(done * 100 / (all + 1)));
         if (status == DT_OK)
-            status = pause_job(&j->job);
+            status = job_pause(&j->job);
     }
     return status;
 }
@@ -136,7 +126,7 @@ static bool make_cells(struct cells_job *j)
     for (uint64_t n = CELLS_MADE; ok && !done; n += CELLS_MADE) {
         ok = make_some(j, made, &done) &&
              reservation_resize(&j->job.memory, dt_cells_made_memory(made)) &&
-             pause_job(&j->job) == DT_OK;
+             job_pause(&j->job) == DT_OK;
         atomic_store(&j->job.progress, (unsigned)(n < all ? n * 100 / all : 99));
     }
     if (!ok)
@@ -159,7 +149,7 @@ static void run_cells(struct job *job)
     if (is_made(rows) && make_cells(j))
         j->corners = counted ? dt_cells_made_corners(rows->made) : 0;
     else
-        job->status = counted ? count_corners(j) : pause_job(job);
+        job->status = counted ? count_corners(j) : job_pause(job);
 }
 
 /* ---- the reply ---- */
@@ -340,7 +330,7 @@ static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
         if (status == DT_OK)
             status = dt_alpha_read(j->job.dt, alpha, STARS_LOCKED, &end);
         if (status == DT_OK)
-            status = pause_job(&j->job);
+            status = job_pause(&j->job);
         atomic_store(&j->job.progress, (unsigned)(stars * 100 / (sum.points + stars)));
         done = end;
     }
@@ -354,13 +344,11 @@ static void run_alpha(struct job *job)
     job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
     if (job->status == DT_OK)
         job->status = read_alpha(j, alpha);
-    if (job->queued_ns > 0) /* what is left does not need the set */
-        version_unlock(job->base);
+    job_unlock(job); /* what is left does not need the set */
     if (job->status == DT_OK)
         job->status = dt_alpha_end(alpha, &job->options, &j->ids, &j->loops);
     dt_alpha_free(alpha);
-    if (job->queued_ns > 0)
-        version_lock_read(job->base);
+    job_lock(job);
 }
 
 static void end_alpha(struct server *s, struct job *job, struct answer *a)

@@ -13,7 +13,6 @@ struct digest_job {
     struct digest digest;
 };
 
-/* A worker has the lock on entry and on return, and releases it between the pieces. */
 static void run_job(struct job *job)
 {
     struct digest_job *j = (struct digest_job *)job;
@@ -21,12 +20,8 @@ static void run_job(struct job *job)
     for (bool done = false; job->status == DT_OK && !done;) {
         job->status = digest_read(d, job->dt, &done);
         atomic_store(&job->progress, digest_progress(d));
-        if (job->queued_ns > 0) {
-            version_unlock(job->base);
-            version_lock_read(job->base);
-        }
-        if (job->status == DT_OK && atomic_load(&job->cancel))
-            job->status = DT_CANCELLED;
+        if (job->status == DT_OK)
+            job->status = job_pause(job);
     }
 }
 

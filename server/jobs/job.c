@@ -46,6 +46,25 @@ enum dt_status job_reserve(struct job *j, size_t bytes)
     return j->busy ? DT_NOMEM : DT_OK;
 }
 
+void job_unlock(const struct job *j)
+{
+    if (j->queued_ns > 0)
+        version_unlock(j->base);
+}
+
+void job_lock(const struct job *j)
+{
+    if (j->queued_ns > 0)
+        version_lock_read(j->base);
+}
+
+enum dt_status job_pause(const struct job *j)
+{
+    job_unlock(j);
+    job_lock(j);
+    return atomic_load(&j->cancel) ? DT_CANCELLED : DT_OK;
+}
+
 void job_end_view(struct server *s, struct job *j, struct dt_view *view)
 {
     if (j->base != NULL)

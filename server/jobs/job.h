@@ -80,6 +80,14 @@ bool job_succeeded(const struct job *j, struct answer *a);
 /* Makes job->memory, an empty reservation at first, that large: DT_OK, or DT_NOMEM with job->busy. */
 enum dt_status job_reserve(struct job *j, size_t bytes);
 
+/* Of a job that reads a version and is running: releases the lock, so that edits continue, and takes it again. They do nothing
+ * on the I/O thread, which has no lock. */
+void job_unlock(const struct job *j);
+void job_lock(const struct job *j);
+
+/* Both, between two pieces. DT_CANCELLED if the job is to end. */
+enum dt_status job_pause(const struct job *j);
+
 /* Ends a view of the version that the job reads, or would have read; NULL is allowed. */
 void job_end_view(struct server *s, struct job *j, struct dt_view *view);
 

@@ -222,7 +222,6 @@ static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep 
 static enum dt_status sweep(struct query_job *j)
 {
     struct version *v = j->job.base;
-    bool worker = j->job.queued_ns > 0;
     struct query *q = &j->query;
     struct dt_sweep sweep = {.kind = q->kind == QUERY_NEAREST ? DT_SWEEP_NEAREST
                                      : q->kind == QUERY_BOX   ? DT_SWEEP_BOX
@@ -234,16 +233,14 @@ static enum dt_status sweep(struct query_job *j)
     enum dt_status status = DT_OK;
     for (bool done = false; !done && status == DT_OK;) {
         status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
-        if (worker)
-            version_unlock(v);
+        job_unlock(&j->job);
         if (status == DT_OK)
             status = reserve_result(j, &sweep);
         if (status == DT_OK)
             status = dt_sweep_sift(&sweep, &q->ids, &done);
         if (status == DT_OK && atomic_load(&j->job.cancel))
             status = DT_CANCELLED;
-        if (worker)
-            version_lock_read(v);
+        job_lock(&j->job);
     }
     if (status == DT_OK)
         status = reserve_result(j, &sweep);
@@ -257,7 +254,7 @@ static enum dt_status sweep(struct query_job *j)
 static enum dt_status sift(struct query_job *j)
 {
     struct version *v = j->job.base;
-    bool worker = j->job.queued_ns > 0, done = false;
+    bool done = false;
     struct query *q = &j->query;
     struct dt_sift sift = {.lo = q->place.at, .hi = q->hi};
     enum dt_status status = dt_table_begin(
@@ -267,12 +264,8 @@ static enum dt_status sift(struct query_job *j)
         status = job_reserve(&j->job, more * sizeof(uint32_t));
         if (status == DT_OK)
             status = dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
-        if (worker) { /* edits continue */
-            version_unlock(v);
-            version_lock_read(v);
-        }
-        if (status == DT_OK && atomic_load(&j->job.cancel))
-            status = DT_CANCELLED;
+        if (status == DT_OK)
+            status = job_pause(&j->job);
     }
     q->interior = sift.interior;
     q->words = sift.words;
@@ -293,19 +286,16 @@ static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, 
 static enum dt_status weigh(struct query_job *j)
 {
     struct version *v = j->job.base;
-    bool worker = j->job.queued_ns > 0;
     struct dt_weigher *w;
     enum dt_status status =
         dt_weights_begin(v->dt, j->query.place.at, j->query.how, &j->job.options, &w);
-    if (worker)
-        version_unlock(v);
+    job_unlock(&j->job);
     if (status == DT_OK)
         status = weigh_reserved(j, w, false);
     if (status == DT_TOOLONG)
         status = weigh_reserved(j, w, true);
     dt_weights_free(w);
-    if (worker)
-        version_lock_read(v);
+    job_lock(&j->job);
     return status;
 }
 

@@ -126,13 +126,13 @@ static void make(struct row_stream *st, struct piece *p, const atomic_bool *canc
 static void run_making(struct job *j)
 {
     struct making *m = (struct making *)j;
-    bool free = m->stream->past.dt != NULL && j->queued_ns > 0; /* nobody edits the copy */
-    if (free)
-        version_unlock(j->base);
+    bool past = m->stream->past.dt != NULL; /* nobody edits the copy */
+    if (past)
+        job_unlock(j);
     if (!j->cancel)
         make(m->stream, m->piece, &j->cancel);
-    if (free)
-        version_lock_read(j->base);
+    if (past)
+        job_lock(j);
 }
 
 static void end_work(struct server *s, struct row_stream *st)

@@ -82,11 +82,6 @@ static void answer_lines(struct server *s, struct answer *a, struct surface_job 
     free(ids.v);
 }
 
-static bool is_on_worker(const struct surface_job *j)
-{
-    return j->job.queued_ns > 0;
-}
-
 /* The levels at equal steps that the values of the field reach. */
 static enum dt_status make_levels(struct surface_job *j)
 {
@@ -147,20 +142,14 @@ static enum dt_status find_lines(struct surface_job *j)
         status = job_reserve(&j->job, dt_contour_memory(c));
         if (status == DT_OK)
             status = dt_contour_read(v->dt, c, &done);
-        if (status == DT_OK && atomic_load(&j->job.cancel))
-            status = DT_CANCELLED;
-        if (is_on_worker(j)) {
-            version_unlock(v);
-            version_lock_read(v);
-        }
+        if (status == DT_OK)
+            status = job_pause(&j->job);
     }
-    if (is_on_worker(j))
-        version_unlock(v);
+    job_unlock(&j->job);
     if (status == DT_OK)
         status = join_lines(j, c);
     dt_contour_free(c);
-    if (is_on_worker(j))
-        version_lock_read(v);
+    job_lock(&j->job);
     return status;
 }
 
