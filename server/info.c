@@ -6,7 +6,6 @@
 #include "server/follow/cmd_follow.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/ops/facts.h"
 #include "server/system/loop.h"
 #include "server/system/machine.h"
 
@@ -146,6 +145,13 @@ static const struct section {
 };
 
 enum { SECTIONS = sizeof sections / sizeof sections[0] };
+
+void info_section(const struct server *s, const char *name, struct facts *f)
+{
+    for (size_t i = 0; i < SECTIONS; i++)
+        if (strcmp(name, sections[i].name) == 0)
+            sections[i].add(s, f);
+}
 
 /* ---- the command ---- */
 

@@ -3,8 +3,10 @@
 
 #include "server/command/ahead.h"
 #include "server/commands.h"
+#include "server/follow/cmd_follow.h"
 #include "server/follow/follower.h"
 #include "server/follow/leader.h"
+#include "server/info.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 #include "server/replies/stream.h"
@@ -25,6 +27,8 @@ bool server_init(struct server *s, struct config *config)
     *s = (struct server){.config = config, .started_ms = clock_ms()};
     s->commands = commands;
     s->command_count = command_count;
+    s->info = info_section;
+    s->replication = follow_replication;
     s->pages = dt_pages_new(config->max_memory);
     budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);

@@ -156,9 +156,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
         kill_one(s, a, one);
         n++;
     }
-    reply_ok(a->out, 0);
-    reply_key_u64(a->out, "killed", n);
-    reply_end(a->out);
+    answer_count(a, "killed", n);
 }
 
 bool client_set_name(struct server *s, struct answer *a, const struct word *name)
@@ -185,14 +183,16 @@ static void set_name(struct server *s, const struct request *q, struct answer *a
         answer_err(a, ERR_SYNTAX, "a client name has at most 64 printable characters and no blank");
 }
 
-static void answer_self(struct server *s, struct answer *a, bool name)
+const char *client_name(const struct server *s, const struct answer *a)
 {
     const struct session *me = clients_asker(s, a);
+    return me != NULL && me->name != NULL ? me->name : "";
+}
+
+static void answer_name(const struct server *s, struct answer *a)
+{
     reply_ok(a->out, 0);
-    if (name)
-        reply_key_text(a->out, "name", me != NULL && me->name != NULL ? me->name : "");
-    else
-        reply_key_u64(a->out, "id", a->owner);
+    reply_key_text(a->out, "name", client_name(s, a));
     reply_end(a->out);
 }
 
@@ -210,8 +210,10 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
         set_name(s, q, a);
     } else if (q->n == 4 && word_is(what, "SETINFO")) {
         answer_ok(a); /* the client library is not recorded */
-    } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
-        answer_self(s, a, what->len > 2);
+    } else if (q->n == 2 && word_is(what, "ID")) {
+        answer_count(a, "id", a->owner);
+    } else if (q->n == 2 && word_is(what, "GETNAME")) {
+        answer_name(s, a);
     } else {
         answer_usage(a);
     }
@@ -290,9 +292,7 @@ void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q,
     if (word_is(what, "GET")) {
         get_slow(s, q, a);
     } else if (q->n == 2 && word_is(what, "LEN")) {
-        reply_ok(a->out, 0);
-        reply_key_u64(a->out, "len", slowlog_len(&s->slowlog));
-        reply_end(a->out);
+        answer_count(a, "len", slowlog_len(&s->slowlog));
     } else if (q->n == 2 && word_is(what, "RESET")) {
         slowlog_reset(&s->slowlog);
         answer_ok(a);

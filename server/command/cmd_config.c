@@ -119,9 +119,7 @@ static void reload(struct server *s, struct answer *a)
         if (who->role == ROLE_NONE)
             a->closes = true;
     }
-    reply_ok(a->out, 0);
-    reply_key_u64(a->out, "tokens", s->auth.n);
-    reply_end(a->out);
+    answer_count(a, "tokens", s->auth.n);
 }
 
 void cmd_config(struct server *s, struct dataset *none, const struct request *q, struct answer *a)

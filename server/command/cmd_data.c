@@ -135,6 +135,7 @@ void cmd_persist(struct server *s, struct dataset *set, const struct request *q,
     if (changed)
         expire_never(s, set);
     a->lsn = durable_lsn(s, set);
+    a->count = changed;
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "changed", changed);
     answer_version(a, set->version);

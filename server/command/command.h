@@ -160,6 +160,9 @@ bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_
 bool slowlog_get(struct server *s, const struct request *q, struct answer *a, listing_piece *piece,
                  enum listing_frame frame);
 
+/* The name of the connection; empty: it has none. */
+const char *client_name(const struct server *s, const struct answer *a);
+
 /* Sets the name of the connection. False: the name is not valid. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);
 

@@ -155,9 +155,7 @@ void cmd_wait(struct server *s, struct dataset *set, const struct request *q, st
     }
     if (who != NULL)
         who->wait_ms = 0;
-    reply_ok(a->out, 0);
-    reply_key_u64(a->out, "followers", n);
-    reply_end(a->out);
+    answer_count(a, "followers", n);
 }
 
 /* ---- INFO ---- */
@@ -229,4 +227,33 @@ void follow_facts(const struct server *s, struct facts *f)
     facts_add(f, "followers", followers);
     facts_add(f, "min_followers", s->config->min_followers);
     leader_each(s, add_follower, &l);
+}
+
+/* ---- for Redis's requests ---- */
+
+struct visit {
+    follower_visit *visit;
+    void *ctx;
+};
+
+static void visit_follower(const struct sender *f, void *ctx)
+{
+    const struct visit *v = ctx;
+    char peer[SOCK_PEER_TEXT];
+    sock_peer_text(&f->peer, peer);
+    v->visit(peer, f->acked, v->ctx);
+}
+
+void follow_replication(const struct server *s, struct replication *r, follower_visit *visit,
+                        void *ctx)
+{
+    struct follower_facts own;
+    follower_facts(s, &own);
+    *r = (struct replication){.receiving = strcmp(own.state, "receiving") == 0};
+    snprintf(r->leader, sizeof r->leader, "%s", own.leader);
+    if (durable_dir(s) != NULL)
+        r->lsn = log_last(durable_log(s));
+    leader_each(s, count_follower, &r->followers);
+    if (visit != NULL)
+        leader_each(s, visit_follower, &(struct visit){visit, ctx});
 }

@@ -10,4 +10,8 @@ command_handler cmd_follow, cmd_sync, cmd_wait;
 /* Appends the section REPLICATION. */
 void follow_facts(const struct server *s, struct facts *f);
 
+/* The same for server.replication. */
+void follow_replication(const struct server *s, struct replication *r, follower_visit *visit,
+                        void *ctx);
+
 #endif

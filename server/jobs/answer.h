@@ -51,8 +51,9 @@ struct answer {
     const struct wait_queue *turn; /* the queue that has called the request; NULL: none */
     bool refused;                  /* there is an ERR line (answer_err), of this code */
     enum reply_code code;
-    bool closes; /* the connection is closed after the reply */
-    bool broken; /* the reply cannot be completed: the connection is closed at once */
+    uint64_t count; /* what the reply counts (answer_count) */
+    bool closes;    /* the connection is closed after the reply */
+    bool broken;    /* the reply cannot be completed: the connection is closed at once */
     enum answer_next next;
     enum answer_wait wait_for; /* ANSWER_WAIT */
     bool wait_writes; /* WAIT_QUEUE of a set: until it has no writer, else until it can be read */
@@ -84,6 +85,15 @@ static inline void answer_ok(struct answer *a)
 static inline void answer_version(struct answer *a, uint64_t version)
 {
     reply_key_u64(a->out, "version", version);
+    reply_end(a->out);
+}
+
+/* The reply of a request that counts something, which is also a value of the answer. */
+static inline void answer_count(struct answer *a, const char *key, uint64_t n)
+{
+    a->count = n;
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, key, n);
     reply_end(a->out);
 }
 

@@ -40,7 +40,6 @@ void redis_wait(struct server *s, const struct request *q, struct answer *a)
     static const char ever[] = "1000000";
     char seconds[24];
     uint32_t ms;
-    struct line_reply t;
     if (q->n != 3 || !proto_read_u32(q->word[2].text, q->word[2].len, &ms)) {
         redis_error(a, q->n != 3 ? "ERR wrong number of arguments for 'wait' command"
                                  : "ERR timeout is not an integer or out of range");
@@ -49,85 +48,62 @@ void redis_wait(struct server *s, const struct request *q, struct answer *a)
     snprintf(seconds, sizeof seconds, "%u.%03u", ms / 1000, ms % 1000);
     const char *text = ms == 0 || ms / 1000 >= 1000000 ? ever : seconds;
     struct word words[] = {{"WAIT", 4}, q->word[1], {text, strlen(text)}};
-    if (!redis_ask(s, &(struct request){.word = words, .n = 3}, a, "", &t))
-        return;
-    redis_integer(a, (int64_t)line_reply_number(&t, "followers"));
-    line_reply_clear(&t);
+    if (redis_run(s, &(struct request){.word = words, .n = 3}, a))
+        redis_integer(a, (int64_t)a->count);
 }
 
 /* ---- ROLE ---- */
 
-/* Splits ADDRESS:PORT; without a port it is 0. */
-static void put_address(struct answer *a, const char *text, size_t len)
+/* Splits ADDR:PORT at its last colon; without one the port is empty. */
+static const char *split_address(const char *text, size_t *len)
 {
-    const char *colon = memrchr(text, ':', len);
-    uint32_t port = 0;
-    size_t host = colon == NULL ? len : (size_t)(colon - text);
-    if (colon != NULL)
-        proto_read_u32(colon + 1, len - host - 1, &port);
-    resp_bulk(a->out, text, host);
-    redis_integer(a, port);
+    const char *colon = strrchr(text, ':');
+    *len = colon != NULL ? (size_t)(colon - text) : strlen(text);
+    return colon != NULL ? colon + 1 : "";
 }
 
-/* One of "follower_1:address=A:P,state=log,lsn=L,..." as [A, P, L], texts all. */
-static void put_follower(struct answer *a, const char *value, size_t len)
+/* [address, port, lsn], texts all. */
+static void put_follower(const char *address, uint64_t lsn, void *ctx)
 {
-    const char *address = value + strlen("address="), *end = value + len;
-    const char *comma = memchr(value, ',', len), *lsn = memmem(value, len, ",lsn=", 5);
-    size_t n = (size_t)((comma != NULL ? comma : end) - address);
-    const char *colon = memrchr(address, ':', n);
-    size_t host = colon == NULL ? n : (size_t)(colon - address);
-    lsn = lsn == NULL ? "0" : lsn + 5;
+    struct answer *a = ctx;
+    char text[24];
+    size_t host;
+    const char *port = split_address(address, &host);
     resp_array(a->out, 3);
     resp_bulk(a->out, address, host);
-    resp_bulk(a->out, address + host + (colon != NULL), n - host - (colon != NULL));
-    resp_bulk(a->out, lsn, strspn(lsn, "0123456789"));
+    redis_bulk_text(a, port);
+    snprintf(text, sizeof text, "%" PRIu64, lsn);
+    redis_bulk_text(a, text);
 }
 
-static int64_t number_of(const struct buf *rows, const char *key)
+static void put_leader(struct answer *a, const struct replication *r)
 {
-    size_t len;
-    const char *text = redis_fact(rows, key, &len);
-    return text == NULL ? 0 : strtoll(text, NULL, 10);
-}
-
-static void put_leader(struct answer *a, const struct buf *rows)
-{
-    int64_t n = number_of(rows, "followers");
-    char key[32];
-    size_t len;
-    resp_array(a->out, 3);
-    redis_bulk_text(a, "master");
-    redis_integer(a, number_of(rows, "lsn"));
-    resp_array(a->out, (size_t)n);
-    for (int64_t i = 1; i <= n; i++) {
-        snprintf(key, sizeof key, "follower_%" PRId64, i);
-        const char *value = redis_fact(rows, key, &len);
-        put_follower(a, value != NULL ? value : "address=", value != NULL ? len : 8);
-    }
+    uint32_t number = 0;
+    size_t host;
+    const char *port = split_address(r->leader, &host);
+    proto_read_u32(port, strlen(port), &number);
+    resp_array(a->out, 5);
+    redis_bulk_text(a, "slave");
+    resp_bulk(a->out, r->leader, host);
+    redis_integer(a, number);
+    redis_bulk_text(a, r->receiving ? "connected" : "connect");
+    redis_integer(a, (int64_t)r->lsn);
 }
 
 void redis_role(struct server *s, const struct request *q, struct answer *a)
 {
-    struct word words[] = {{"INFO", 4}, {"REPLICATION", 11}};
-    struct line_reply t;
-    size_t len;
+    struct replication r;
     (void)q;
-    if (!redis_ask(s, &(struct request){.word = words, .n = 2}, a, "\n", &t))
+    s->replication(s, &r, NULL, NULL);
+    if (s->follows) {
+        put_leader(a, &r);
         return;
-    if (!s->follows) {
-        put_leader(a, &t.rows);
-    } else {
-        resp_array(a->out, 5);
-        redis_bulk_text(a, "slave");
-        const char *leader = redis_fact(&t.rows, "leader", &len);
-        put_address(a, leader, len);
-        const char *link = redis_fact(&t.rows, "link", &len);
-        bool connected = len == 9 && memcmp(link, "receiving", len) == 0;
-        redis_bulk_text(a, connected ? "connected" : "connect");
-        redis_integer(a, number_of(&t.rows, "lsn"));
     }
-    line_reply_clear(&t);
+    resp_array(a->out, 3);
+    redis_bulk_text(a, "master");
+    redis_integer(a, (int64_t)r.lsn);
+    resp_array(a->out, r.followers);
+    s->replication(s, &r, put_follower, a);
 }
 
 /* ---- what is not there ---- */

@@ -17,16 +17,13 @@ static const char type_name[] = "pointset"; /* as modules of Redis have types of
 /* At the start there are no sets until the data directory has been read. What is said about sets shows all changes. */
 bool redis_sees_sets(struct server *s, struct answer *a)
 {
-    struct line_reply t = {0};
-    struct answer plain = *a;
-    plain.out = &t.lines;
-    if (durable_loaded(s, &plain)) {
-        a->shown = durable_last_lsn(s);
-        return true;
-    }
-    if (line_reply_split(&t, a, ""))
-        line_reply_clear(&t);
-    return false;
+    struct buf *out = a->out;
+    a->out = &s->lines; /* of the error, which is converted to RESP */
+    if (!durable_loaded(s, a))
+        return false;
+    a->out = out;
+    a->shown = durable_last_lsn(s);
+    return true;
 }
 
 struct dataset *redis_find(struct server *s, const struct word *name)
@@ -110,12 +107,7 @@ void redis_object(struct server *s, const struct request *q, struct answer *a)
 static bool drop(struct server *s, const struct word *name, struct answer *a)
 {
     struct word words[] = {{"DROP", 4}, *name};
-    struct request q = {.word = words, .n = 2};
-    struct line_reply t;
-    bool done = redis_ask(s, &q, a, "", &t);
-    if (done)
-        line_reply_clear(&t);
-    return done;
+    return redis_run(s, &(struct request){.word = words, .n = 2}, a);
 }
 
 /* A set that has a writer or readers now is dropped first. So only the first DROP may have to wait, and a request that is carried

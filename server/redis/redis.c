@@ -139,13 +139,10 @@ static void get_settings(struct server *s, const struct request *q, struct answe
 
 static void config(struct server *s, const struct request *q, struct answer *a)
 {
-    struct line_reply t;
-    if (q->n >= 3 && word_is(&q->word[1], "GET")) {
+    if (q->n >= 3 && word_is(&q->word[1], "GET"))
         get_settings(s, q, a);
-    } else if (redis_ask(s, q, a, "", &t)) {
+    else if (redis_run(s, q, a))
         redis_simple(a, "+OK");
-        line_reply_clear(&t);
-    }
 }
 
 /* An entry in the format of Redis: id, time, microseconds, words, address, name. */
@@ -178,18 +175,15 @@ static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listi
 
 static void slowlog(struct server *s, const struct request *q, struct answer *a)
 {
-    struct line_reply t;
     if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->role == ROLE_WRITE &&
         slowlog_get(s, q, a, list_slow, LISTING_ARRAY))
         return;
-    if (!redis_ask(s, q, a, "", &t))
+    if (!redis_run(s, q, a))
         return;
-    if (word_is(&q->word[1], "LEN")) {
-        redis_integer(a, (int64_t)line_reply_number(&t, "len"));
-    } else {
+    if (word_is(&q->word[1], "LEN"))
+        redis_integer(a, (int64_t)a->count);
+    else
         redis_simple(a, "+OK");
-    }
-    line_reply_clear(&t);
 }
 
 /* False: the token is wrong, and the error has been written; or the check is delayed. */
@@ -355,7 +349,8 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     redis_handler *handler = choose(s, q, a, &open);
     if (handler == NULL)
         return false;
-    size_t mark = buf_len(a->out);
+    struct buf *out = a->out;
+    size_t mark = buf_len(out);
     a->command = command_find(s, &q->word[0]);
     stats_begin(&s->stats, command_number(s, a->command));
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
@@ -367,7 +362,8 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     else
         handler(s, q, a);
     if (a->out->failed) {
-        buf_rewind(a->out, mark);
+        buf_rewind(a->out, a->out == out ? mark : 0);
+        a->out = out;
         redis_error(a, "NOMEM out of memory");
     }
     return true;

@@ -4,12 +4,11 @@
 #include "proto/resp.h"
 #include "server/clients/clients.h"
 
-static void put_name(struct answer *a, const struct line_reply *t)
+static void put_name(const struct server *s, struct answer *a)
 {
-    const char *name;
-    size_t len = 0;
-    if (reply_key(&t->status, "name", &name, &len) && len > 0)
-        resp_bulk(a->out, name, len);
+    const char *name = client_name(s, a);
+    if (name[0] != '\0')
+        redis_bulk_text(a, name);
     else
         redis_null(a);
 }
@@ -73,19 +72,13 @@ static bool answer_alone(struct server *s, const struct request *q, struct answe
 
 void redis_client(struct server *s, const struct request *q, struct answer *a)
 {
-    struct line_reply t;
-    if ((q->n >= 2 && answer_alone(s, q, a)) || !redis_ask(s, q, a, "", &t))
+    if ((q->n >= 2 && answer_alone(s, q, a)) || !redis_run(s, q, a))
         return;
     const struct word *what = &q->word[1];
-    if (word_is(what, "ID"))
-        redis_integer(a, (int64_t)line_reply_number(&t, "id"));
+    if (word_is(what, "ID") || (word_is(what, "KILL") && q->n == 4))
+        redis_integer(a, (int64_t)a->count);
     else if (word_is(what, "GETNAME"))
-        put_name(a, &t);
-    else if (word_is(what, "KILL") && q->n == 4)
-        redis_integer(a, (int64_t)line_reply_number(&t, "killed"));
-    else if (word_is(what, "KILL") && line_reply_number(&t, "killed") == 0)
-        redis_error(a, "ERR No such client");
+        put_name(s, a);
     else
-        redis_simple(a, "+OK");
-    line_reply_clear(&t);
+        put_outcome(a, word_is(what, "KILL") && a->count == 0 ? "ERR No such client" : NULL);
 }

@@ -10,16 +10,6 @@
 
 enum { MS = 1000 };
 
-/* Carries out q, and answers with 1 or, if `key` of the reply is 0, with 0. */
-static void ask(struct server *s, const struct request *q, struct answer *a, const char *key)
-{
-    struct line_reply t;
-    if (!redis_ask(s, q, a, "", &t))
-        return;
-    redis_integer(a, key == NULL || line_reply_number(&t, key) != 0);
-    line_reply_clear(&t);
-}
-
 /* Whether there is such a set. If not, the answer is 0; a name that no set can have is left to the command. */
 static bool is_there(struct server *s, const struct word *name, struct answer *a)
 {
@@ -93,15 +83,16 @@ void redis_expire(struct server *s, const struct request *q, struct answer *a)
         words[2] = (struct word){
             seconds, (size_t)snprintf(seconds, sizeof seconds, "%.4f", (ms + 0.5) / MS)};
     }
-    ask(s, &ours, a, NULL); /* says what is wrong with a number, or waits */
+    if (redis_run(s, &ours, a)) /* else it says what is wrong with a number, or waits */
+        redis_integer(a, 1);
 }
 
 void redis_persist(struct server *s, const struct request *q, struct answer *a)
 {
     if (q->n != 2)
         redis_usage(a, "PERSIST set");
-    else if (redis_sees_sets(s, a) && is_there(s, &q->word[1], a))
-        ask(s, q, a, "changed");
+    else if (redis_sees_sets(s, a) && is_there(s, &q->word[1], a) && redis_run(s, q, a))
+        redis_integer(a, (int64_t)a->count);
 }
 
 /* ---- showing ---- */

@@ -5,6 +5,7 @@
 #include "proto/resp.h"
 #include "server/clients/clients.h"
 #include "server/jobs/durable.h"
+#include "server/ops/facts.h"
 #include "server/system/loop.h"
 #include "server/system/machine.h"
 
@@ -31,10 +32,9 @@ static void add(struct buf *out, const char *key, uint64_t value)
     add_text(out, key, text);
 }
 
-static void add_server(struct server *s, const struct buf *ours, struct buf *out)
+static void add_server(struct server *s, struct buf *out)
 {
     uint64_t up = (uint64_t)(clock_ms() - s->started_ms) / 1000;
-    (void)ours;
     add_text(out, "redis_version", REDIS_VERSION);
     add_text(out, "redis_mode", "standalone");
     add(out, "arch_bits", 8 * sizeof(void *));
@@ -43,17 +43,15 @@ static void add_server(struct server *s, const struct buf *ours, struct buf *out
     add(out, "uptime_in_days", up / 86400);
 }
 
-static void add_clients(struct server *s, const struct buf *ours, struct buf *out)
+static void add_clients(struct server *s, struct buf *out)
 {
-    (void)ours;
     add(out, "connected_clients", s->clients != NULL ? s->clients->n : 0);
     add(out, "maxclients", s->config->max_clients);
     add(out, "blocked_clients", 0);
 }
 
-static void add_memory(struct server *s, const struct buf *ours, struct buf *out)
+static void add_memory(struct server *s, struct buf *out)
 {
-    (void)ours;
     add(out, "used_memory", budget_used(&s->budget));
     add(out, "used_memory_rss", machine_resident());
     add(out, "used_memory_peak", s->budget.peak);
@@ -61,10 +59,9 @@ static void add_memory(struct server *s, const struct buf *ours, struct buf *out
     add_text(out, "maxmemory_policy", "noeviction");
 }
 
-static void add_persistence(struct server *s, const struct buf *ours, struct buf *out)
+static void add_persistence(struct server *s, struct buf *out)
 {
     struct durable_facts disk;
-    (void)ours;
     durable_facts(s, &disk);
     add(out, "loading", disk.loaded_percent < 100);
     add(out, "rdb_bgsave_in_progress", disk.snapshot_running);
@@ -73,55 +70,38 @@ static void add_persistence(struct server *s, const struct buf *ours, struct buf
     add_text(out, "aof_last_write_status", strcmp(disk.state, "readonly") == 0 ? "err" : "ok");
 }
 
-static void add_stats(struct server *s, const struct buf *ours, struct buf *out)
+static void add_stats(struct server *s, struct buf *out)
 {
-    (void)ours;
     add(out, "total_connections_received", s->count.connections);
     add(out, "total_commands_processed", s->count.commands);
     add(out, "rejected_connections", s->count.refused);
     add(out, "total_error_replies", s->count.errors);
 }
 
-/* A fact of ours by another name. */
-static void add_fact(struct buf *out, const struct buf *ours, const char *key, const char *fact)
+/* The two halves of the leader's address. */
+static void add_leader(const struct replication *r, struct buf *out)
 {
-    size_t len;
-    const char *value = redis_fact(ours, fact, &len);
-    if (value == NULL)
-        return;
-    buf_append_text(out, key);
-    buf_append_char(out, ':');
-    buf_append(out, value, len);
-    buf_append(out, "\r\n", 2);
-}
-
-/* The two halves of `leader`, ADDRESS:PORT. */
-static void add_leader(struct buf *out, const struct buf *ours)
-{
-    char text[128];
-    size_t len;
-    const char *value = redis_fact(ours, "leader", &len);
-    int n = value == NULL ? 0 : (int)(len < sizeof text ? len : sizeof text - 1);
-    snprintf(text, sizeof text, "%.*s", n, value == NULL ? "" : value);
+    char text[sizeof r->leader];
+    memcpy(text, r->leader, sizeof text);
     char *colon = strrchr(text, ':');
     if (colon != NULL)
         *colon = '\0';
     add_text(out, "master_host", text);
     add_text(out, "master_port", colon != NULL ? colon + 1 : "0");
-    value = redis_fact(ours, "link", &len);
-    bool up = value != NULL && len == 9 && memcmp(value, "receiving", len) == 0;
-    add_text(out, "master_link_status", up ? "up" : "down");
+    add_text(out, "master_link_status", r->receiving ? "up" : "down");
     add(out, "slave_read_only", 1);
-    add_fact(out, ours, "slave_repl_offset", "lsn");
+    add(out, "slave_repl_offset", r->lsn);
 }
 
-static void add_replication(struct server *s, const struct buf *ours, struct buf *out)
+static void add_replication(struct server *s, struct buf *out)
 {
+    struct replication r;
+    s->replication(s, &r, NULL, NULL);
     add_text(out, "role", s->follows ? "slave" : "master");
     if (s->follows)
-        add_leader(out, ours);
-    add_fact(out, ours, "connected_slaves", "followers");
-    add_fact(out, ours, "master_repl_offset", "lsn");
+        add_leader(&r, out);
+    add(out, "connected_slaves", r.followers);
+    add(out, "master_repl_offset", r.lsn);
 }
 
 static void add_seconds(struct buf *out, const char *key, const struct timeval *t)
@@ -131,10 +111,10 @@ static void add_seconds(struct buf *out, const char *key, const struct timeval *
     add_text(out, key, text);
 }
 
-static void add_cpu(struct server *s, const struct buf *ours, struct buf *out)
+static void add_cpu(struct server *s, struct buf *out)
 {
     struct rusage used;
-    (void)s, (void)ours;
+    (void)s;
     getrusage(RUSAGE_SELF, &used);
     add_seconds(out, "used_cpu_sys", &used.ru_stime);
     add_seconds(out, "used_cpu_user", &used.ru_utime);
@@ -155,24 +135,22 @@ static void add_calls(struct buf *out, const char *name, const struct command_st
     add_text(out, key, value);
 }
 
-static void add_commandstats(struct server *s, const struct buf *ours, struct buf *out)
+static void add_commandstats(struct server *s, struct buf *out)
 {
-    (void)ours;
     for (size_t i = 0; i < s->command_count; i++)
         if (s->stats.of[i].calls > 0)
             add_calls(out, s->commands[i].name, &s->stats.of[i]);
 }
 
-static void add_cluster(struct server *s, const struct buf *ours, struct buf *out)
+static void add_cluster(struct server *s, struct buf *out)
 {
-    (void)s, (void)ours;
+    (void)s;
     add(out, "cluster_enabled", 0);
 }
 
-static void add_keyspace(struct server *s, const struct buf *ours, struct buf *out)
+static void add_keyspace(struct server *s, struct buf *out)
 {
     char text[80];
-    (void)ours;
     snprintf(text, sizeof text, "keys=%zu,expires=%zu,avg_ttl=0", s->sets.sets, s->sets.expiring);
     add_text(out, "db0", text);
 }
@@ -182,7 +160,7 @@ static void add_keyspace(struct server *s, const struct buf *ours, struct buf *o
 static const struct section {
     const char *name, *asked;    /* as it is shown, and in capitals */
     const char *ours, *or_asked; /* our section, and another name that asks for it; NULL: none */
-    void (*add)(struct server *s, const struct buf *ours, struct buf *out);
+    void (*add)(struct server *s, struct buf *out);
 } sections[] = {
     {"Server", "SERVER", "SERVER", NULL, add_server},
     {"Clients", "CLIENTS", "CLIENTS", NULL, add_clients},
@@ -211,55 +189,47 @@ static bool asks_for(const struct request *q, const struct section *which)
     return asked;
 }
 
-/* Copies our rows; `loading` and `role`, which mean something else in Redis, get longer names. */
-static void copy_rows(const struct buf *rows, struct buf *out)
+/* Copies our facts; `loading` and `role`, which mean something else in Redis, get longer names. */
+static void copy_facts(const struct facts *f, struct buf *out)
 {
-    const char *at = buf_head(rows), *end = at;
-    if (buf_len(rows) > 0) /* otherwise there may be no memory */
-        end = at + buf_len(rows);
-    while (at < end) {
-        const char *lf = memchr(at, '\n', (size_t)(end - at));
-        size_t n = (size_t)((lf != NULL ? lf + 1 : end) - at);
-        if (n > 8 && (memcmp(at, "loading:", 8) == 0 || memcmp(at, "role:", 5) == 0))
+    const char *at = buf_head(&f->text);
+    for (uint64_t i = 0; i < f->n && !f->text.failed; i++) {
+        size_t n = strcspn(at, "\n");
+        if (strncmp(at, "loading:", 8) == 0 || strncmp(at, "role:", 5) == 0)
             buf_append_text(out, "delaunayd_");
         buf_append(out, at, n);
-        at += n;
+        buf_append(out, "\r\n", 2);
+        at += n + 1;
     }
 }
 
-/* False: an error has been written. */
-static bool add_section(struct server *s, const struct section *which, struct answer *a,
-                        struct buf *out)
+static void add_section(struct server *s, const struct section *which, struct buf *out)
 {
-    struct line_reply t = {0};
-    if (which->ours != NULL) {
-        struct word words[] = {{"INFO", 4}, {which->ours, strlen(which->ours)}};
-        if (!redis_ask(s, &(struct request){.word = words, .n = 2}, a, "\r\n", &t))
-            return false;
-    }
+    struct facts ours = {0};
     if (buf_len(out) > 0)
         buf_append(out, "\r\n", 2);
     buf_append(out, "# ", 2);
     buf_append_text(out, which->name);
     buf_append(out, "\r\n", 2);
     if (which->add != NULL)
-        which->add(s, &t.rows, out);
-    copy_rows(&t.rows, out);
-    line_reply_clear(&t);
-    return true;
+        which->add(s, out);
+    if (which->ours != NULL)
+        s->info(s, which->ours, &ours);
+    copy_facts(&ours, out);
+    out->failed |= ours.text.failed;
+    buf_free(&ours.text);
 }
 
 /* Of a section that does not exist there are no facts, as in Redis. */
 void redis_info(struct server *s, const struct request *q, struct answer *a)
 {
     struct buf out = {0};
-    bool ok = true;
-    for (size_t i = 0; i < sizeof sections / sizeof sections[0] && ok; i++)
+    for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++)
         if (asks_for(q, &sections[i]))
-            ok = add_section(s, &sections[i], a, &out);
-    if (ok && out.failed)
+            add_section(s, &sections[i], &out);
+    if (out.failed)
         answer_out_of_memory(a);
-    else if (ok)
+    else
         resp_bulk(a->out, buf_head(&out), buf_len(&out));
     buf_free(&out);
 }

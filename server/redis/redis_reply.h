@@ -1,8 +1,7 @@
-/* redis_reply.h - pieces of replies in RESP, and replies of our own commands from which they are made. */
+/* redis_reply.h - pieces of replies in RESP, and requests that are carried out as commands of ours. */
 #ifndef SERVER_REDIS_REPLY_H
 #define SERVER_REDIS_REPLY_H
 
-#include "proto/reply_read.h"
 #include "server/command/command.h"
 
 typedef void redis_handler(struct server *s, const struct request *q, struct answer *a);
@@ -21,27 +20,8 @@ void redis_map(struct answer *a, size_t n);
 /* Null; in RESP 2 the missing bulk string. */
 void redis_null(struct answer *a);
 
-/* A reply in lines. */
-struct line_reply {
-    struct buf lines;         /* owns */
-    struct reply_part status; /* borrows lines */
-    struct buf rows;          /* owns; each row with an end of line */
-};
-
-void line_reply_clear(struct line_reply *t);
-
-/* The number of a key of the status line; 0: it has none. */
-uint64_t line_reply_number(const struct line_reply *t, const char *key);
-
-/* Splits t->lines into status and rows, each with `eol`; an error is copied to the reply. False: that is all, and t
- * has been cleared. */
-bool line_reply_split(struct line_reply *t, struct answer *a, const char *eol);
-
-/* The value of a fact `key:value` among rows of INFO, up to the end of its line; NULL: there is none. */
-const char *redis_fact(const struct buf *rows, const char *key, size_t *len);
-
-/* Carries out q as a line. False: it has been answered with an error, or waits as *a says. */
-bool redis_ask(struct server *s, const struct request *q, struct answer *a, const char *eol,
-               struct line_reply *t);
+/* Carries out q as a command of ours. True: it has succeeded, and is to be answered in RESP. False: it waits or has been
+ * refused; its answer is in lines (server.lines), which are converted to RESP. */
+bool redis_run(struct server *s, const struct request *q, struct answer *a);
 
 #endif
