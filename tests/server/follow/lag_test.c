@@ -1,4 +1,4 @@
-/* lag_test.c - what INFO replication says about a follower that has everything; and one that stalls. */
+/* lag_test.c - what INFO replication and ROLE say about a follower that has everything; and one that stalls. */
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 
@@ -31,6 +31,41 @@ TEST(lag_of_a_follower_that_has_everything_is_no_bytes)
     for (int i = 0; i < 100 && !info_has(&l.d, "lag_records=0,lag_bytes=0,"); i++)
         pause_ms(50);
     CHECK(info_has(&l.d, "lag_records=0,lag_bytes=0,"));
+    close(fd);
+    node_end(&l);
+    node_end(&f);
+}
+
+/* A request in RESP, and the beginning of its reply. */
+static void expect_resp(const struct daemon *d, const char *request, const char *want)
+{
+    int fd = daemon_connect(d);
+    say(fd, request);
+    expect(fd, want);
+    close(fd);
+}
+
+TEST(role_in_resp_is_that_of_a_leader_with_followers_and_of_a_follower)
+{
+    static const char role[] = "*1\r\n$4\r\nROLE\r\n",
+                      info[] = "*2\r\n$4\r\nINFO\r\n$11\r\nreplication\r\n";
+    struct node l = node_new(NULL), f = node_follower_of(&l);
+    char want[300];
+    carry_out(&l.d, "ADD t 1 1\n");
+    node_await_position(&l, &f);
+    expect_resp(&l.d, role, "*3\r\n$6\r\nmaster\r\n:1\r\n*1\r\n*3\r\n$9\r\n127.0.0.1\r\n$");
+    snprintf(want, sizeof want,
+             "*5\r\n$5\r\nslave\r\n$9\r\n127.0.0.1\r\n:%u\r\n$9\r\nconnected\r\n:1\r\n", l.d.port);
+    expect_resp(&f.d, role, want);
+    int fd = daemon_connect(&f.d);
+    say(fd, info);
+    hear_line(fd); /* the length */
+    snprintf(want, sizeof want,
+             "# Replication\r\nrole:slave\r\nmaster_host:127.0.0.1\r\nmaster_port:%u\r\n"
+             "master_link_status:up\r\nslave_read_only:1\r\nslave_repl_offset:1\r\n"
+             "connected_slaves:0\r\nmaster_repl_offset:1\r\ndelaunayd_role:follower\r\n",
+             l.d.port);
+    expect(fd, want);
     close(fd);
     node_end(&l);
     node_end(&f);
