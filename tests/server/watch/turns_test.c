@@ -169,3 +169,52 @@ TEST(first_event_of_a_watcher_is_not_older_than_its_request)
     CHECK_MSG(strncmp(strstr(text, "EVENT "), line, strlen(line)) == 0, "%s", text);
     end();
 }
+
+/* Two points are added in a turn, and the first one is deleted. The client knows the version between. */
+TEST(client_that_comes_back_is_told_that_a_point_is_gone_which_was_new_in_its_version)
+{
+    static const char *const boxes[] = {" WITHIN 50 50 51 51", ""};
+    char line[100];
+    begin(true);
+    settle(WATCHERS);
+    local_ask(&b.l, "ADD t 50.5 50.5\n");
+    uint64_t version = local_set(&b.l, "t")->version;
+    local_ask(&b.l, "ADD t 50.6 50.5\nDEL t 10000\n");
+    settle(WATCHERS);
+    for (int i = 0; i < 2; i++) {
+        heard(i);
+        snprintf(line, sizeof line, "UNWATCH t\nWATCH t SINCE %" PRIu64 "%s\n", version, boxes[i]);
+        ask(b.session[i], line);
+        settle(1);
+        const char *text = heard(i);
+        CHECK_MSG(strstr(text, "gone 10000\n") != NULL && strstr(text, "point 10001 ") != NULL &&
+                      strstr(text, "reset") == NULL,
+                  "%s", text);
+    }
+    end();
+}
+
+/* So many points are in the box that the whole set is swept, and the first ones are outside. */
+TEST(first_event_of_a_sweep_that_finds_something_is_the_reset)
+{
+    enum { OUTSIDE = 25, ALL = 60, ADDED = 1000 };
+    static char line[ADDED * 24];
+    begin(true);
+    settle(WATCHERS);
+    for (int i = 0; i < ALL; i++) {
+        size_t at = (size_t)snprintf(line, sizeof line, "ADD u");
+        for (int k = 0; k < ADDED; k++)
+            at += (size_t)snprintf(line + at, sizeof line - at, " %d %d",
+                                   i < OUTSIDE ? -1 - k : 1 + k, i);
+        snprintf(line + at, sizeof line - at, "\n");
+        local_ask(&b.l, line);
+    }
+    local_ask(&b.l, "TRIANGULATE u\n");
+    heard(0);
+    ask(b.session[0], "WATCH u WITHIN 0 0 2000 2000\n");
+    first_turn();
+    const char *event = strstr(heard(0), "EVENT ");
+    CHECK(event != NULL && strncmp(event, "EVENT 0 ", 8) != 0);
+    CHECK_MSG(strncmp(strchr(event, '\n') - 11, " reset more", 11) == 0, "%.80s", event);
+    end();
+}
