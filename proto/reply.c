@@ -139,20 +139,12 @@ __attribute__((format(printf, 2, 0))) static void append_line(struct buf *out, c
     buf_append_char(out, '\n');
 }
 
-void reply_err_list(struct buf *out, enum reply_code code, const char *format, va_list ap)
+void reply_err(struct buf *out, enum reply_code code, const char *format, va_list ap)
 {
     buf_append(out, "ERR ", 4);
     buf_append_text(out, code_name[code]);
     buf_append_char(out, ' ');
     append_line(out, format, ap);
-}
-
-void reply_err(struct buf *out, enum reply_code code, const char *format, ...)
-{
-    va_list ap;
-    va_start(ap, format);
-    reply_err_list(out, code, format, ap);
-    va_end(ap);
 }
 
 void reply_comment(struct buf *out, const char *format, ...)

@@ -55,12 +55,8 @@ void reply_end(struct buf *out);
 void reply_u64(struct buf *out, uint64_t value);
 
 /* A whole ERR line. Characters that are not printable become '?', and a long text is cut. */
-__attribute__((format(printf, 3, 4))) void reply_err(struct buf *out, enum reply_code code,
-                                                     const char *format, ...);
-
-/* The same with the arguments in a list. */
-__attribute__((format(printf, 3, 0))) void reply_err_list(struct buf *out, enum reply_code code,
-                                                          const char *format, va_list ap);
+__attribute__((format(printf, 3, 0))) void reply_err(struct buf *out, enum reply_code code,
+                                                     const char *format, va_list ap);
 
 /* A comment line, `# text`. */
 __attribute__((format(printf, 2, 3))) void reply_comment(struct buf *out, const char *format, ...);

@@ -112,7 +112,7 @@ enum dt_status change_decode(struct change *c, const struct record *r, struct dt
 /* The record of a change that has been applied, which borrows from it; lsn and synced are 0. */
 struct record change_encode(const struct change *c);
 
-/* Whether one record is not enough, so that the change becomes a LOAD: log_append_values. */
+/* Whether one record is not enough, so that the change becomes a LOAD: log_append_load. */
 bool change_is_long(const struct change *c);
 
 #endif

@@ -155,24 +155,12 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
     return log->next - 1;
 }
 
-uint64_t log_append_points(struct log *log, struct record *r, double *xy)
-{
-    if (r->n <= RECORD_POINTS) {
-        r->type = RECORD_ADD;
-        r->items = xy;
-        uint64_t lsn = log_append(log, r);
-        dt_pages_release(xy);
-        return lsn;
-    }
-    return log_append_values(log, r, xy, NULL);
-}
-
 static uint32_t pieces_of(uint32_t n, uint32_t most)
 {
     return n / most + (n % most > 0);
 }
 
-uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct columns *v)
+uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct columns *v)
 {
     struct piece *p = new_piece(log, PIECE_POINTS);
     r->type = RECORD_LOAD;

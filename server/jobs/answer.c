@@ -7,7 +7,7 @@ void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
 {
     va_list ap;
     va_start(ap, format);
-    reply_err_list(a->out, code, format, ap);
+    reply_err(a->out, code, format, ap);
     va_end(ap);
     a->refused = true;
     a->code = code;

@@ -20,7 +20,7 @@ static uint64_t append_long(struct log *log, const struct dataset *set, struct c
                        .name_len = set->name_len,
                        .first = points ? c->first : dt_next_id(set->current->dt),
                        .n = points ? c->n : 0};
-    uint64_t lsn = log_append_values(log, &r, (double *)c->points, c->columns);
+    uint64_t lsn = log_append_load(log, &r, (double *)c->points, c->columns);
     c->points = NULL;
     c->columns = NULL;
     return lsn;

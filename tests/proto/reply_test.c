@@ -73,9 +73,18 @@ TEST(reply_words_are_little_endian)
     buf_free(&out);
 }
 
+__attribute__((format(printf, 2, 3))) static void refuse(enum reply_code code, const char *format,
+                                                         ...)
+{
+    va_list ap;
+    va_start(ap, format);
+    reply_err(&out, code, format, ap);
+    va_end(ap);
+}
+
 TEST(reply_errors_quote_nothing_that_could_harm_a_terminal_or_a_parser)
 {
-    reply_err(&out, ERR_UNKNOWN, "no %s here", "\x1b[2J\nOK 0\r\t\xff");
+    refuse(ERR_UNKNOWN, "no %s here", "\x1b[2J\nOK 0\r\t\xff");
     CHECK_STR(written(), "ERR UNKNOWN no ?[2J?OK 0??? here\n");
 }
 
@@ -84,7 +93,7 @@ TEST(reply_errors_are_short_even_if_they_quote_long_text)
     char word[1000];
     memset(word, 'w', sizeof word);
     word[999] = '\0';
-    reply_err(&out, ERR_UNTRIANGULATED, "%s", word);
+    refuse(ERR_UNTRIANGULATED, "%s", word);
     CHECK(buf_len(&out) <= REPLY_ERR_ROOM && buf_head(&out)[buf_len(&out) - 1] == '\n');
     buf_free(&out);
 }
