@@ -2,6 +2,7 @@
 #include "server/disk/aside.h"
 
 #include "server/disk/log_file.h"
+#include "server/system/own_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -150,10 +151,7 @@ static bool replace(const struct datadir *dir)
     if (folder.fd < 0)
         return false;
     bool ok = remove_files(dir) && link_files(dir, &folder) && datadir_sync(dir);
-    int error = errno;
-    close(folder.fd);
-    errno = error;
-    return ok && remove_folder(dir, incoming) &&
+    return own_file_close(folder.fd, ok) && remove_folder(dir, incoming) &&
            renameat(dir->fd, arrived_name, dir->fd, incoming) == 0 && datadir_sync(dir) &&
            remove_folder(dir, incoming);
 }

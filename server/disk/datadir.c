@@ -18,22 +18,12 @@
 
 enum { MODE = 0700 }; /* of a directory that is created */
 
-/* Closes the descriptor, unless it is -1; returns `ok` and preserves errno. */
-static bool close_with(int fd, bool ok)
-{
-    int error = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = error;
-    return ok;
-}
-
 /* Makes the directory's own name durable. If the parent cannot be opened, that is not possible, and no
  * error. */
 static bool sync_parent(const struct datadir *d)
 {
     int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    return close_with(fd, fd < 0 || fsync(fd) == 0);
+    return own_file_close(fd, fd < 0 || fsync(fd) == 0);
 }
 
 static bool lock(struct datadir *d)
@@ -155,7 +145,7 @@ static bool is_empty(int fd)
     int own = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *dir = own < 0 ? NULL : fdopendir(own);
     if (dir == NULL)
-        return close_with(own, false);
+        return own_file_close(own, false);
     errno = 0;
     do
         e = readdir(dir);
@@ -175,7 +165,7 @@ static bool take_empty(const struct datadir *d)
     bool ok = other.fd >= 0 && fstat(d->fd, &own) == 0 && own.st_nlink == 0 && is_empty(other.fd) &&
               flock(other.fd, LOCK_EX | LOCK_NB) == 0 && sync_parent(&other) &&
               dup3(other.fd, d->fd, O_CLOEXEC) >= 0;
-    return close_with(other.fd, ok);
+    return own_file_close(other.fd, ok);
 }
 
 bool datadir_regain(const struct datadir *d)
@@ -406,8 +396,8 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
     int from = own_file_open(d->fd, f->name, O_RDONLY);
     int to = from < 0 ? -1 : make_aside(d, f, name, make_file);
     bool ok = to >= 0 && copy_rest(from, to, at, UINT64_MAX, NULL) && datadir_sync(d);
-    close_with(from, ok);
-    close_with(to, ok);
+    own_file_close(from, ok);
+    own_file_close(to, ok);
     if (to >= 0 && !ok)
         discard(d, name);
     return ok;
@@ -425,8 +415,8 @@ bool datadir_copy_to(const struct datadir *d, const struct datafile *f, int to,
         errno = ESTALE;
         ok = false;
     }
-    close_with(from, ok);
-    return close_with(copy, ok);
+    own_file_close(from, ok);
+    return own_file_close(copy, ok);
 }
 
 bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
@@ -434,7 +424,7 @@ bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
     if (!datadir_unshare(d, f))
         return false;
     int fd = own_file_open(d->fd, f->name, O_WRONLY);
-    return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
+    return own_file_close(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
 }
 
 /* ---- after failed syncs ---- */
@@ -456,7 +446,7 @@ static bool write_again(int fd, uint64_t at)
 bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at)
 {
     int fd = own_file_open(d->fd, f->name, O_RDWR);
-    return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
+    return own_file_close(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
 }
 
 bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
@@ -467,8 +457,8 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
     int from = own_file_open(d->fd, f->name, O_RDONLY);
     int to = from < 0 ? -1 : own_file_create(d->fd, temporary, O_WRONLY);
     bool ok = to >= 0 && copy_rest(from, to, 0, UINT64_MAX, cancel);
-    close_with(from, ok);
-    ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
+    own_file_close(from, ok);
+    ok = own_file_close(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
     if (!ok && to >= 0)
         discard(d, temporary);
     return ok && datadir_sync(d);

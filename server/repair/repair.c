@@ -119,12 +119,7 @@ static bool write_header(const struct datadir *dir, const struct datafile *f, ui
         return false;
     int fd = own_file_open(dir->fd, f->name, O_WRONLY);
     segment_write(bytes, &header);
-    bool ok = fd >= 0 && write(fd, bytes, size) == (ssize_t)size && fsync(fd) == 0;
-    int error = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = error;
-    return ok;
+    return own_file_close(fd, fd >= 0 && write(fd, bytes, size) == (ssize_t)size && fsync(fd) == 0);
 }
 
 /* Writes damaged headers of segments again, and a segment if none is left. */

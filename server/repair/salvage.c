@@ -12,6 +12,7 @@
 #include "server/disk/recover.h"
 #include "server/disk/segment_reader.h"
 #include "server/disk/snapshot.h"
+#include "server/system/own_file.h"
 #include "server/system/random.h"
 
 #include <errno.h>
@@ -144,11 +145,7 @@ static bool write_snapshot(struct recovery *r)
             ;
         errno = snapshot_end(snap, &r->replay.sets);
     }
-    int error = errno;
-    if (event >= 0)
-        close(event);
-    errno = error;
-    return error == 0;
+    return own_file_close(event, errno == 0);
 }
 
 /* Begins the log after the snapshot; the earlier segments already have their second names. */

@@ -67,9 +67,7 @@ int own_file_open(int dir, const char *name, int flags)
     int fd = openat(dir, name, flags | SAFELY);
     if (fd < 0 || (fstat(fd, &st) == 0 && judge(dir, "", name, &st, false)))
         return fd;
-    int error = errno;
-    close(fd);
-    errno = error;
+    own_file_close(fd, false);
     return -1;
 }
 
@@ -80,4 +78,13 @@ int own_file_create(int dir, const char *name, int flags)
         if (fd >= 0 || errno != EEXIST || unlinkat(dir, name, 0) != 0)
             return fd;
     }
+}
+
+bool own_file_close(int fd, bool ok)
+{
+    int error = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
 }

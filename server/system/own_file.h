@@ -13,6 +13,9 @@ int own_file_open(int dir, const char *name, int flags);
 /* Creates an empty file, in place of one of that name. -1 with errno. */
 int own_file_create(int dir, const char *name, int flags);
 
+/* Closes the descriptor, unless it is -1; returns `ok` and preserves errno. */
+bool own_file_close(int fd, bool ok);
+
 /* Whether there is no such name, or a file that own_file_open does not refuse; with `folder`, a folder instead of a file. If
  * not, a message on standard error says why; `path` is what it calls the directory. */
 bool own_file_admits(int dir, const char *path, const char *name, bool folder);
