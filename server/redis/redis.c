@@ -255,52 +255,51 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
 
 static const struct {
     const char *name;
-    bool open; /* allowed before AUTH */
     redis_handler *handler;
 } table[] = {
-    {"PING", true, ping},
-    {"HELLO", true, hello},
-    {"AUTH", true, auth},
-    {"RESET", true, redis_reset},
-    {"ECHO", false, echo},
-    {"SELECT", false, select_db},
-    {"CLIENT", false, redis_client},
-    {"CONFIG", false, config},
-    {"COMMAND", false, command},
-    {"INFO", false, redis_info},
-    {"SLOWLOG", false, slowlog},
-    {"DBSIZE", false, redis_dbsize},
-    {"EXISTS", false, redis_exists},
-    {"TOUCH", false, redis_exists},
-    {"KEYS", false, redis_keys},
-    {"SCAN", false, redis_scan},
-    {"TYPE", false, redis_type},
-    {"MEMORY", false, redis_memory},
-    {"OBJECT", false, redis_object},
-    {"UNLINK", false, redis_unlink},
-    {"DEL", false, redis_del},
-    {"EXPIRE", false, redis_expire},
-    {"PEXPIRE", false, redis_expire},
-    {"EXPIREAT", false, redis_expire},
-    {"PEXPIREAT", false, redis_expire},
-    {"TTL", false, redis_ttl},
-    {"PTTL", false, redis_ttl},
-    {"EXPIRETIME", false, redis_ttl},
-    {"PEXPIRETIME", false, redis_ttl},
-    {"PERSIST", false, redis_persist},
-    {"MULTI", false, redis_multi},
-    {"EXEC", false, redis_exec},
-    {"DISCARD", false, redis_discard},
-    {"WATCH", false, redis_watch},
-    {"UNWATCH", false, redis_unwatch},
-    {"WAIT", false, redis_wait},
-    {"TIME", false, redis_time},
-    {"ROLE", false, redis_role},
-    {"LATENCY", false, redis_latency},
-    {"MODULE", false, redis_module},
-    {"CLUSTER", false, redis_cluster},
-    {"READONLY", false, redis_cluster},
-    {"READWRITE", false, redis_cluster},
+    {"PING", ping},
+    {"HELLO", hello},
+    {"AUTH", auth},
+    {"RESET", redis_reset},
+    {"ECHO", echo},
+    {"SELECT", select_db},
+    {"CLIENT", redis_client},
+    {"CONFIG", config},
+    {"COMMAND", command},
+    {"INFO", redis_info},
+    {"SLOWLOG", slowlog},
+    {"DBSIZE", redis_dbsize},
+    {"EXISTS", redis_exists},
+    {"TOUCH", redis_exists},
+    {"KEYS", redis_keys},
+    {"SCAN", redis_scan},
+    {"TYPE", redis_type},
+    {"MEMORY", redis_memory},
+    {"OBJECT", redis_object},
+    {"UNLINK", redis_unlink},
+    {"DEL", redis_del},
+    {"EXPIRE", redis_expire},
+    {"PEXPIRE", redis_expire},
+    {"EXPIREAT", redis_expire},
+    {"PEXPIREAT", redis_expire},
+    {"TTL", redis_ttl},
+    {"PTTL", redis_ttl},
+    {"EXPIRETIME", redis_ttl},
+    {"PEXPIRETIME", redis_ttl},
+    {"PERSIST", redis_persist},
+    {"MULTI", redis_multi},
+    {"EXEC", redis_exec},
+    {"DISCARD", redis_discard},
+    {"WATCH", redis_watch},
+    {"UNWATCH", redis_unwatch},
+    {"WAIT", redis_wait},
+    {"TIME", redis_time},
+    {"ROLE", redis_role},
+    {"LATENCY", redis_latency},
+    {"MODULE", redis_module},
+    {"CLUSTER", redis_cluster},
+    {"READONLY", redis_cluster},
+    {"READWRITE", redis_cluster},
 };
 
 /* Whether the request is that of a command of ours which has the name of one of Redis's. */
@@ -317,36 +316,36 @@ static bool is_ours(const struct request *q, const struct answer *a)
 }
 
 /* The handler of Redis's command; NULL: there is none of that name, or it is a command of ours. */
-static redis_handler *find(const struct request *q, const struct answer *a, bool *open)
+static redis_handler *find(const struct request *q, const struct answer *a)
 {
     static const char first[] = "PHAESCIDKTMWULOR"; /* in the table; most requests have others */
-    *open = false;
     if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
         return NULL;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
-        if (word_is(&q->word[0], table[i].name) && !is_ours(q, a)) {
-            *open = table[i].open;
+        if (word_is(&q->word[0], table[i].name) && !is_ours(q, a))
             return table[i].handler;
-        }
     return NULL;
 }
 
 /* Who answers the request; NULL: the command of ours. */
-static redis_handler *choose(struct server *s, const struct request *q, const struct answer *a,
-                             bool *open)
+static redis_handler *choose(struct server *s, const struct request *q, const struct answer *a)
 {
-    redis_handler *handler = find(q, a, open);
-    if (handler == NULL && command_find_again(s, &q->word[0]) == NULL) {
-        *open = true;
+    redis_handler *handler = find(q, a);
+    if (handler == NULL && command_find_again(s, &q->word[0]) == NULL)
         return redis_unknown;
-    }
     return a->multi && !redis_ends_multi(&q->word[0]) ? redis_queue : handler;
+}
+
+/* Whether the request is allowed before AUTH: as the command of ours of that name is. */
+static bool is_open(const struct answer *a, redis_handler *handler)
+{
+    return handler == redis_unknown || handler == redis_reset ||
+           (a->command != NULL && (a->command->flags & CMD_OPEN) != 0);
 }
 
 bool redis_answer(struct server *s, const struct request *q, struct answer *a)
 {
-    bool open;
-    redis_handler *handler = choose(s, q, a, &open);
+    redis_handler *handler = choose(s, q, a);
     if (handler == NULL)
         return false;
     struct buf *out = a->out;
@@ -357,7 +356,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         a->broken = true;
         return true;
     }
-    if (a->role == ROLE_NONE && !open)
+    if (a->role == ROLE_NONE && !is_open(a, handler))
         redis_error(a, "NOAUTH authenticate first: AUTH token");
     else
         handler(s, q, a);
