@@ -1,4 +1,4 @@
-/* promises_test.c - the keys of INFO, the limits, and what a token for reading may not use are those that proto/PROTOCOL.md
+/* promises_test.c - the keys of INFO, the limits, the words of requests, and what a token for reading may not use are those that proto/PROTOCOL.md
  * documents. */
 #include "core/delaunay.h"
 #include "core/delaunay_fields.h"
@@ -19,6 +19,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+enum { DOCUMENT = 1 << 18 };
+
 /* The part of the document from the line that begins with `from` to the line that begins with `to`;
  * the caller frees it. */
 static char *part_of_document(const char *from, const char *to)
@@ -26,13 +28,13 @@ static char *part_of_document(const char *from, const char *to)
     char line[2048];
     size_t n = 0;
     bool within = false;
-    char *part = calloc(1, 1 << 16);
+    char *part = calloc(1, DOCUMENT);
     FILE *f = fopen("proto/PROTOCOL.md", "r");
     CHECK_MSG(f != NULL && part != NULL, "tests run in the root of the repository");
     while (fgets(line, sizeof line, f) != NULL) {
         within =
             within ? strncmp(line, to, strlen(to)) != 0 : strncmp(line, from, strlen(from)) == 0;
-        if (within && n + strlen(line) < 1 << 16)
+        if (within && n + strlen(line) < DOCUMENT)
             n += strlen(strcpy(part + n, line));
     }
     fclose(f);
@@ -188,6 +190,66 @@ TEST(commands_that_a_token_for_reading_may_not_use_are_those_of_the_document)
         bool refused = (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0;
         if (strcmp(c->name, "CLIENT") != 0 && strcmp(c->name, "CONFIG") != 0)
             CHECK_MSG(has_word(from, c->name) == refused, "PROTOCOL.md, section 8: %s", c->name);
+    }
+    free(document);
+}
+
+/* ---- usage ---- */
+
+/* Whether the list, words between blanks, contains the word. */
+static bool lists(const char *list, const char *word)
+{
+    char padded[100];
+    snprintf(padded, sizeof padded, " %.90s ", word);
+    return strstr(list, padded) != NULL;
+}
+
+/* Appends the words of the text to the list. */
+static void add_words(char *list, size_t room, const char *text)
+{
+    size_t at = strlen(list), len;
+    for (; *(text += strspn(text, " |[],;.")) != '\0'; text += len) {
+        len = strcspn(text, " |[];.");
+        while (len > 0 && text[len - 1] == ',')
+            len--;
+        at += (size_t)snprintf(list + at, room - at, "%.*s ", (int)len, text);
+        CHECK(at < room);
+    }
+}
+
+/* Appends the words of all headings that begin with the name of the command. */
+static void add_headings(char *list, size_t room, const char *document, const char *name)
+{
+    char start[64], heading[256];
+    size_t n = (size_t)snprintf(start, sizeof start, "### %s", name);
+    for (const char *at = document; (at = strstr(at, start)) != NULL; at += n)
+        if (!isupper((unsigned char)at[n]) && sscanf(at + 4, "%255[^\n]", heading) == 1)
+            add_words(list, room, heading);
+}
+
+/* Every word of `words` is in `list`, or is a command. */
+static void expect_listed(const char *name, char *words, const char *list)
+{
+    for (char *word = strtok(words, " "); word != NULL; word = strtok(NULL, " ")) {
+        bool found = lists(list, word);
+        for (size_t i = 0; i < command_count && !found; i++)
+            found = strcmp(commands[i].name, word) == 0;
+        CHECK_MSG(found, "%s: only one of usage and PROTOCOL.md has the word %s", name, word);
+    }
+}
+
+TEST(words_of_usages_are_those_of_the_headings_of_the_document)
+{
+    char *document = part_of_document("# ", "## 9");
+    for (size_t i = 0; i < command_count; i++) {
+        char usage[512] = " ", headings[512] = " ", words[512];
+        add_words(usage, sizeof usage, commands[i].usage);
+        add_headings(headings, sizeof headings, document, commands[i].name);
+        if (commands[i].body.lines ||
+            commands[i].body.fields) /* one heading is about both LOAD and LOADB */
+            add_headings(headings, sizeof headings, document, "LOAD");
+        expect_listed(commands[i].name, strcpy(words, usage), headings);
+        expect_listed(commands[i].name, strcpy(words, headings), usage);
     }
     free(document);
 }
