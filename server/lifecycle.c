@@ -3,7 +3,6 @@
 
 #include "server/command/ahead.h"
 #include "server/commands.h"
-#include "server/follow/cmd_follow.h"
 #include "server/follow/follower.h"
 #include "server/follow/leader.h"
 #include "server/info.h"
@@ -28,7 +27,6 @@ bool server_init(struct server *s, struct config *config)
     s->commands = commands;
     s->command_count = command_count;
     s->info = info_section;
-    s->replication = follow_replication;
     s->pages = dt_pages_new(config->max_memory);
     budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);

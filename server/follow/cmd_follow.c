@@ -229,10 +229,22 @@ void follow_facts(const struct server *s, struct facts *f)
     leader_each(s, add_follower, &l);
 }
 
-/* ---- for Redis's requests ---- */
+/* ---- ROLE ---- */
+
+struct follow_place follow_place(const struct server *s)
+{
+    struct follower_facts own;
+    follower_facts(s, &own);
+    struct follow_place p = {.receiving = strcmp(own.state, "receiving") == 0};
+    memcpy(p.leader, own.leader, sizeof p.leader);
+    if (durable_dir(s) != NULL)
+        p.lsn = log_last(durable_log(s));
+    leader_each(s, count_follower, &p.followers);
+    return p;
+}
 
 struct visit {
-    follower_visit *visit;
+    void (*visit)(const char *address, uint64_t lsn, void *ctx);
     void *ctx;
 };
 
@@ -244,16 +256,8 @@ static void visit_follower(const struct sender *f, void *ctx)
     v->visit(peer, f->acked, v->ctx);
 }
 
-void follow_replication(const struct server *s, struct replication *r, follower_visit *visit,
-                        void *ctx)
+void follow_each(const struct server *s,
+                 void (*visit)(const char *address, uint64_t lsn, void *ctx), void *ctx)
 {
-    struct follower_facts own;
-    follower_facts(s, &own);
-    *r = (struct replication){.receiving = strcmp(own.state, "receiving") == 0};
-    snprintf(r->leader, sizeof r->leader, "%s", own.leader);
-    if (durable_dir(s) != NULL)
-        r->lsn = log_last(durable_log(s));
-    leader_each(s, count_follower, &r->followers);
-    if (visit != NULL)
-        leader_each(s, visit_follower, &(struct visit){visit, ctx});
+    leader_each(s, visit_follower, &(struct visit){visit, ctx});
 }

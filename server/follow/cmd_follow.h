@@ -3,6 +3,7 @@
 #define SERVER_CMD_FOLLOW_H
 
 #include "server/command/command.h"
+#include "server/follow/role.h"
 #include "server/ops/facts.h"
 
 command_handler cmd_follow, cmd_sync, cmd_wait;
@@ -10,8 +11,17 @@ command_handler cmd_follow, cmd_sync, cmd_wait;
 /* Appends the section REPLICATION. */
 void follow_facts(const struct server *s, struct facts *f);
 
-/* The same for server.replication. */
-void follow_replication(const struct server *s, struct replication *r, follower_visit *visit,
-                        void *ctx);
+/* The place of this daemon among leaders and followers. */
+struct follow_place {
+    char leader[ROLE_TEXT]; /* ADDR:PORT; empty: it has none */
+    bool receiving;         /* it gets the changes of its leader */
+    uint64_t lsn;           /* of its last change */
+    unsigned followers;
+};
+struct follow_place follow_place(const struct server *s);
+
+/* Calls visit for each follower, with its address and its last change. */
+void follow_each(const struct server *s,
+                 void (*visit)(const char *address, uint64_t lsn, void *ctx), void *ctx);
 
 #endif

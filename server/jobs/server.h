@@ -43,15 +43,6 @@ struct loading {
 
 struct facts;
 
-/* The place of this daemon among leaders and followers. */
-struct replication {
-    char leader[96]; /* ADDR:PORT; empty: it has none */
-    bool receiving;  /* it gets the changes of its leader */
-    uint64_t lsn;    /* of its last change */
-    unsigned followers;
-};
-typedef void follower_visit(const char *address, uint64_t lsn, void *ctx);
-
 struct server {
     struct config *config; /* borrows; CONFIG SET changes it */
     struct budget budget;
@@ -89,11 +80,8 @@ struct server {
     struct ahead *ahead;      /* owns; the requests after it in the connection's input */
     const struct command *commands; /* borrows; the table, server/commands.c */
     size_t command_count;
-    /* What rooms above redis/ say in replies to Redis's requests: the facts of a section of INFO (server/info.h), and the
-     * place of this daemon, with a visit of each follower unless `visit` is NULL (server/follow). */
+    /* Appends the facts of a section of INFO (server/info.h), for Redis's clients. */
     void (*info)(const struct server *s, const char *section, struct facts *f);
-    void (*replication)(const struct server *s, struct replication *r, follower_visit *visit,
-                        void *ctx);
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;

@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "server/follow/cmd_follow.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -76,34 +77,33 @@ static void put_follower(const char *address, uint64_t lsn, void *ctx)
     redis_bulk_text(a, text);
 }
 
-static void put_leader(struct answer *a, const struct replication *r)
+static void put_leader(struct answer *a, const struct follow_place *p)
 {
     uint32_t number = 0;
     size_t host;
-    const char *port = split_address(r->leader, &host);
+    const char *port = split_address(p->leader, &host);
     proto_read_u32(port, strlen(port), &number);
     resp_array(a->out, 5);
     redis_bulk_text(a, "slave");
-    resp_bulk(a->out, r->leader, host);
+    resp_bulk(a->out, p->leader, host);
     redis_integer(a, number);
-    redis_bulk_text(a, r->receiving ? "connected" : "connect");
-    redis_integer(a, (int64_t)r->lsn);
+    redis_bulk_text(a, p->receiving ? "connected" : "connect");
+    redis_integer(a, (int64_t)p->lsn);
 }
 
 void redis_role(struct server *s, const struct request *q, struct answer *a)
 {
-    struct replication r;
+    struct follow_place p = follow_place(s);
     (void)q;
-    s->replication(s, &r, NULL, NULL);
     if (s->follows) {
-        put_leader(a, &r);
+        put_leader(a, &p);
         return;
     }
     resp_array(a->out, 3);
     redis_bulk_text(a, "master");
-    redis_integer(a, (int64_t)r.lsn);
-    resp_array(a->out, r.followers);
-    s->replication(s, &r, put_follower, a);
+    redis_integer(a, (int64_t)p.lsn);
+    resp_array(a->out, p.followers);
+    follow_each(s, put_follower, a);
 }
 
 /* ---- what is not there ---- */

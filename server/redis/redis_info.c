@@ -4,6 +4,7 @@
 
 #include "proto/resp.h"
 #include "server/clients/clients.h"
+#include "server/follow/cmd_follow.h"
 #include "server/jobs/durable.h"
 #include "server/ops/facts.h"
 #include "server/system/loop.h"
@@ -79,29 +80,28 @@ static void add_stats(struct server *s, struct buf *out)
 }
 
 /* The two halves of the leader's address. */
-static void add_leader(const struct replication *r, struct buf *out)
+static void add_leader(const struct follow_place *p, struct buf *out)
 {
-    char text[sizeof r->leader];
-    memcpy(text, r->leader, sizeof text);
+    char text[sizeof p->leader];
+    memcpy(text, p->leader, sizeof text);
     char *colon = strrchr(text, ':');
     if (colon != NULL)
         *colon = '\0';
     add_text(out, "master_host", text);
     add_text(out, "master_port", colon != NULL ? colon + 1 : "0");
-    add_text(out, "master_link_status", r->receiving ? "up" : "down");
+    add_text(out, "master_link_status", p->receiving ? "up" : "down");
     add(out, "slave_read_only", 1);
-    add(out, "slave_repl_offset", r->lsn);
+    add(out, "slave_repl_offset", p->lsn);
 }
 
 static void add_replication(struct server *s, struct buf *out)
 {
-    struct replication r;
-    s->replication(s, &r, NULL, NULL);
+    struct follow_place p = follow_place(s);
     add_text(out, "role", s->follows ? "slave" : "master");
     if (s->follows)
-        add_leader(&r, out);
-    add(out, "connected_slaves", r.followers);
-    add(out, "master_repl_offset", r.lsn);
+        add_leader(&p, out);
+    add(out, "connected_slaves", p.followers);
+    add(out, "master_repl_offset", p.lsn);
 }
 
 static void add_seconds(struct buf *out, const char *key, const struct timeval *t)

@@ -15,7 +15,7 @@ trap 'rm -f "$found"' EXIT
 declare -A rooms=(
     [core]='exact control memory fields points mesh grid set divide shelling query cells surface edit'
     [clients]='lib reading files meshes surfaces pictures cli commands'
-    [server]='system ops sets changes disk jobs replies clients command redis watch follow repair session'
+    [server]='system ops sets changes disk jobs replies clients command watch follow redis repair session'
 )
 
 # ---- which files ----
