@@ -12,7 +12,7 @@
 enum {
     RETRY_MS = 1000,            /* after a triangulation for watchers has failed */
     KEEP_MS = 60000,            /* what has changed lately is kept for watchers that come back */
-    TURN_NS = 500 * 1000,       /* the time for events in a turn */
+    TURN_NS = 100 * 1000,       /* the time for events in a turn */
     SEND_NS = 5000,             /* for sending an event to a watcher */
     KEY_NS = 400,               /* about so much for the rows of a key */
     SMALL_NS = 40 * 1000,       /* an event that takes less never waits: one after one edit */

@@ -16,7 +16,7 @@
 
 enum {
     WATCH_MOST = 64, /* sets that a connection watches */
-    WATCH_TURN = 64  /* watchers that are served in a turn of the loop */
+    WATCH_TURN = 16  /* watchers that are served in a turn of the loop */
 };
 
 /* The session watches the set. The scope moves there, whatever comes of it. `since` is the last version of which the client
