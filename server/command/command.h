@@ -1,7 +1,7 @@
-/* command.h - the table of commands, and the dispatch of requests.
+/* command.h - what a command is, and the dispatch of requests.
  *
- * A command is one row: its name, the number of its words, its flags, its handler, its help. Before the handler
- * runs, the set named by the second word has been looked up and is in the state that the flags require. */
+ * A command is one row of a table (server/commands.c). Before its handler runs, the set named by the second word has been looked
+ * up and is in the state that the row requires. */
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
@@ -20,13 +20,13 @@ enum {
     CMD_EXISTING = 2, /* which must be there; of a change, its kind says that */
     CMD_WRITE = 4, /* and is changed: no other writer is at work on it, and the client may write */
     CMD_FRESH = 8, /* its triangulation, if it has one, is up to date */
-    CMD_SEARCH = 2048,  /* and has the grid by which searches begin near their place */
-    CMD_LIVE = 16,      /* it has a triangulation */
-    CMD_OPEN = 32,      /* allowed before AUTH */
-    CMD_PAIRS = 64,     /* the words after the first `least` come in pairs */
-    CMD_ALL_SETS = 128, /* it is about all sets */
-    CMD_ADMIN = 1024,   /* it is about other clients: not for those who may only read */
-    CMD_QUICK = 512     /* so quick that looking at the clock for each would be felt */
+    CMD_SEARCH = 16,   /* and has the grid by which searches begin near their place */
+    CMD_LIVE = 32,     /* it has a triangulation */
+    CMD_ALL_SETS = 64, /* it is about all sets */
+    CMD_OPEN = 128,    /* allowed before AUTH */
+    CMD_ADMIN = 256,   /* it is about other clients: not for those who may only read */
+    CMD_PAIRS = 512,   /* the words after the first `least` come in pairs */
+    CMD_QUICK = 1024   /* so quick that looking at the clock for each would be felt */
 };
 
 /* Reads the change that a request asks for: *c is one of its kind and its set. False: the ERR line has been written. */
@@ -62,6 +62,9 @@ static inline bool command_needs_set(const struct command *c)
 /* NULL: there is none of that name. */
 const struct command *command_find(const struct server *s, const struct word *name);
 
+/* The same, but tries the last command first: pipelines often repeat a command. */
+const struct command *command_find_again(struct server *s, const struct word *name);
+
 /* Its index in the table, which is that of its statistics; NULL: an unknown command. */
 static inline unsigned command_number(const struct server *s, const struct command *c)
 {
@@ -70,9 +73,6 @@ static inline unsigned command_number(const struct server *s, const struct comma
 
 /* Whether the request is one that even a turn of the loop that is already long can carry out: PING and the like. */
 bool command_is_quick(struct server *s, const struct request *q);
-
-/* The same, but tries the last command first: pipelines often repeat a command. */
-const struct command *command_find_again(struct server *s, const struct word *name);
 
 /* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
  * more than 0; without one 0, and the request is as it was. */
