@@ -14,10 +14,8 @@
 struct build {
     struct job job;
     struct dt_build *made; /* owns */
-    struct build *then;    /* owns: installs it */
-    size_t bytes;          /* that are reserved for both */
+    bool beside;           /* it was made beside the set */
     double ms;
-    int64_t ended_ns; /* 0: it was done at once, so no request can have waited for it */
     const char *fault;
 };
 
@@ -48,7 +46,7 @@ static void run_triangulate(struct job *j)
 }
 
 /* Beside the set, whose points are sorted already. */
-static void run_build(struct job *j)
+static void make_build(struct job *j)
 {
     struct build *b = (struct build *)j;
     int64_t start = clock_ns();
@@ -72,13 +70,12 @@ static void answer_triangulation(struct answer *a, const struct dataset *set, do
     answer_version(a, set->version);
 }
 
-/* Keeps the result of the job for requests that have waited for it. */
+/* Keeps the result of the job for requests that have waited for it; there are none if it was done at once. */
 static void keep_result(const struct job *j, struct dataset_result *r)
 {
     const struct build *b = (const struct build *)j;
-    int64_t ended_ns = j->queued_ns > 0 ? clock_ns() : b->ended_ns;
-    if (ended_ns != 0)
-        *r = (struct dataset_result){.ended_ns = ended_ns,
+    if (j->queued_ns > 0 || b->beside)
+        *r = (struct dataset_result){.ended_ns = clock_ns(),
                                      .version = j->set->version,
                                      .ms = b->ms,
                                      .method = j->options.method,
@@ -94,20 +91,6 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
         submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
     keep_result(j, &j->set->triangulation);
     answer_triangulation(a, j->set, ((struct build *)j)->ms);
-}
-
-static void end_build(struct server *s, struct job *j, struct answer *a)
-{
-    struct build *b = (struct build *)j, *then = b->then;
-    then->made = b->made;
-    then->ms = b->ms;
-    then->ended_ns = clock_ns();
-    if (job_succeeded(j, a)) {
-        reservation_set(&then->job.memory, b->bytes);
-        job_change(s, a, &then->job, j->set, JOB_LIGHT);
-    } else {
-        job_free(s, &then->job);
-    }
 }
 
 /* Whether the request waited for that result. */
@@ -139,30 +122,6 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
     return false;
 }
 
-/* Builds beside the set; `then` installs what has been made. */
-static void build_beside(struct server *s, struct answer *a, struct dataset *set,
-                         struct build *then, struct reservation *memory)
-{
-    struct build *b = job_new(sizeof *b, run_build, end_build);
-    if (b == NULL) {
-        job_free(s, &then->job);
-        reservation_set(memory, 0);
-        answer_out_of_memory(a);
-        return;
-    }
-    then->job.run = run_install;
-    then->job.memory = server_reservation(s, BUDGET_BUILDS);
-    b->then = then;
-    b->bytes = memory->bytes;
-    b->job.memory = *memory;
-    b->job.logged = true;
-    b->job.what = then->job.what;
-    b->job.options.method = then->job.options.method;
-    b->job.options.rebuild = then->job.options.rebuild;
-    b->job.set = set;
-    job_read(s, a, &b->job, set->current, JOB_LONG);
-}
-
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
                  bool rebuild)
 {
@@ -186,13 +145,15 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
     b->job.options.method = method;
     b->job.options.rebuild = rebuild;
     /* Readers of the points of a large set do not wait: it is built beside the set, or a copy is triangulated. */
-    if (large && s->workers != NULL && dt_build_suits(set->current->dt, &b->job.options)) {
-        build_beside(s, a, set, b, &memory);
-        return;
-    }
     b->job.memory = memory;
-    b->job.copies = large;
-    job_change(s, a, &b->job, set, large ? JOB_LONG : JOB_LIGHT);
+    b->beside = large && s->workers != NULL && dt_build_suits(set->current->dt, &b->job.options);
+    b->job.copies = large && !b->beside;
+    if (b->beside) {
+        b->job.run = run_install;
+        job_beside(s, a, &b->job, set, make_build, JOB_LONG);
+    } else {
+        job_change(s, a, &b->job, set, large ? JOB_LONG : JOB_LIGHT);
+    }
 }
 
 void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,

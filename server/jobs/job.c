@@ -294,6 +294,58 @@ void job_change(struct server *s, struct answer *a, struct job *j, struct datase
     start(s, a, j, weight);
 }
 
+/* The first half of a job beside its set. */
+struct making {
+    struct job job;
+    struct job *change; /* owns: the second half */
+    void (*make)(struct job *change);
+};
+
+static void run_making(struct job *j)
+{
+    struct making *m = (struct making *)j;
+    reservation_trim_heap(&m->change->memory);
+    m->change->dt = j->dt;
+    m->change->options.pool = j->options.pool;
+    m->change->options.cancel = &j->cancel;
+    m->change->options.progress = &j->progress;
+    m->make(m->change);
+    j->status = m->change->status;
+}
+
+static void end_making(struct server *s, struct job *j, struct answer *a)
+{
+    struct job *change = ((struct making *)j)->change;
+    change->options.cancel = &change->cancel;
+    change->options.progress = &change->progress;
+    if (a != NULL && change->status == DT_OK) {
+        job_change(s, a, change, j->set, JOB_LIGHT);
+        return;
+    }
+    change->end(s, change, a);
+    reservation_set(&change->memory, 0);
+    free(change);
+    server_memory_freed(s);
+}
+
+void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                void (*make)(struct job *j), enum job_weight weight)
+{
+    struct making *m = job_new(sizeof *m, run_making, end_making);
+    if (m == NULL) {
+        job_free(s, j);
+        if (a != NULL)
+            answer_out_of_memory(a);
+        return;
+    }
+    m->change = j;
+    m->make = make;
+    m->job.what = j->what;
+    m->job.logged = j->logged;
+    m->job.set = set;
+    job_read(s, a, &m->job, set->current, weight);
+}
+
 void job_drain(struct job *j)
 {
     if (j->what != NULL && j->points == 0)

@@ -6,14 +6,14 @@
  *     end    on the I/O thread, once: writes the reply (job_succeeded), and frees the arguments. Without an answer
  *            (NULL) the job was not carried out, and `end` only frees.
  *
- * and is carried out in one of three ways:
+ * and reads, changes, or has no set:
  *
  *     job_read    reads a version, which it pins, and holds its lock while it runs, so it must be short: it reads one
  *                 piece, or searches for about a millisecond. If job->set is set, it may run for long, since edits of
- *                 the set wait for its end; queries go on. What such a job has made, its end may install by a job that
- *                 changes the set.
+ *                 the set wait for its end; queries go on.
  *     job_change  is the only writer of a set. It edits in place, or it edits or triangulates a copy of the points,
- *                 which becomes the current version when the job has succeeded.
+ *                 which becomes the current version when the job has succeeded. job_beside: before that, something
+ *                 is made beside the set, for as long as it takes; then `run` installs it in microseconds.
  *     job_aside   has no set.
  *
  * A job whose answer is NULL gives no reply, and is never refused. */
@@ -70,6 +70,11 @@ void job_read(struct server *s, struct answer *a, struct job *j, struct version 
 /* The same for a job that changes the set, which must have no writer. */
 void job_change(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 enum job_weight weight);
+
+/* The same, but first `make` is called on a worker, which reads j->dt, polls j->options, and sets j->status. If it fails, the job
+ * ends without having run. */
+void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                void (*make)(struct job *j), enum job_weight weight);
 
 /* The same for a job without a set, which a worker carries out. */
 void job_aside(struct server *s, struct answer *a, struct job *j, enum job_weight weight);

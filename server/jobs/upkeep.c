@@ -54,62 +54,45 @@ bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
 
 /* ---- the grid ---- */
 
-/* The first of two jobs makes the grid beside the set, the second one installs it. */
 struct grid {
     struct job job;
     struct dt_renewal *fresh; /* owns */
-    struct grid *then;        /* owns: the second job */
 };
 
-static void run_grid(struct job *j)
+/* Out of memory: it is tried again after more edits, which run_grid sees to. */
+static void make_grid(struct job *j)
 {
     j->status = dt_renew(j->dt, &j->options, &((struct grid *)j)->fresh);
+    if (j->status == DT_NOMEM)
+        j->status = DT_OK;
 }
 
-static void run_install(struct job *j)
+static void run_grid(struct job *j)
 {
     struct grid *g = (struct grid *)j;
     dt_renewed(j->dt, g->fresh);
     g->fresh = NULL;
 }
 
-static void end_install(struct server *s, struct job *j, struct answer *a)
+/* Cancelled: the next search that needs a grid builds it. */
+static void end_grid(struct server *s, struct job *j, struct answer *a)
 {
     (void)s, (void)a;
     dt_renewal_free(((struct grid *)j)->fresh);
 }
 
-/* Out of memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
-static void end_grid(struct server *s, struct job *j, struct answer *a)
-{
-    struct grid *g = (struct grid *)j, *then = g->then;
-    if (then == NULL)
-        return;
-    then->fresh = g->fresh;
-    if (a == NULL || j->status == DT_CANCELLED) {
-        job_free(s, &then->job);
-        return;
-    }
-    then->job.memory = server_reservation(s, BUDGET_BUILDS);
-    reservation_set(&then->job.memory, dt_prepare_memory(j->dt));
-    job_change(s, NULL, &then->job, j->set, JOB_LIGHT);
-}
-
+/* False: there is no memory, so searches work without a grid, with longer walks. */
 static bool begin_grid(struct server *s, struct dataset *set)
 {
     struct grid *g = job_new(sizeof *g, run_grid, end_grid);
     if (g == NULL)
         return false;
-    g->then = job_new(sizeof *g->then, run_install, end_install);
     g->job.memory = server_reservation(s, BUDGET_BUILDS);
-    if (g->then == NULL ||
-        !reservation_resize(&g->job.memory, dt_prepare_memory(set->current->dt))) {
-        job_free(s, &g->job); /* searches work without a grid, with longer walks */
-        return false;
-    }
-    g->job.set = set;
-    job_read(s, NULL, &g->job, set->current, JOB_SHORT);
-    return true;
+    if (reservation_resize(&g->job.memory, dt_prepare_memory(set->current->dt)))
+        job_beside(s, NULL, &g->job, set, make_grid, JOB_SHORT);
+    else
+        job_free(s, &g->job);
+    return set->writer != NULL;
 }
 
 static bool has_grid(struct server *s, struct dataset *set)
