@@ -7,7 +7,7 @@
 #include <string.h>
 
 enum {
-    MOST_KEYS = 2048,   /* more changes than this are found by a sweep, */
+    MOST_KEYS = 1024,   /* more changes than this are found by a sweep, */
     BOX_KEYS = 256,     /* and with a box more than this: few points are in it */
     BOX_STEPS = 10000,  /* a box whose search takes longer, or of which more points */
     BOX_KNOWN = 10000,  /* may be known, is swept like the whole set */
