@@ -31,10 +31,7 @@ static void ping(struct server *s, const struct request *q, struct answer *a)
 static void echo(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s;
-    if (q->n == 2)
-        resp_bulk(a->out, q->word[1].text, q->word[1].len);
-    else
-        redis_usage(a, "ECHO message");
+    resp_bulk(a->out, q->word[1].text, q->word[1].len);
 }
 
 static void select_db(struct server *s, const struct request *q, struct answer *a)
@@ -198,9 +195,7 @@ static bool show_token(struct server *s, const struct word *token, struct answer
 /* AUTH user token: the name is ignored. */
 static void auth(struct server *s, const struct request *q, struct answer *a)
 {
-    if (q->n != 2 && q->n != 3)
-        redis_usage(a, "AUTH [user] token");
-    else if (show_token(s, &q->word[q->n - 1], a))
+    if (show_token(s, &q->word[q->n - 1], a))
         redis_simple(a, "+OK"); /* some clients want exactly that */
 }
 
@@ -253,53 +248,60 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
         greet(s, a, version);
 }
 
-static const struct {
+#define TTL_USAGE "TTL|PTTL|EXPIRETIME|PEXPIRETIME set"
+
+static const struct row {
     const char *name;
     redis_handler *handler;
+    unsigned least, most; /* words, including the name; most 0: any number */
+    const char *usage;    /* the answer if there are others; NULL: the handler checks them */
+    bool sets;            /* it needs redis_sees_sets */
 } table[] = {
-    {"PING", ping},
-    {"HELLO", hello},
-    {"AUTH", auth},
-    {"RESET", redis_reset},
-    {"ECHO", echo},
-    {"SELECT", select_db},
-    {"CLIENT", redis_client},
-    {"CONFIG", config},
-    {"COMMAND", command},
-    {"INFO", redis_info},
-    {"SLOWLOG", slowlog},
-    {"DBSIZE", redis_dbsize},
-    {"EXISTS", redis_exists},
-    {"TOUCH", redis_exists},
-    {"KEYS", redis_keys},
-    {"SCAN", redis_scan},
-    {"TYPE", redis_type},
-    {"MEMORY", redis_memory},
-    {"OBJECT", redis_object},
-    {"UNLINK", redis_unlink},
-    {"DEL", redis_del},
-    {"EXPIRE", redis_expire},
-    {"PEXPIRE", redis_expire},
-    {"EXPIREAT", redis_expire},
-    {"PEXPIREAT", redis_expire},
-    {"TTL", redis_ttl},
-    {"PTTL", redis_ttl},
-    {"EXPIRETIME", redis_ttl},
-    {"PEXPIRETIME", redis_ttl},
-    {"PERSIST", redis_persist},
-    {"MULTI", redis_multi},
-    {"EXEC", redis_exec},
-    {"DISCARD", redis_discard},
-    {"WATCH", redis_watch},
-    {"UNWATCH", redis_unwatch},
-    {"WAIT", redis_wait},
-    {"TIME", redis_time},
-    {"ROLE", redis_role},
-    {"LATENCY", redis_latency},
-    {"MODULE", redis_module},
-    {"CLUSTER", redis_cluster},
-    {"READONLY", redis_cluster},
-    {"READWRITE", redis_cluster},
+    {"PING", .handler = ping},
+    {"HELLO", .handler = hello},
+    {"AUTH", .handler = auth, .least = 2, .most = 3, .usage = "AUTH [user] token"},
+    {"RESET", .handler = redis_reset},
+    {"ECHO", .handler = echo, .least = 2, .most = 2, .usage = "ECHO message"},
+    {"SELECT", .handler = select_db},
+    {"CLIENT", .handler = redis_client},
+    {"CONFIG", .handler = config},
+    {"COMMAND", .handler = command},
+    {"INFO", .handler = redis_info},
+    {"SLOWLOG", .handler = slowlog},
+    {"DBSIZE", .handler = redis_dbsize, .least = 1, .most = 1, .usage = "DBSIZE", .sets = true},
+    {"EXISTS", .handler = redis_exists, .least = 2, .usage = "EXISTS set [set ...]", .sets = true},
+    {"TOUCH", .handler = redis_exists, .least = 2, .usage = "EXISTS set [set ...]", .sets = true},
+    {"KEYS", .handler = redis_keys, .least = 2, .most = 2, .usage = "KEYS pattern"},
+    {"SCAN", .handler = redis_scan},
+    {"TYPE", .handler = redis_type, .least = 2, .most = 2, .usage = "TYPE set", .sets = true},
+    {"MEMORY", .handler = redis_memory},
+    {"OBJECT", .handler = redis_object, .least = 3, .most = 3,
+     .usage = "OBJECT ENCODING|REFCOUNT|IDLETIME|FREQ set", .sets = true},
+    {"UNLINK", .handler = redis_unlink, .least = 2, .usage = "UNLINK set [set ...]", .sets = true},
+    {"DEL", .handler = redis_del},
+    {"EXPIRE", .handler = redis_expire},
+    {"PEXPIRE", .handler = redis_expire},
+    {"EXPIREAT", .handler = redis_expire},
+    {"PEXPIREAT", .handler = redis_expire},
+    {"TTL", .handler = redis_ttl, .least = 2, .most = 2, .usage = TTL_USAGE, .sets = true},
+    {"PTTL", .handler = redis_ttl, .least = 2, .most = 2, .usage = TTL_USAGE, .sets = true},
+    {"EXPIRETIME", .handler = redis_ttl, .least = 2, .most = 2, .usage = TTL_USAGE, .sets = true},
+    {"PEXPIRETIME", .handler = redis_ttl, .least = 2, .most = 2, .usage = TTL_USAGE, .sets = true},
+    {"PERSIST", .handler = redis_persist, .least = 2, .most = 2, .usage = "PERSIST set",
+     .sets = true},
+    {"MULTI", .handler = redis_multi, .least = 1, .most = 1, .usage = "MULTI"},
+    {"EXEC", .handler = redis_exec},
+    {"DISCARD", .handler = redis_discard},
+    {"WATCH", .handler = redis_watch},
+    {"UNWATCH", .handler = redis_unwatch},
+    {"WAIT", .handler = redis_wait},
+    {"TIME", .handler = redis_time},
+    {"ROLE", .handler = redis_role},
+    {"LATENCY", .handler = redis_latency},
+    {"MODULE", .handler = redis_module},
+    {"CLUSTER", .handler = redis_cluster},
+    {"READONLY", .handler = redis_cluster},
+    {"READWRITE", .handler = redis_cluster},
 };
 
 /* Whether the request is that of a command of ours which has the name of one of Redis's. */
@@ -315,25 +317,27 @@ static bool is_ours(const struct request *q, const struct answer *a)
     return word_is(name, "DEL") && !redis_del_is_misused(q);
 }
 
-/* The handler of Redis's command; NULL: there is none of that name, or it is a command of ours. */
-static redis_handler *find(const struct request *q, const struct answer *a)
+/* The row of Redis's command; NULL: there is none of that name, or it is a command of ours. */
+static const struct row *find(const struct request *q, const struct answer *a)
 {
     static const char first[] = "PHAESCIDKTMWULOR"; /* in the table; most requests have others */
     if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
         return NULL;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
         if (word_is(&q->word[0], table[i].name) && !is_ours(q, a))
-            return table[i].handler;
+            return &table[i];
     return NULL;
 }
 
 /* Who answers the request; NULL: the command of ours. */
-static redis_handler *choose(struct server *s, const struct request *q, const struct answer *a)
+static const struct row *choose(struct server *s, const struct request *q, const struct answer *a)
 {
-    redis_handler *handler = find(q, a);
-    if (handler == NULL && command_find_again(s, &q->word[0]) == NULL)
-        return redis_unknown;
-    return a->multi && !redis_ends_multi(&q->word[0]) ? redis_queue : handler;
+    static const struct row unknown = {.handler = redis_unknown};
+    static const struct row queued = {.handler = redis_queue};
+    const struct row *row = find(q, a);
+    if (row == NULL && command_find_again(s, &q->word[0]) == NULL)
+        return &unknown;
+    return a->multi && !redis_ends_multi(&q->word[0]) ? &queued : row;
 }
 
 /* Whether the request is allowed before AUTH: as the command of ours of that name is. */
@@ -343,10 +347,21 @@ static bool is_open(const struct answer *a, redis_handler *handler)
            (a->command != NULL && (a->command->flags & CMD_OPEN) != 0);
 }
 
+static void answer_row(struct server *s, const struct row *row, const struct request *q,
+                       struct answer *a)
+{
+    if (a->role == ROLE_NONE && !is_open(a, row->handler))
+        redis_error(a, "NOAUTH authenticate first: AUTH token");
+    else if (row->usage != NULL && (q->n < row->least || (row->most > 0 && q->n > row->most)))
+        redis_usage(a, row->usage);
+    else if (!row->sets || redis_sees_sets(s, a))
+        row->handler(s, q, a);
+}
+
 bool redis_answer(struct server *s, const struct request *q, struct answer *a)
 {
-    redis_handler *handler = choose(s, q, a);
-    if (handler == NULL)
+    const struct row *row = choose(s, q, a);
+    if (row == NULL)
         return false;
     struct buf *out = a->out;
     size_t mark = buf_len(out);
@@ -356,10 +371,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         a->broken = true;
         return true;
     }
-    if (a->role == ROLE_NONE && !is_open(a, handler))
-        redis_error(a, "NOAUTH authenticate first: AUTH token");
-    else
-        handler(s, q, a);
+    answer_row(s, row, q, a);
     if (a->out->failed) {
         buf_rewind(a->out, a->out == out ? mark : 0);
         a->out = out;

@@ -89,9 +89,7 @@ void redis_expire(struct server *s, const struct request *q, struct answer *a)
 
 void redis_persist(struct server *s, const struct request *q, struct answer *a)
 {
-    if (q->n != 2)
-        redis_usage(a, "PERSIST set");
-    else if (redis_sees_sets(s, a) && is_there(s, &q->word[1], a) && redis_run(s, q, a))
+    if (is_there(s, &q->word[1], a) && redis_run(s, q, a))
         redis_integer(a, (int64_t)a->count);
 }
 
@@ -102,12 +100,6 @@ void redis_ttl(struct server *s, const struct request *q, struct answer *a)
     const struct word *name = &q->word[0];
     bool fine = (name->text[0] & ~0x20) == 'P',
          left = word_is(name, "TTL") || word_is(name, "PTTL");
-    if (q->n != 2) {
-        redis_usage(a, "TTL|PTTL|EXPIRETIME|PEXPIRETIME set");
-        return;
-    }
-    if (!redis_sees_sets(s, a))
-        return;
     const struct dataset *set = redis_find(s, &q->word[1]);
     if (set == NULL || set->expires_ms == 0) {
         redis_integer(a, set == NULL ? -2 : -1);
