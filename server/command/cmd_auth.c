@@ -1,4 +1,4 @@
-/* cmd_auth.c - AUTH, in both framings: a token is checked, after a delay if necessary (guard.h), and gives a role. */
+/* cmd_auth.c - AUTH, in both framings: a token is checked, after a delay if necessary (auth_delay.h), and gives a role. */
 #include "server/command/command.h"
 
 #include "server/clients/clients.h"
@@ -22,7 +22,7 @@ static void note_wrong(struct server *s, struct session *who)
     if (who == NULL)
         return;
     who->wrong_tokens++;
-    if (!guard_should_report(&s->guard, &who->peer, who->conn.loop->now_ms, &more))
+    if (!auth_delay_should_report(&s->auth_delay, &who->peer, who->conn.loop->now_ms, &more))
         return;
     snprintf(what, sizeof what,
              "sent a wrong token (%" PRIu64 " more from its address since the last message)", more);
@@ -35,7 +35,7 @@ static bool must_wait(struct server *s, struct answer *a, const struct session *
     if (who == NULL || a->waited)
         return false;
     int64_t now = who->conn.loop->now_ms;
-    int64_t at = guard_charge(&s->guard, &who->peer, who->wrong_tokens, now);
+    int64_t at = auth_delay_charge(&s->auth_delay, &who->peer, who->wrong_tokens, now);
     if (at <= now)
         return false;
     s->count.delayed_tokens++;
@@ -60,7 +60,7 @@ enum shown client_show_token(struct server *s, struct answer *a, const struct wo
         return SHOWN_WRONG;
     }
     if (who != NULL)
-        guard_refund(&s->guard, &who->peer, who->conn.loop->now_ms);
+        auth_delay_refund(&s->auth_delay, &who->peer, who->conn.loop->now_ms);
     accept_token(a, role, number);
     return SHOWN_GOOD;
 }

@@ -6,8 +6,8 @@
 #include "server/disk/hold.h"
 #include "server/jobs/answer.h"
 #include "server/ops/auth.h"
+#include "server/ops/auth_delay.h"
 #include "server/ops/config.h"
-#include "server/ops/guard.h"
 #include "server/ops/slowlog.h"
 #include "server/ops/stats.h"
 #include "server/sets/budget.h"
@@ -26,7 +26,7 @@ struct counters {
     uint64_t watchers;    /* now: sets that connections watch, each counted for each of them */
     uint64_t events;      /* that these were sent */
     uint64_t wrong_tokens;
-    uint64_t delayed_tokens; /* right and wrong ones whose check was delayed (guard.h) */
+    uint64_t delayed_tokens; /* right and wrong ones whose check was delayed (auth_delay.h) */
 };
 
 /* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
@@ -85,7 +85,7 @@ struct server {
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;
-    struct guard guard;
+    struct auth_delay auth_delay;
     struct counters count;
     struct stats stats;
     struct slowlog slowlog;

@@ -1,10 +1,10 @@
-/* guard.c - see guard.h. For addresses this is the generic cell rate algorithm: each address has one time
+/* auth_delay.c - see auth_delay.h. For addresses this is the generic cell rate algorithm: each address has one time
  * value, when its charges will be paid off, and every charge advances it by 100 ms. */
-#include "server/ops/guard.h"
+#include "server/ops/auth_delay.h"
 
 #include <string.h>
 
-enum { HALF_IPV6 = 8, CREDIT_MS = GUARD_BURST * GUARD_EACH_MS };
+enum { HALF_IPV6 = 8, CREDIT_MS = AUTH_DELAY_BURST * AUTH_DELAY_EACH_MS };
 
 static int64_t later(int64_t a, int64_t b)
 {
@@ -42,18 +42,18 @@ static uint32_t hash(const uint8_t key[17]) /* FNV-1a */
 }
 
 /* The entry of the address; a new one replaces the entry with the lowest debt of its set. */
-static struct guard_entry *entry_of(struct guard *g, const struct sock_peer *peer)
+static struct auth_delay_entry *entry_of(struct auth_delay *d, const struct sock_peer *peer)
 {
     uint8_t key[17];
     key_of(peer, key);
-    struct guard_entry *set = g->entry[hash(key) % GUARD_SETS], *least = set;
-    for (int i = 0; i < GUARD_WAYS; i++) {
+    struct auth_delay_entry *set = d->entry[hash(key) % AUTH_DELAY_SETS], *least = set;
+    for (int i = 0; i < AUTH_DELAY_WAYS; i++) {
         if (memcmp(set[i].key, key, sizeof key) == 0)
             return &set[i];
         if (set[i].paid_ms < least->paid_ms)
             least = &set[i];
     }
-    *least = (struct guard_entry){0};
+    *least = (struct auth_delay_entry){0};
     memcpy(least->key, key, sizeof key);
     return least;
 }
@@ -61,26 +61,27 @@ static struct guard_entry *entry_of(struct guard *g, const struct sock_peer *pee
 /* 100 ms after the first wrong token, doubled with each further one. */
 static int64_t wait_of_connection(unsigned wrong)
 {
-    return wrong == 0 ? 0 : wrong > 6 ? GUARD_LONGEST_MS : GUARD_EACH_MS << (wrong - 1);
+    return wrong == 0 ? 0 : wrong > 6 ? AUTH_DELAY_LONGEST_MS : AUTH_DELAY_EACH_MS << (wrong - 1);
 }
 
-int64_t guard_charge(struct guard *g, const struct sock_peer *peer, unsigned wrong, int64_t now_ms)
+int64_t auth_delay_charge(struct auth_delay *d, const struct sock_peer *peer, unsigned wrong,
+                          int64_t now_ms)
 {
-    struct guard_entry *e = entry_of(g, peer);
-    e->paid_ms =
-        sooner(later(e->paid_ms, now_ms) + GUARD_EACH_MS, now_ms + CREDIT_MS + GUARD_LONGEST_MS);
+    struct auth_delay_entry *e = entry_of(d, peer);
+    e->paid_ms = sooner(later(e->paid_ms, now_ms) + AUTH_DELAY_EACH_MS,
+                        now_ms + CREDIT_MS + AUTH_DELAY_LONGEST_MS);
     return sooner(later(now_ms + wait_of_connection(wrong), e->paid_ms - CREDIT_MS),
-                  now_ms + GUARD_LONGEST_MS);
+                  now_ms + AUTH_DELAY_LONGEST_MS);
 }
 
-void guard_refund(struct guard *g, const struct sock_peer *peer, int64_t now_ms)
+void auth_delay_refund(struct auth_delay *d, const struct sock_peer *peer, int64_t now_ms)
 {
-    struct guard_entry *e = entry_of(g, peer);
-    e->paid_ms = later(e->paid_ms - GUARD_EACH_MS, now_ms);
+    struct auth_delay_entry *e = entry_of(d, peer);
+    e->paid_ms = later(e->paid_ms - AUTH_DELAY_EACH_MS, now_ms);
 }
 
-bool guard_should_report(struct guard *g, const struct sock_peer *peer, int64_t now_ms,
-                         uint64_t *more)
+bool auth_delay_should_report(struct auth_delay *d, const struct sock_peer *peer, int64_t now_ms,
+                              uint64_t *more)
 {
-    return notice_rarely(&entry_of(g, peer)->messages, now_ms, more);
+    return notice_rarely(&entry_of(d, peer)->messages, now_ms, more);
 }

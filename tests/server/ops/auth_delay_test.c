@@ -1,5 +1,5 @@
-/* guard_test.c - clients that guess tokens are slowed down, whatever they try, and others are not. */
-#include "server/ops/guard.h"
+/* auth_delay_test.c - clients that guess tokens are slowed down, whatever they try, and others are not. */
+#include "server/ops/auth_delay.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -14,7 +14,7 @@
 
 /* ---- the queue of an address ---- */
 
-static struct guard guard;
+static struct auth_delay delay;
 
 static struct sock_peer v4(uint32_t address)
 {
@@ -33,7 +33,7 @@ static struct sock_peer v6(const char *text)
 /* How long a token of a new connection from that address waits. */
 static int64_t line_of(struct sock_peer from, int64_t now)
 {
-    return guard_charge(&guard, &from, 0, now) - now;
+    return auth_delay_charge(&delay, &from, 0, now) - now;
 }
 
 TEST(wrong_tokens_of_a_connection_wait_twice_as_long_each_time)
@@ -41,23 +41,23 @@ TEST(wrong_tokens_of_a_connection_wait_twice_as_long_each_time)
     static const int64_t wait[] = {0, 100, 200, 400, 800, 1600, 3000, 3000};
     struct sock_peer peer = v4(1);
     for (unsigned i = 0; i < sizeof wait / sizeof wait[0]; i++)
-        CHECK(guard_charge(&guard, &peer, i, 5000) == 5000 + wait[i]);
-    CHECK(guard_charge(&guard, &peer, UINT32_MAX, 5000) == 8000);
+        CHECK(auth_delay_charge(&delay, &peer, i, 5000) == 5000 + wait[i]);
+    CHECK(auth_delay_charge(&delay, &peer, UINT32_MAX, 5000) == 8000);
 }
 
 TEST(address_may_send_20_wrong_tokens_and_then_ten_a_second)
 {
     int64_t now = 1000000;
-    for (int i = 0; i < GUARD_BURST; i++)
+    for (int i = 0; i < AUTH_DELAY_BURST; i++)
         CHECK(line_of(v4(1), now) == 0);
     for (int i = 1; i <= 30; i++)
         CHECK(line_of(v4(1), now) == 100 * i);
     for (int i = 0; i < 1000; i++) /* other clients of the address wait no longer than that */
-        CHECK(line_of(v4(1), now) == GUARD_LONGEST_MS);
+        CHECK(line_of(v4(1), now) == AUTH_DELAY_LONGEST_MS);
     CHECK(line_of(v4(2), now) == 0);
     CHECK(line_of(v4(1), now + 1000) == 2100);
     now += 60000; /* the delays have expired */
-    for (int i = 0; i < GUARD_BURST; i++)
+    for (int i = 0; i < AUTH_DELAY_BURST; i++)
         CHECK(line_of(v4(1), now) == 0);
     CHECK(line_of(v4(1), now) == 100);
 }
@@ -66,10 +66,10 @@ TEST(right_tokens_cause_no_delay)
 {
     struct sock_peer peer = v4(1);
     for (int i = 0; i < 1000; i++) {
-        CHECK(guard_charge(&guard, &peer, 0, 777) == 777);
-        guard_refund(&guard, &peer, 777);
+        CHECK(auth_delay_charge(&delay, &peer, 0, 777) == 777);
+        auth_delay_refund(&delay, &peer, 777);
     }
-    for (int i = 0; i < GUARD_BURST; i++)
+    for (int i = 0; i < AUTH_DELAY_BURST; i++)
         CHECK(line_of(peer, 777) == 0);
     CHECK(line_of(peer, 777) == 100);
 }
@@ -77,7 +77,7 @@ TEST(right_tokens_cause_no_delay)
 TEST(addresses_of_one_client_share_a_queue)
 {
     struct sock_peer unix_peer = {.kind = SOCK_UNIX};
-    for (int i = 0; i < GUARD_BURST; i++) {
+    for (int i = 0; i < AUTH_DELAY_BURST; i++) {
         line_of(v6("2001:db8:1:2::1"), 9);
         line_of(v6("::ffff:10.0.0.1"), 9);
         line_of(unix_peer, 9);
@@ -91,9 +91,9 @@ TEST(addresses_of_one_client_share_a_queue)
 
 TEST(addresses_that_do_not_fit_into_the_table_replace_those_with_shorter_delays)
 {
-    for (int i = 0; i < 2 * GUARD_BURST; i++)
+    for (int i = 0; i < 2 * AUTH_DELAY_BURST; i++)
         line_of(v4(1), 50);
-    for (uint32_t i = 2; i < 100 * GUARD_SETS; i++)
+    for (uint32_t i = 2; i < 100 * AUTH_DELAY_SETS; i++)
         CHECK(line_of(v4(i), 50) == 0);
     CHECK(line_of(v4(1), 50) > 0);
 }
@@ -210,9 +210,9 @@ TEST(guesses_on_many_connections_share_the_queue_of_their_address)
     guess_on(&d, fd, CONNECTIONS);
     pause_ms(2000);
     uint64_t wrong = info(known, "wrong_tokens");
-    double most = GUARD_BURST + 1000.0 / GUARD_EACH_MS * (seconds() - start) + 1;
-    CHECK_MSG(wrong >= GUARD_BURST && (double)wrong <= most, "%d guesses", (int)wrong);
-    CHECK(info(known, "delayed_tokens") >= CONNECTIONS - GUARD_BURST);
+    double most = AUTH_DELAY_BURST + 1000.0 / AUTH_DELAY_EACH_MS * (seconds() - start) + 1;
+    CHECK_MSG(wrong >= AUTH_DELAY_BURST && (double)wrong <= most, "%d guesses", (int)wrong);
+    CHECK(info(known, "delayed_tokens") >= CONNECTIONS - AUTH_DELAY_BURST);
 }
 
 TEST(guesses_of_clients_that_disconnect_at_once_share_the_queue_too)
@@ -227,7 +227,8 @@ TEST(guesses_of_clients_that_disconnect_at_once_share_the_queue_too)
         close(fd);
     }
     uint64_t wrong = info(known, "wrong_tokens");
-    CHECK((double)wrong <= GUARD_BURST + 1000.0 / GUARD_EACH_MS * (seconds() - start) + 1);
+    CHECK((double)wrong <=
+          AUTH_DELAY_BURST + 1000.0 / AUTH_DELAY_EACH_MS * (seconds() - start) + 1);
 }
 
 /* Connects as if from another machine. */
@@ -255,11 +256,11 @@ TEST(clients_with_a_token_get_in_while_strangers_guess)
     int other = connect_from(&d, INADDR_LOOPBACK + 1);
     say(other, "AUTH secret\n");
     expect(other, "OK 0 role=rw\n");
-    CHECK(1000 * (seconds() - start) < GUARD_LONGEST_MS / 2);
+    CHECK(1000 * (seconds() - start) < AUTH_DELAY_LONGEST_MS / 2);
     int neighbour = daemon_connect(&d);
     say(neighbour, "AUTH secret\n");
     expect(neighbour, "OK 0 role=rw\n");
-    CHECK(1000 * (seconds() - start) < 2 * GUARD_LONGEST_MS);
+    CHECK(1000 * (seconds() - start) < 2 * AUTH_DELAY_LONGEST_MS);
     say(known, "PING\n");
     expect(known, "OK 0\n");
 }
