@@ -21,7 +21,7 @@
 bool resp3_reframe(struct reply_reader *r, const char *types, const char *bytes, size_t n,
                    struct buf *out);
 
-/* An event (server/watch/event.h) in lines, its first line and its n rows, as a push: `event`, a map of facts, and
+/* An event (server/watch/event_text.h) in lines, its first line and its n rows, as a push: `event`, a map of facts, and
  * the rows. */
 void resp3_push(struct buf *out, const char *head, size_t head_len, const char *rows,
                 size_t rows_len, size_t n);

@@ -13,7 +13,7 @@
 
 #include "server/clients/session_state.h"
 #include "server/watch/credit.h"
-#include "server/watch/event.h"
+#include "server/watch/event_text.h"
 #include "server/watch/recent.h"
 #include "server/watch/scope.h"
 #include "server/watch/stamps.h"

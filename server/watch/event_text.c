@@ -1,5 +1,5 @@
-/* event.c - see event.h. */
-#include "server/watch/event.h"
+/* event_text.c - see event_text.h. */
+#include "server/watch/event_text.h"
 
 #include "proto/reply.h"
 #include "server/replies/resp3.h"

@@ -1,11 +1,11 @@
-/* event.h - the text of an event: its rows, and its first line.
+/* event_text.h - the text of an event: its rows, and its first line.
  *
  *     EVENT 3 set=t version=17        the rows of what is different now
  *     point 7 1 0.5                   its place, and values; the ring that it had does not count any more
  *     list 7 i 1 2 3                  its ring, as in LISTS
  *     gone 4 */
-#ifndef SERVER_EVENT_H
-#define SERVER_EVENT_H
+#ifndef SERVER_EVENT_TEXT_H
+#define SERVER_EVENT_TEXT_H
 
 #include "core/delaunay.h"
 #include "proto/buf.h"
