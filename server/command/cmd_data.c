@@ -104,19 +104,22 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     answer_version(a, set->version);
 }
 
-void cmd_expire(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+bool read_expiry(struct server *s, const struct dataset *set, const struct request *q,
+                 struct answer *a, struct change *c)
 {
     const struct word *w = &q->word[2];
     double seconds;
+    (void)s, (void)set;
     if (!proto_read_double(w->text, w->len, &seconds)) {
         answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    } else if (seconds > EXPIRE_MOST_S) {
-        answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
-    } else {
-        expire_after(s, set, seconds);
-        a->lsn = durable_lsn(s, set);
-        answer_changed(a, set->version);
+        return false;
     }
+    if (seconds > EXPIRE_MOST_S) {
+        answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
+        return false;
+    }
+    c->a = (double)(expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
+    return true;
 }
 
 void cmd_ttl(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

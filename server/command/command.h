@@ -168,13 +168,13 @@ bool client_set_name(struct server *s, struct answer *a, const struct word *name
 
 command_handler cmd_change;                          /* submits what `read` has read; command.c */
 command_handler cmd_sets, cmd_create, cmd_stat;      /* cmd_data.c */
-command_handler cmd_expire, cmd_ttl, cmd_persist;    /* cmd_data.c */
+command_handler cmd_ttl, cmd_persist;                /* cmd_data.c */
 command_handler cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
 command_handler cmd_fields, cmd_fget;                /* cmd_field.c */
 command_handler cmd_load, cmd_fsetb;                 /* cmd_load.c */
-change_reader read_new_points, read_ids_to_delete, read_move; /* cmd_data.c */
-change_reader read_values_to_set, read_existing_field;        /* cmd_field.c */
-command_handler cmd_triangulate, cmd_check;                   /* cmd_build.c */
+change_reader read_expiry, read_new_points, read_ids_to_delete, read_move; /* cmd_data.c */
+change_reader read_values_to_set, read_existing_field;                     /* cmd_field.c */
+command_handler cmd_triangulate, cmd_check;                                /* cmd_build.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,

@@ -31,12 +31,6 @@ bool expire_drop_if_due(struct server *s, struct dataset *set)
     return true;
 }
 
-void expire_after(struct server *s, struct dataset *set, double seconds)
-{
-    int64_t at_ms = expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0);
-    submit_at_once(s, set, CHANGE_EXPIRE, (double)at_ms);
-}
-
 void expire_never(struct server *s, struct dataset *set)
 {
     submit_at_once(s, set, CHANGE_EXPIRE, 0);

@@ -11,8 +11,7 @@
 
 enum { EXPIRE_MOST_S = 1000000000 }; /* from now: 31 years */
 
-/* Sets the time, in at most EXPIRE_MOST_S seconds, or takes it back; with a record in the log. */
-void expire_after(struct server *s, struct dataset *set, double seconds);
+/* Takes the time back; with a record in the log. */
 void expire_never(struct server *s, struct dataset *set);
 
 /* The wall clock in milliseconds since 1970, as in a set's expires_ms. */
