@@ -73,34 +73,33 @@ static void hold_reply(struct session *s, const struct answer *a)
     struct holders *in = &s->server->held;
     if (s->conn.closed || a->next == ANSWER_WORK || a->next == ANSWER_BODY)
         return;
-    if (a->lsn != 0)
+    if (a->lsn != 0) {
         s->edited = a->lsn;
-    if (a->lsn != 0)
         hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
-    if (a->lsn != 0 && s->deadline_ms != 0)
-        session_limit_hold(s, a->lsn);
+        if (s->deadline_ms != 0)
+            session_limit_hold(s, a->lsn);
+    }
     if (a->shown != 0)
         hold_view(in, &s->conn.hold, a->shown, a->mark);
 }
 
+static void begin_work(struct session *s, struct job *j)
+{
+    s->state = SESSION_WORKING;
+    s->job = j;
+}
+
 static void begin_waiting(struct session *s, const struct answer *a)
 {
-    switch (a->wait_for) {
-    case WAIT_NOTHING:
-        break;
-    case WAIT_QUEUE:
+    if (a->wait_for == WAIT_JOB) {
+        begin_work(s, a->job);
+    } else if (a->wait_for == WAIT_QUEUE) {
         s->state = SESSION_WAITING;
         s->waiter.writes = a->wait_writes;
         wait_enter(a->wait, &s->waiter);
-        break;
-    case WAIT_JOB:
-        s->state = SESSION_WORKING;
-        s->job = a->job;
-        break;
-    case WAIT_TIME:
+    } else if (a->wait_for == WAIT_TIME) {
         s->state = SESSION_WAITING;
         loop_at(s->conn.loop, &s->later, a->wait_ms);
-        break;
     }
 }
 
@@ -115,8 +114,7 @@ static void enter_state(struct session *s, const struct answer *a)
         stream_notify(s->stream, on_piece, s);
         break;
     case ANSWER_WORK:
-        s->state = SESSION_WORKING;
-        s->job = a->job;
+        begin_work(s, a->job);
         break;
     case ANSWER_WAIT:
         begin_waiting(s, a);
