@@ -364,8 +364,11 @@ static void send_progress(void)
     for (const struct job *j = job_first(&d.server), *next; j != NULL; j = next) {
         next = job_next(&d.server, j);
         struct session *s = clients_find(&d.clients, j->owner);
-        if (s != NULL && d.loop.now_ms - j->queued_ns / 1000000 > SESSION_PROGRESS_MS)
+        if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
+            continue;
+        if (s != NULL)
             session_progress(s, j);
+        session_progress_waiting(j);
     }
 }
 

@@ -297,7 +297,7 @@ static void on_closed(struct conn *c)
 
 static void on_wake(struct waiter *w)
 {
-    struct session *s = (struct session *)((char *)w - offsetof(struct session, waiter));
+    struct session *s = list_owner(&w->link, offsetof(struct session, waiter));
     s->state = SESSION_READING;
     conn_again(&s->conn);
 }
@@ -423,4 +423,15 @@ void session_progress(struct session *s, const struct job *j)
     if (s->conn.out.failed)
         buf_free(&s->conn.out);
     conn_turn(&s->conn);
+}
+
+void session_progress_waiting(const struct job *j)
+{
+    enum { MOST = 100 };
+    const struct list *waiting = j->set != NULL ? &j->set->queue.waiting : NULL;
+    struct list_link *at = waiting != NULL ? list_first(waiting) : NULL, *next;
+    for (int n = 0; at != NULL && n < MOST; n++, at = next) {
+        next = list_next(waiting, at);
+        session_progress(list_owner(at, offsetof(struct session, waiter)), j);
+    }
 }

@@ -38,4 +38,7 @@ enum { SESSION_PROGRESS_MS = 1000 }; /* jobs that take longer report their progr
 /* Sends a progress comment to the client. */
 void session_progress(struct session *s, const struct job *j);
 
+/* The same to clients that wait for the job's set, the first hundred of them. */
+void session_progress_waiting(const struct job *j);
+
 #endif

@@ -364,6 +364,26 @@ TEST_TIMEOUT(heavy_requests_wait_with_progress_comments_until_there_are_too_many
     CHECK(comments > 0 || seconds() - start < 2); /* a fast machine has nothing to report */
 }
 
+TEST_TIMEOUT(request_that_waits_for_a_set_gets_the_progress_of_what_it_waits_for, 60)
+{
+    const char *arguments[] = {"--threads", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    int busy = daemon_connect(&d), waits = daemon_connect(&d);
+    load_random(busy, "t", !test_is_sanitized() ? 1500000 : 50000);
+    double start = seconds();
+    say(busy, "TRIANGULATE t METHOD shelling\n");
+    await_info(&d, "jobs_running", 1);
+    say(waits, "TRIANGULATE t METHOD shelling\n");
+    shutdown(waits, SHUT_WR);
+    size_t n;
+    char *reply = hear_all_and_comments(waits, &n);
+    CHECK_MSG(strstr(reply, "OK 0 points=") != NULL, "%s", reply);
+    CHECK_MSG(strncmp(reply, "# progress ", 11) == 0 || seconds() - start < 2, "%s", reply);
+    free(reply);
+    CHECK(strncmp(hear_line(busy), "OK 0 points=", 12) == 0);
+    daemon_end(&d);
+}
+
 /* ---- pipelines ---- */
 
 enum { PIPELINE = 100000 };
