@@ -261,7 +261,7 @@ static bool keeps_live(struct server *s, const struct dataset *set, struct submi
     }; /* of the points: an edit in place takes about as long as a build of so many */
     const struct version *v = set->current;
     const uint32_t points = v->sum.points;
-    if (!v->asked || !v->sum.current || s->workers == NULL ||
+    if (!v->asked || !v->sum.current || points == 0 || s->workers == NULL ||
         cost_at_once(COST_EDIT, x->job.points) || x->job.points < points / SHARE)
         return false;
     struct dt_options options = job_options(s);

@@ -107,6 +107,21 @@ TEST(set_that_is_queried_is_read_while_a_large_load_is_added)
     daemon_end(&d);
 }
 
+TEST(many_points_are_added_to_an_empty_set_that_is_queried)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "CREATE t\nTRIANGULATE t\nHULL t\n");
+    hear_line(fd);
+    hear_line(fd);
+    CHECK(strcmp(hear_line(fd), "OK 0") == 0);
+    begin_to_load(&d, fd, 3000);
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0 added=3000 ", 24) == 0);
+    say(fd, "CHECK t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 delaunay=yes points=3000 ", 30) == 0);
+    daemon_end(&d);
+}
+
 /* How many ADD requests have waited. */
 static unsigned adds_that_waited(int fd)
 {
