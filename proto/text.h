@@ -4,10 +4,10 @@
 
 #include <stdbool.h>
 
-/* What separates words of a line. */
+/* What separates words of a line. Most characters are decided by the first comparison. */
 static inline bool text_is_blank(char c)
 {
-    return c == ' ' || c == '\t';
+    return (unsigned char)c <= ' ' && (c == ' ' || c == '\t');
 }
 
 /* A blank, or part of the end of a line. */
