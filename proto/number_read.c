@@ -247,9 +247,9 @@ static inline bool read_digits(const char *s, size_t len, unsigned base, uint64_
     uint64_t sum = 0;
     for (size_t i = 0; i < len; i++) {
         unsigned digit = digit_of(s[i]);
-        if (digit >= base || sum > most / base || base * sum > most - digit)
+        if (digit >= base || __builtin_mul_overflow(sum, base, &sum) ||
+            __builtin_add_overflow(sum, digit, &sum) || sum > most)
             return false;
-        sum = base * sum + digit;
     }
     if (len > 0)
         *v = sum;
