@@ -107,14 +107,14 @@ struct feed *feed_enter(struct watched *k, struct scope *scope);
 /* The watcher leaves its lists and is freed, and so is its feed after the last one. */
 void feed_leave(struct watcher *w);
 
-/* The position of a watcher that knows a version of the set; that of one who knows nothing, if what has changed since is not known. */
+/* The position of a watcher that knows a version of the set. If the changes since then are not known any more, it knows nothing. */
 struct position feed_since(struct feed *f, uint64_t version);
 
 /* Whether an event may be sent to the watcher: not within a reply, and its client reads. */
 bool feed_can_take(const struct watcher *w);
 
-/* Sends the watcher an event, which is not more than a part of what it lacks, or none if there is nothing to say about so
- * much. All changes of the set have been collected. Returns whether its connection sends it later. */
+/* Sends the watcher an event about a part of what it lacks, or none if that part has no rows. All changes of the set have been
+ * collected. Returns whether its connection sends the event later. */
 bool feed_serve(struct watcher *w);
 
 /* The watcher of a dropped set gets its last event, and leaves. */

@@ -2,10 +2,10 @@
  * of edits.
  *
  * What changed belongs to the set: it is collected once (dt_touched_take), as a tick of the set. A watcher is a position among
- * the ticks (feed.h). A change puts all watchers into a queue, whose first ones are served in each turn of the loop: so many,
- * and for so long. So a change costs other clients the same however many watch, and a watcher that does not read
- * costs nothing. What changes before a watcher is served again is sent once. While a set is edited all the time,
- * events get a share of the time (credit.h).
+ * the ticks (feed.h). A change puts all watchers into a queue. Each turn of the loop serves the first WATCH_TURN of them, for at
+ * most a tenth of a millisecond. So a change costs other clients the same however many watch, and a watcher that does not
+ * read costs nothing. Changes that come before a watcher is served again are sent to it once. While a set is edited
+ * all the time, events get a share of the time (credit.h).
  *
  * For clients that come back (SINCE) the last changes are kept (recent.h), for a while also without watchers. */
 #ifndef SERVER_WATCH_H

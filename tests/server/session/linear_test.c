@@ -1,5 +1,5 @@
-/* linear_test.c - several connections edit and read the same sets at once: each request takes effect at one moment
- * between its arrival and its reply, and what has been acknowledged is there after a restart. */
+/* linear_test.c - several connections edit and read the same sets at once. Each request takes effect at one moment
+ * between its arrival and its reply. Acknowledged edits are there after a restart, in the same order. */
 #include "tests/server/daemon.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
