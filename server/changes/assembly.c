@@ -133,6 +133,7 @@ static enum assembled begin(struct assembly *s, const struct record *r)
     if (s->begun)
         return ASSEMBLY_INVALID;
     assembly_clear(s);
+    s->change = (struct change){0};
     change_init(&s->change, CHANGE_ADD, &set);
     s->change.first = r->first;
     s->change.pages = s->pages;

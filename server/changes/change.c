@@ -75,17 +75,21 @@ static enum dt_status move_point(struct dt *dt, struct change *c, const struct d
 
 static enum dt_status set_values(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
-    enum dt_status status = DT_NOMEM;
-    uint32_t *id = malloc(((size_t)c->n + 1) * sizeof *id);
-    double *v = malloc(((size_t)c->n + 1) * sizeof *v);
-    for (uint32_t i = 0; id != NULL && v != NULL && i < c->n; i++) {
+    enum { FEW = 8 };
+    double few[FEW + FEW / 2] = {0}, *v = few;
+    if (c->n > FEW)
+        v = malloc(c->n * (sizeof *v + sizeof(uint32_t)));
+    if (v == NULL)
+        return DT_NOMEM;
+    uint32_t *id = (uint32_t *)(void *)(v + c->n);
+    for (uint32_t i = 0; i < c->n; i++) {
         id[i] = c->pairs[i].id;
         v[i] = c->pairs[i].value;
     }
-    if (id != NULL && v != NULL)
-        status = dt_field_set(dt, c->field.text, c->field.len, id, v, c->n, opt, &c->missing);
-    free(id);
-    free(v);
+    enum dt_status status =
+        dt_field_set(dt, c->field.text, c->field.len, id, v, c->n, opt, &c->missing);
+    if (v != few)
+        free(v);
     return status;
 }
 
@@ -152,7 +156,7 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
 
 void change_init(struct change *c, enum change_code code, const struct word *set)
 {
-    *c = (struct change){.kind = &change_kinds[code]};
+    c->kind = &change_kinds[code];
     c->set.len = set->len;
     memcpy(c->set.text, set->text, set->len);
 }

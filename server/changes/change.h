@@ -85,7 +85,7 @@ struct change_kind {
 
 extern const struct change_kind change_kinds[CHANGE_KINDS];
 
-/* Makes it a change of the set, with everything else 0. */
+/* Makes *c, which is all zero, a change of the set. */
 void change_init(struct change *c, enum change_code code, const struct word *set);
 
 /* Gives it the n points, from dt_pages_grow, each followed by the values of the columns, if there are any. */

@@ -58,7 +58,7 @@ static void drop(struct server *s, struct dataset *set, struct change *c)
 
 void submit_at_once(struct server *s, struct dataset *set, enum change_code code, double a)
 {
-    struct change c;
+    struct change c = {0};
     change_init(&c, code, &(struct word){set->name, set->name_len});
     c.a = a;
     if (code == CHANGE_DROP)
