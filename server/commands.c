@@ -81,8 +81,7 @@ const struct command commands[] = {
     {"LISTS", 2, 0, QUERIES, cmd_lists,
      "LISTS set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | LISTS set id [id ...] [CW]",
      .help = "each point, or those in a box, with the ring of its neighbours, interior points "
-             "first, then "
-             "along the hull",
+             "first, then along the hull",
      .rows = "i", .ahead = AHEAD_ID},
     {"TRIANGLES", 2, 9, QUERIES, cmd_triangles,
      "TRIANGLES set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]",
@@ -118,9 +117,8 @@ const struct command commands[] = {
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
     {"RASTER", 9, 14, SEARCHES, cmd_raster,
-     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] [MAXEDGE "
-     "e] "
-     "[BINARY]",
+     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] "
+     "[MAXEDGE e] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},

@@ -177,7 +177,7 @@ static void run(struct job *j)
 {
     struct change *c = change_of_job(j);
     j->status = c->kind->edit(j->dt, c, &j->options);
-    if (((struct submission *)j)->live && j->fresh != NULL && j->status == DT_OK) {
+    if (j->copies && j->fresh != NULL && j->status == DT_OK) {
         j->status = dt_refresh(j->dt, &j->options);
         if (j->status == DT_OK)
             dt_prepare(j->dt, &j->options); /* without memory for the grid, searches take longer */
@@ -309,7 +309,7 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
     if (set != NULL && c->kind->edit != NULL) {
         x->job.what = c->kind->what;
         x->job.points = points_of(c);
-        x->live = x->job.copies = keeps_live(s, set, x);
+        x->job.copies = keeps_live(s, set, x);
         job_change(s, a, &x->job, set, weight_of(set, c));
         return;
     }

@@ -11,7 +11,6 @@ struct submission {
     struct job job;
     struct change change;   /* owns */
     size_t expected;        /* bytes that are prepared for it (keep.h), until it ends */
-    bool live;              /* a copy is changed and triangulated, while others read the set */
     struct list *temporary; /* the new set is one of these; NULL: it is not temporary */
 };
 

@@ -3,8 +3,8 @@
  *
  * A version is a set's points and triangulation, with a reference count: the set refers to its current
  * version, jobs and replies to the version that they read. Edits change it in place. A build of points that no load has
- * sorted, and an edit that ends in a rebuild while triangles are being sent, create a new version, which becomes the
- * current one when it is complete.
+ * sorted, and a large edit of a set that is queried or whose triangles are being sent, create a new version, which becomes
+ * the current one when it is complete.
  *
  * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
  * moment (dt_view_begin), piece by piece; edits go on in between. The lock separates the pieces that
