@@ -53,8 +53,25 @@ static void collect(struct local *l, struct answer *a)
 {
     struct delivery to = {&l->server, a};
     struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
-    CHECK(poll(&event, 1, 10000) == 1);
+    CHECK(poll(&event, 1, 60000) == 1);
     server_collect(&l->server, deliver, &to);
+}
+
+void local_collect_all(struct local *l)
+{
+    struct answer nobody = {.next = ANSWER_DONE};
+    while (!list_is_empty(&l->server.jobs))
+        collect(l, &nobody);
+}
+
+struct answer local_begin(struct local *l, const char *request)
+{
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    buf_consume(&l->out, buf_len(&l->out));
+    CHECK(request_split(&l->server.request, request, strlen(request)));
+    command_run(&l->server, &l->server.request, &a);
+    CHECK(a.next == ANSWER_STREAM);
+    return a;
 }
 
 /* Waits until the answer's job has come back. */

@@ -2,6 +2,7 @@
 #ifndef TESTS_SERVER_LOCAL_H
 #define TESTS_SERVER_LOCAL_H
 
+#include "server/jobs/answer.h"
 #include "server/jobs/server.h"
 
 struct local {
@@ -18,6 +19,12 @@ void local_stop(struct local *l);
 /* Carries out request lines, the bodies of loads among them, and waits for each reply. Returns the
  * replies, which live until the next call. */
 const char *local_ask(struct local *l, const char *lines);
+
+/* Carries out one request, whose reply comes from a stream, without refilling it. */
+struct answer local_begin(struct local *l, const char *request);
+
+/* Waits for all jobs, whose results nobody gets; pieces of streams stay with them. */
+void local_collect_all(struct local *l);
 
 /* The set of this name; NULL: there is none. */
 struct dataset *local_set(const struct local *l, const char *name);

@@ -1,13 +1,11 @@
 /* stream_test.c - replies that workers make in pieces: the same bytes as without workers, and abandoned
  * replies, or those without memory, leave nothing behind. */
 #include "server/command/command.h"
-#include "server/lifecycle.h"
 #include "server/replies/stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
 #include <math.h>
-#include <poll.h>
 #include <string.h>
 
 #define TAU 6.283185307179586
@@ -76,27 +74,9 @@ TEST_TIMEOUT(large_replies_have_the_same_bytes_whether_or_not_there_are_threads,
 /* Requests the rows of t and waits only for the first. */
 static struct answer begin(struct local *l, const char *request)
 {
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
-    buf_consume(&l->out, buf_len(&l->out));
-    CHECK(request_split(&l->server.request, request, strlen(request)));
-    command_run(&l->server, &l->server.request, &a);
-    CHECK(a.next == ANSWER_STREAM);
+    struct answer a = local_begin(l, request);
     stream_refill(&l->server, &a);
     return a;
-}
-
-static void end_unheard(void *ctx, struct job *j)
-{
-    server_finish_abandoned(ctx, j);
-}
-
-static void collect_all(struct local *l)
-{
-    while (!list_is_empty(&l->server.jobs)) {
-        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
-        CHECK(poll(&event, 1, 10000) == 1);
-        server_collect(&l->server, end_unheard, &l->server);
-    }
 }
 
 TEST_TIMEOUT(rows_of_an_abandoned_reply_are_freed, 60)
@@ -111,7 +91,7 @@ TEST_TIMEOUT(rows_of_an_abandoned_reply_are_freed, 60)
         stream_free(&l.server, a.stream); /* while workers make its rows */
     }
     local_ask(&l, "DROP t\n");
-    collect_all(&l);
+    local_collect_all(&l);
     CHECK(l.server.sets.memory.bytes == 0);
     free(load);
     local_stop(&l);
@@ -124,12 +104,12 @@ TEST(reply_whose_rows_do_not_fit_into_the_output_is_broken)
     local_start(&l, 2);
     local_ask(&l, load);
     struct answer a = begin(&l, "POINTS t");
-    collect_all(&l); /* some rows are made */
+    local_collect_all(&l); /* some rows are made */
     buf_free(&l.out);
     test_fail_alloc(1);
     stream_refill(&l.server, &a);
     CHECK(test_alloc_failed() && a.broken);
-    collect_all(&l);
+    local_collect_all(&l);
     free(load);
     local_stop(&l);
 }
@@ -180,12 +160,12 @@ TEST(finished_pieces_are_sent_a_few_at_a_time)
     local_start(&l, 2);
     local_ask(&l, text);
     struct answer a = begin(&l, "POINTS t");
-    collect_all(&l);
+    local_collect_all(&l);
     buf_consume(&l.out, buf_len(&l.out));
     stream_refill(&l.server, &a);
     CHECK_MSG(buf_len(&l.out) > PIECE && buf_len(&l.out) < PIECE * 5 / 4, "%zu", buf_len(&l.out));
     stream_free(&l.server, a.stream);
-    collect_all(&l);
+    local_collect_all(&l);
     free(text);
     local_stop(&l);
 }
@@ -224,7 +204,7 @@ TEST_TIMEOUT(row_that_is_very_long_is_sent_in_parts, 60)
     struct answer a = begin(&some, "LISTS t");
     while (a.next == ANSWER_STREAM) {
         size_t before = buf_len(&some.out);
-        collect_all(&some);
+        local_collect_all(&some);
         stream_refill(&some.server, &a);
         CHECK(buf_len(&some.out) - before <= MOST);
     }

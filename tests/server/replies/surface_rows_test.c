@@ -1,12 +1,9 @@
 /* surface_rows_test.c - values of a surface are made while they are sent: they are those of the moment of the request,
  * whatever is edited meanwhile, and take the memory of a few pieces. */
-#include "server/command/command.h"
-#include "server/lifecycle.h"
 #include "server/replies/row_stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,37 +63,12 @@ static bool is_same(const struct text *a, const struct text *b)
     return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
 }
 
-/* Asks, and waits for the status line alone. */
-static struct answer begin(struct local *l, const char *request)
-{
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
-    buf_consume(&l->out, buf_len(&l->out));
-    CHECK(request_split(&l->server.request, request, strlen(request)));
-    command_run(&l->server, &l->server.request, &a);
-    CHECK(a.next == ANSWER_STREAM);
-    return a;
-}
-
-static void end_unheard(void *ctx, struct job *j)
-{
-    server_finish_abandoned(ctx, j);
-}
-
-static void collect_all(struct local *l)
-{
-    while (!list_is_empty(&l->server.jobs)) {
-        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
-        CHECK(poll(&event, 1, 60000) == 1);
-        server_collect(&l->server, end_unheard, &l->server);
-    }
-}
-
 /* Reads what is left of the reply. */
 static void finish(struct local *l, struct answer *a)
 {
     while (a->next == ANSWER_STREAM) {
         stream_refill(&l->server, a);
-        collect_all(l);
+        local_collect_all(l);
     }
 }
 
@@ -111,13 +83,13 @@ static struct buf put_aside(struct local *l)
 /* The reply to a raster, during which the edits are made. */
 static struct text reply_during(struct local *l, const char *raster, const char *edits, bool *whole)
 {
-    struct answer a = begin(l, raster);
+    struct answer a = local_begin(l, raster);
     stream_refill(&l->server, &a);
-    collect_all(l);
+    local_collect_all(l);
     stream_refill(&l->server, &a);
     struct buf so_far = put_aside(l);
     local_ask(l, edits);
-    collect_all(l);
+    local_collect_all(l);
     buf_free(&l->out);
     l->out = so_far;
     finish(l, &a);
@@ -176,11 +148,11 @@ TEST(raster_that_is_not_read_takes_the_memory_of_a_few_pieces)
 {
     struct local l;
     start_surface(&l, 2);
-    struct answer a = begin(&l, "RASTER t z 0 0 100 100 16384 8192 BINARY");
+    struct answer a = local_begin(&l, "RASTER t z 0 0 100 100 16384 8192 BINARY");
     stream_refill(&l.server, &a);
-    collect_all(&l);
+    local_collect_all(&l);
     stream_refill(&l.server, &a);
-    collect_all(&l);
+    local_collect_all(&l);
     size_t bytes = budget_of(&l.server.budget, BUDGET_REPLIES);
     CHECK_MSG(bytes >= 8 * SURFACE_PIECE && bytes < 9 * SURFACE_PIECE, "%zu", bytes);
     CHECK_MSG(buf_len(&l.out) < 2 * SURFACE_PIECE, "%zu", buf_len(&l.out));
@@ -195,23 +167,23 @@ TEST(raster_that_is_given_up_leaves_nothing_behind)
     struct local l;
     start_surface(&l, 2);
     for (int stage = 0; stage < 4; stage++) {
-        struct answer a = begin(&l, rasters[0]);
+        struct answer a = local_begin(&l, rasters[0]);
         stream_refill(&l.server, &a);
         if (stage > 0)
-            collect_all(&l);
+            local_collect_all(&l);
         local_ask(&l, stage % 2 == 0 ? "MOVE t 7 50.5 50.25\n" : "MOVE t 7 1.5 2.5\n");
         if (stage > 1) { /* the copy is begun, */
             stream_refill(&l.server, &a);
-            collect_all(&l);
+            local_collect_all(&l);
             stream_refill(&l.server, &a);
         }
         if (stage > 2) /* or made */
-            collect_all(&l);
+            local_collect_all(&l);
         stream_free(&l.server, a.stream);
-        collect_all(&l);
+        local_collect_all(&l);
     }
     local_ask(&l, "DROP t\n");
-    collect_all(&l);
+    local_collect_all(&l);
     CHECK_MSG(budget_used(&l.server.budget) == 0, "%zu", budget_used(&l.server.budget));
     local_stop(&l);
 }
@@ -221,16 +193,16 @@ TEST(raster_without_memory_for_a_copy_is_broken)
     struct local l;
     struct answer a;
     start_surface(&l, 2);
-    a = begin(&l, rasters[0]);
+    a = local_begin(&l, rasters[0]);
     stream_refill(&l.server, &a);
-    collect_all(&l);
+    local_collect_all(&l);
     local_ask(&l, "MOVE t 7 50.5 50.25\n");
     l.config.max_memory = budget_used(&l.server.budget);
     finish(&l, &a);
     CHECK(a.broken);
     l.config.max_memory = SIZE_MAX;
     local_ask(&l, "DROP t\n");
-    collect_all(&l);
+    local_collect_all(&l);
     CHECK(budget_used(&l.server.budget) == 0);
     local_stop(&l);
 }
@@ -242,7 +214,7 @@ TEST_TIMEOUT(rasters_survive_failed_allocations, 60)
         struct local l;
         start_surface(&l, 0);
         struct text want = reply_to(&l, rasters[1]);
-        struct answer a = begin(&l, rasters[1]);
+        struct answer a = local_begin(&l, rasters[1]);
         stream_refill(&l.server, &a);
         struct buf so_far = put_aside(&l);
         local_ask(&l, "MOVE t 7 50.5 50.25\n");
@@ -272,10 +244,10 @@ TEST(raster_of_wide_rows_takes_no_more_than_it_has_reserved)
     CHECK(strncmp(local_ask(&l, "RASTER t z 0 0 100 100 65536 100\n"), "ERR BUSY", 8) == 0);
     CHECK(budget_of(&l.server.budget, BUDGET_REPLIES) == 0);
     l.config.max_memory = used + TEXT + VALUES + 100000;
-    struct answer a = begin(&l, "RASTER t z 0 0 100 100 65536 100");
+    struct answer a = local_begin(&l, "RASTER t z 0 0 100 100 65536 100");
     size_t sent = 0;
     for (int i = 0; i < 100 && a.next == ANSWER_STREAM; i++) {
-        collect_all(&l);
+        local_collect_all(&l);
         CHECK(budget_used(&l.server.budget) <= l.config.max_memory);
         stream_refill(&l.server, &a);
         CHECK_MSG(buf_len(&l.out) <= (size_t)128 * 1024, "%zu", buf_len(&l.out));
@@ -285,7 +257,7 @@ TEST(raster_of_wide_rows_takes_no_more_than_it_has_reserved)
     CHECK_MSG(sent > (size_t)TEXT, "%zu", sent);
     if (a.next == ANSWER_STREAM)
         stream_free(&l.server, a.stream);
-    collect_all(&l);
+    local_collect_all(&l);
     CHECK(budget_of(&l.server.budget, BUDGET_REPLIES) == 0);
     local_stop(&l);
 }
