@@ -122,7 +122,9 @@ static bool run_now(struct server *s, struct job *j)
         run(j);
         return true;
     }
-    if (!version_try_edit(j->base))
+    if (s->workers == NULL)
+        version_lock_edit(j->base); /* there is nobody else */
+    else if (!version_try_edit(j->base))
         return false;
     j->options.steps = s->workers == NULL ? 0 : COST_STEPS_AT_ONCE;
     run(j);
