@@ -1,0 +1,147 @@
+/* arrays.c - the life of struct dt_arrays, and its tables. */
+#include "core/arrays/arrays.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/arrays/workers.h"
+
+void dt_arrays_free(struct dt_arrays *a)
+{
+    if (a == NULL)
+        return;
+    dt_array_free(a->row);
+    dt_array_free(a->heirs);
+    dt_array_free(a->first_heir);
+    dt_free(a->t);
+    free(a);
+}
+
+void dt_arrays_release(void *v)
+{
+    free(v);
+}
+
+void dt_arrays_counts(const struct dt_arrays *a, struct dt_summary *out)
+{
+    dt_summary(a->t, out);
+}
+
+static enum dt_status read_table(const struct dt *t, enum dt_table table, uint32_t *out)
+{
+    struct dt_cursor c;
+    size_t rows, words;
+    enum dt_status s = dt_table_begin(t, NULL, table, false, &c);
+    for (size_t left = c.rows; s == DT_OK && left > 0; left -= rows, out += words) {
+        s = dt_table_read(t, &c, out, 3 * left, left, &rows, &words);
+        if (s == DT_TOOLONG) { /* at a hub: it is called again */
+            s = DT_OK;
+            rows = words = 0;
+        }
+    }
+    return s;
+}
+
+enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, uint32_t *out)
+{
+    return table == DT_LISTS || table == DT_TRIANGLES ? DT_RANGE : read_table(a->t, table, out);
+}
+
+/* ---- aliases by representative ---- */
+
+static enum dt_status find_heirs(struct dt_arrays *a, uint32_t n, uint32_t aliases)
+{
+    uint32_t *pair = dt_array_new(2 * (size_t)aliases, sizeof *pair);
+    uint32_t *heirs = dt_array_new(aliases, sizeof *heirs);
+    uint32_t *first = dt_array_new((size_t)n + 2, sizeof *first);
+    enum dt_status s = pair == NULL || heirs == NULL || first == NULL ? DT_NOMEM : DT_OK;
+    if (s == DT_OK)
+        s = read_table(a->t, DT_COINCIDENT, pair);
+    if (s != DT_OK) {
+        dt_array_free(heirs);
+        dt_array_free(first);
+    } else { /* a counting sort; first[id + 1] moves from where those of id begin to where they end */
+        memset(first, 0, ((size_t)n + 2) * sizeof *first);
+        for (uint32_t i = 0; i < aliases; i++)
+            first[pair[2 * (size_t)i + 1] + 2]++;
+        for (uint32_t id = 0; id < n; id++)
+            first[id + 2] += first[id + 1];
+        for (uint32_t i = 0; i < aliases; i++)
+            heirs[first[pair[2 * (size_t)i + 1] + 1]++] = pair[2 * (size_t)i];
+        dt_array_free(a->heirs);
+        dt_array_free(a->first_heir);
+        a->heirs = heirs;
+        a->first_heir = first;
+    }
+    dt_array_free(pair);
+    return s;
+}
+
+/* ---- points ---- */
+
+static void measure(struct dt_arrays *a)
+{
+    struct dt_bounds box = {0};
+    bool done = false;
+    while (!done && dt_bounds_read(a->t, NULL, &box, 1u << 20, &done) == DT_OK)
+        continue;
+    a->size = box.hi.x - box.lo.x + (box.hi.y - box.lo.y);
+}
+
+/* Brings everything up to date after an edit. */
+static enum dt_status finish(struct dt_arrays *a, const struct dt_options *opt, uint32_t *triangle)
+{
+    struct dt_summary sum;
+    enum dt_status s = dt_triangulate(a->t, opt);
+    if (s == DT_OK)
+        s = dt_refresh(a->t, opt);
+    if (s == DT_OK)
+        s = dt_prepare(a->t, opt);
+    dt_summary(a->t, &sum);
+    if (s == DT_OK && sum.coincident > 0)
+        s = find_heirs(a, dt_next_id(a->t), sum.coincident);
+    if (s == DT_OK)
+        measure(a);
+    return s == DT_OK ? dt_arrays_sort(a, triangle) : s;
+}
+
+static enum dt_status add(struct dt_arrays *a, const struct dt_point *p, size_t n, unsigned workers,
+                          uint32_t *triangle)
+{
+    struct dt_workers w;
+    struct dt_added added;
+    dt_workers_init(&w, workers);
+    struct dt_options opt = {.pool = &w.pool};
+    enum dt_status s = dt_add_many(a->t, p, n, &opt, &added);
+    if (s != DT_OK)
+        return s;
+    dt_array_free(a->row);
+    a->row = NULL;
+    return finish(a, &opt, triangle);
+}
+
+enum dt_status dt_arrays_add(struct dt_arrays *a, const struct dt_point *p, size_t n,
+                             unsigned workers, uint32_t *triangle)
+{
+    fenv_t caller = dt_call_begin();
+    enum dt_status s = add(a, p, n, workers, triangle);
+    dt_call_end(&caller);
+    return s;
+}
+
+enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
+                             unsigned workers, uint32_t *triangle, struct dt_arrays **out)
+{
+    struct dt_arrays *a = calloc(1, sizeof *a);
+    enum dt_status s = DT_NOMEM;
+    if (a != NULL)
+        a->t = dt_new_in(0, pages);
+    if (a != NULL && a->t != NULL)
+        s = dt_arrays_add(a, p, n, workers, triangle);
+    if (s != DT_OK) {
+        dt_arrays_free(a);
+        a = NULL;
+    }
+    *out = a;
+    return s;
+}

@@ -1,0 +1,48 @@
+/* arrays.h - the definition of struct dt_arrays; for the files of this room only. */
+#ifndef DT_ARRAYS_H
+#define DT_ARRAYS_H
+
+#include "core/delaunay_arrays.h"
+#include "core/set/set.h"
+
+struct dt_arrays {
+    struct dt *t; /* owns */
+    uint32_t *
+        row; /* owns; by record of the mesh: the row of its triangle in DT_TRIANGLES, DT_NONE for a ghost */
+    uint32_t *heirs; /* owns; aliases, by representative and then by id; NULL: there are none */
+    uint32_t
+        *first_heir; /* owns; by id: where the aliases of that representative begin; has one more */
+    double size;     /* the sum of the sides of the box of all points */
+};
+
+/* DT_OK, or DT_UNTRIANGULATED after a failed edit. */
+static inline enum dt_status dt_arrays_readable(const struct dt_arrays *a)
+{
+    return a->row != NULL ? dt_readable(a->t) : DT_UNTRIANGULATED;
+}
+
+static inline uint32_t dt_row_of(const struct dt_arrays *a, uint32_t half)
+{
+    return a->row[half >> 3];
+}
+
+/* Computes `row`, and the rows themselves into triangle[]. DT_NOMEM. */
+enum dt_status dt_arrays_sort(struct dt_arrays *a, uint32_t *triangle);
+
+/* A place that predicates can take, from one of which each coordinate is at most 2^201; false: it is not. */
+static inline bool dt_place_ok(struct dt_point *q)
+{
+    if (!(fabs(q->x) <= 0x1p201 && fabs(q->y) <= 0x1p201))
+        return false;
+    q->x = fabs(q->x) < 0x1p-142 ? 0 : q->x;
+    q->y = fabs(q->y) < 0x1p-142 ? 0 : q->y;
+    return true;
+}
+
+/* Where a place lies that the caller found outside the hull, beyond the edge of the ghost at `half`: the half edge, within
+ * the hull, of the edge that it would be on but for rounding (delaunay_arrays.h). DT_NONE: it is outside. *along: where on that
+ * edge, from 0 at its origin to 1. */
+uint32_t dt_beside_hull(const struct dt_arrays *a, struct dt_point q, uint32_t half, double tol,
+                        double *along);
+
+#endif

@@ -1,0 +1,30 @@
+/* workers.h - threads that last as long as one call, and the floating-point environment of a call. */
+#ifndef DT_WORKERS_H
+#define DT_WORKERS_H
+
+#include <fenv.h>
+
+#include "core/control/parallel.h"
+
+/* The caller's environment, to be restored at the end of a call. */
+fenv_t dt_call_begin(void);
+void dt_call_end(const fenv_t *caller);
+
+/* A pool (delaunay.h) that starts its threads for each run and joins them. Nothing to free. */
+struct dt_workers {
+    struct dt_pool pool;
+};
+
+/* pool.ctx points into *w. */
+void dt_workers_init(struct dt_workers *w, unsigned workers);
+
+/* What answers n questions in pieces: answer(ctx, from, n) those of from .. from + n - 1. */
+struct dt_pieces {
+    enum dt_status (*answer)(void *ctx, size_t from, size_t n);
+    void *ctx;
+};
+
+/* Runs all pieces; the first failure ends it and is returned. */
+enum dt_status dt_answer_all(const struct dt_pieces *p, size_t n, unsigned workers);
+
+#endif

@@ -1,0 +1,81 @@
+/* delaunay_arrays.h - the fourth part of the core's public header: whole arrays at once, for programs in any language that use
+ * the core in process. Arguments are numbers and pointers to the caller's arrays.
+ *
+ * A struct dt_arrays owns a set of points with the ids 0, 1, 2, ... that is always triangulated and ready for searches. Its
+ * tolerance is 0: points are coincident if they are equal. Functions that take it as const may run in several threads at once;
+ * any other function needs exclusive access.
+ *
+ * Every function computes with the floating-point environment in which programs start, whatever rounding mode or flush to zero
+ * the caller has set, and restores that of the caller.
+ *
+ * `workers`: on how many threads it may run, at most 64, the caller's included; 0 counts as 1. Threads end with the call, so
+ * none is left for a process that forks. Results do not depend on the number. */
+#ifndef DT_DELAUNAY_ARRAYS_H
+#define DT_DELAUNAY_ARRAYS_H
+
+#include "core/delaunay_surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct dt_arrays;
+
+/* Triangulates n points p[n] and writes the rows of DT_TRIANGLES into triangle[], which has room for 3 words for each of 2 n rows;
+ * dt_arrays_counts says how many rows there are. pages, a keeper, may be NULL. DT_RANGE, DT_TOOBIG, DT_NOMEM. The caller owns
+ * *out. Cost: O(n log n). */
+enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
+                             unsigned workers, uint32_t *triangle, struct dt_arrays **out);
+void dt_arrays_free(struct dt_arrays *a); /* NULL: nothing */
+
+/* Adds n points; triangle[] then has room for all. A failure leaves the set as it was, but DT_NOMEM can leave it without
+ * triangles: then the other functions answer DT_UNTRIANGULATED. Cost: that of dt_add_many, and linear in all points. */
+enum dt_status dt_arrays_add(struct dt_arrays *a, const struct dt_point *p, size_t n,
+                             unsigned workers, uint32_t *triangle);
+
+/* Cost: constant. */
+void dt_arrays_counts(const struct dt_arrays *a, struct dt_summary *out);
+
+/* All rows of DT_COINCIDENT, DT_EDGES, DT_HULL or DT_POINTS into out[], which has room for as many as dt_arrays_counts says. */
+enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, uint32_t *out);
+
+/* out[3 r + k] = 3 s + j: the side from corner k to the next corner of row r of DT_TRIANGLES is the side that begins at corner j of
+ * row s; DT_NONE on the hull. Cost: linear. */
+enum dt_status dt_arrays_twins(const struct dt_arrays *a, uint32_t *out);
+
+/* ---- places: q[n], in any order ----
+ *
+ * A coordinate that is neither finite nor within 2^201 is outside of everything; one below 2^-142 counts as 0. Where rounding
+ * has put a place outside the hull that should be on it, it belongs to the triangle at that edge: if it is no farther from the edge
+ * than tol times the width and height of the box of all points, added; 0: exact. */
+
+/* The row in DT_TRIANGLES of the first triangle that contains each place, DT_NONE: none does. Cost: as dt_locate_many. */
+enum dt_status dt_arrays_locate(const struct dt_arrays *a, const struct dt_point *q, size_t n,
+                                double tol, unsigned workers, uint32_t *row);
+
+/* The values of the surface of value[], of one value for each id (delaunay_surface.h). Values are finite or nan, and read during
+ * the call alone. `outside` is the value where there is no surface. Cost: as dt_values, and one step for DT_FIELD_PAGE ids. */
+enum dt_status dt_arrays_values(const struct dt_arrays *a, const double *value,
+                                enum dt_interpolation how, double max_edge,
+                                const struct dt_point *q, size_t n, double tol, double outside,
+                                unsigned workers, double *out);
+
+/* The k nearest points, aliases included, and their distances: id[n k] and distance[n k], nearest first, ties by
+ * representative, aliases after theirs by id; padded with DT_NONE and HUGE_VAL. DT_RANGE: a coordinate that dt_coordinate_ok
+ * refuses. Cost: as dt_nearest_many. */
+enum dt_status dt_arrays_nearest(const struct dt_arrays *a, const struct dt_point *q, size_t n,
+                                 uint32_t k, unsigned workers, uint32_t *id, double *distance);
+
+/* The points at most r[i] from place i, aliases included, ascending: end[n] words of out->v, those of place i before end[i].
+ * Exact. *out: start with {0}; the caller releases out->v by dt_arrays_release. Places are refused as above, and r that is
+ * negative or nan. */
+enum dt_status dt_arrays_within(const struct dt_arrays *a, const struct dt_point *q,
+                                const double *r, size_t n, unsigned workers, struct dt_ids *out,
+                                size_t *end);
+void dt_arrays_release(void *v); /* free: that of the C library that the core uses */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
