@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    FIRST_CAPACITY = 64,
-    POINT_BYTES = 16 /* in a binary body */
-};
+enum { FIRST_CAPACITY = 64 };
 
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
                bool (*coordinates_ok)(const double *v, size_t n))
@@ -44,13 +41,18 @@ void body_free(struct body *b)
     b->n = b->cap = 0;
 }
 
-void body_fail(struct body *b, enum body_fault fault)
+static void fail_at(struct body *b, enum body_fault fault, uint64_t line)
 {
     if (b->fault != BODY_GOOD)
         return;
     b->fault = fault;
-    b->fault_line = b->line;
+    b->fault_line = line;
     body_free(b);
+}
+
+void body_fail(struct body *b, enum body_fault fault)
+{
+    fail_at(b, fault, b->line);
 }
 
 /* The number of points to allocate room for. The announced count is not trusted: memory follows what has
@@ -72,7 +74,7 @@ static bool grow(struct body *b)
         return false;
     double *xy = b->memory.grow == NULL
                      ? realloc(b->xy, cap * bytes)
-                     : b->memory.grow(b->memory.ctx, b->xy, b->n * bytes, cap * bytes);
+                     : b->memory.grow(b->memory.ctx, b->xy, b->n * bytes + b->part, cap * bytes);
     if (xy == NULL)
         return false;
     b->xy = xy;
@@ -90,18 +92,10 @@ static bool reserve(struct body *b)
     return b->fault == BODY_GOOD;
 }
 
-static void add_point(struct body *b, double x, double y)
+/* Whether a point has two coordinates and nothing else. */
+static bool is_plain(const struct body *b)
 {
-    const double v[2] = {x, y};
-    if (b->fault != BODY_GOOD)
-        return;
-    if (!b->coordinates_ok(v, 2)) { /* only a binary body can have a NaN */
-        body_fail(b, isnan(x) || isnan(y) ? BODY_NUMBER : BODY_RANGE);
-    } else if (reserve(b)) {
-        b->xy[2 * b->n] = x;
-        b->xy[2 * b->n + 1] = y;
-        b->n++;
-    }
+    return b->width == 2 && b->coordinates == 2;
 }
 
 /* The error for number i of a point. */
@@ -112,7 +106,35 @@ static enum body_fault judge(const struct body *b, size_t i, double v)
     return isnan(v) ? BODY_NUMBER : b->coordinates_ok(&v, 1) ? BODY_GOOD : BODY_RANGE;
 }
 
+/* The error for a point. */
+static enum body_fault judge_point(const struct body *b, const double *v)
+{
+    enum body_fault fault = BODY_GOOD;
+    if (is_plain(b)) /* only a binary body can have a NaN */
+        return b->coordinates_ok(v, 2)      ? BODY_GOOD
+               : isnan(v[0]) || isnan(v[1]) ? BODY_NUMBER
+                                            : BODY_RANGE;
+    for (size_t i = 0; i < b->width && fault == BODY_GOOD; i++)
+        fault = judge(b, i, v[i]);
+    return fault;
+}
+
 /* ---- text ---- */
+
+static void add_point(struct body *b, double x, double y)
+{
+    const double v[2] = {x, y};
+    if (b->fault != BODY_GOOD)
+        return;
+    enum body_fault fault = judge_point(b, v);
+    if (fault != BODY_GOOD) {
+        body_fail(b, fault);
+    } else if (reserve(b)) {
+        b->xy[2 * b->n] = x;
+        b->xy[2 * b->n + 1] = y;
+        b->n++;
+    }
+}
 
 /* The next word between *p and end, moving *p behind it; its length is 0 at the end. */
 static const char *next_word(const char **p, const char *end, size_t *len)
@@ -159,7 +181,7 @@ static void take_wide_line(struct body *b, const struct line *line)
 
 static void take_line(struct body *b, const struct line *line)
 {
-    if (b->width != 2 || b->coordinates != 2) {
+    if (!is_plain(b)) {
         take_wide_line(b, line);
         return;
     }
@@ -242,105 +264,117 @@ static ptrdiff_t feed_lines(struct body *b, const char *bytes, size_t n, bool la
 
 /* ---- binary ---- */
 
-static double little_endian_double(const char *bytes)
+/* Bytes of the points that are still to come. */
+static uint64_t bytes_left(const struct body *b)
 {
-    uint64_t bits = 0;
-    double v;
-    for (unsigned i = 0; i < 8; i++)
-        bits |= (uint64_t)(unsigned char)bytes[i] << 8 * i;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return b->left * point_bytes(b) - b->part;
 }
 
-static void take_wide_point(struct body *b, const char *bytes)
+/* Counts n bytes. */
+static void pass(struct body *b, size_t n)
 {
-    if (b->fault != BODY_GOOD || !reserve(b))
-        return;
-    double *to = b->xy + b->n * b->width;
-    enum body_fault fault = BODY_GOOD;
-    for (size_t i = 0; i < b->width && fault == BODY_GOOD; i++) {
-        to[i] = little_endian_double(bytes + 8 * i);
-        fault = judge(b, i, to[i]);
-    }
-    if (fault != BODY_GOOD)
-        body_fail(b, fault);
-    else
-        b->n++;
-}
-
-/* Drops bytes of points of a body that has a fault. A point may be longer than the caller's buffer. */
-static ptrdiff_t skip_points(struct body *b, size_t n)
-{
-    uint64_t size = point_bytes(b), all = b->left * size - b->dropped, at;
-    n = n < all ? n : (size_t)all;
-    at = b->dropped + n;
+    size_t size = point_bytes(b), at = b->part + n;
     b->left -= at / size;
     b->line += at / size;
-    b->dropped = (size_t)(at % size);
+    b->part = at % size;
     b->complete = b->left == 0;
-    return (ptrdiff_t)n;
 }
 
-static ptrdiff_t feed_wide(struct body *b, const char *bytes, size_t n)
+/* Makes n numbers as they came into numbers of this machine. */
+static void make_native(double *v, size_t n)
 {
-    size_t at = 0, size = point_bytes(b);
-    if (b->fault != BODY_GOOD)
-        return skip_points(b, n);
-    for (; b->left > 0 && n - at >= size; at += size) {
-        b->left--;
-        b->line++;
-        take_wide_point(b, bytes + at);
+#if !defined(__BYTE_ORDER__) || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+    for (size_t i = 0; i < n; i++) {
+        const unsigned char *bytes = (const unsigned char *)&v[i];
+        uint64_t bits = 0;
+        for (unsigned j = 0; j < 8; j++)
+            bits |= (uint64_t)bytes[j] << 8 * j;
+        memcpy(&v[i], &bits, sizeof bits);
     }
-    b->complete = b->left == 0;
-    return (ptrdiff_t)at;
-}
-
-static void copy_doubles(double *to, const char *bytes, size_t n)
-{
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    memcpy(to, bytes, n * sizeof *to);
 #else
-    for (size_t i = 0; i < n; i++)
-        to[i] = little_endian_double(bytes + 8 * i);
+    (void)v, (void)n;
 #endif
 }
 
-/* Adds n points at once. False, with nothing done: there is no room, or one of them is invalid. A binary body never has
- * room for more than `limit` (capacity). */
-static bool add_run(struct body *b, const char *bytes, size_t n)
+/* The number of valid points before the first one that has a fault; n: none has. */
+static size_t count_valid(const struct body *b, const double *v, size_t n, enum body_fault *fault)
 {
-    if (n > b->cap - b->n)
-        return false;
-    double *to = b->xy + 2 * b->n;
-    copy_doubles(to, bytes, 2 * n);
-    if (!b->coordinates_ok(to, 2 * n))
-        return false;
-    b->n += n;
-    return true;
+    *fault = BODY_GOOD;
+    if (is_plain(b) && b->coordinates_ok(v, 2 * n))
+        return n;
+    for (size_t i = 0; i < n; i++, v += b->width)
+        if ((*fault = judge_point(b, v)) != BODY_GOOD)
+            return i;
+    return n;
 }
 
-static void take_points(struct body *b, const char *bytes, size_t n)
+void body_wrote(struct body *b, size_t n)
 {
-    if (b->fault != BODY_GOOD || add_run(b, bytes, n)) {
-        b->line += n;
-        return;
-    }
-    for (const char *end = bytes + n * POINT_BYTES; bytes < end; bytes += POINT_BYTES) {
-        b->line++;
-        add_point(b, little_endian_double(bytes), little_endian_double(bytes + 8));
-    }
+    size_t points = (b->part + n) / point_bytes(b);
+    uint64_t line = b->line;
+    double *v = b->xy + b->n * b->width;
+    enum body_fault fault;
+    make_native(v, points * b->width);
+    size_t valid = count_valid(b, v, points, &fault);
+    pass(b, n);
+    b->n += valid;
+    if (fault != BODY_GOOD)
+        fail_at(b, fault, line + valid + 1);
 }
 
+/* Bytes of the array that are in use, while there are fewer points than the limit. */
+static size_t bytes_used(const struct body *b)
+{
+    return b->n * point_bytes(b) + b->part;
+}
+
+char *body_room(struct body *b, size_t *n)
+{
+    enum { MANY = 64 * 1024, FEW = 16 * 1024 }; /* bytes that have come; room that is too little */
+    if (b->form != BODY_BINARY || b->fault != BODY_GOOD || b->complete || b->n == b->limit ||
+        bytes_used(b) < MANY)
+        return NULL;
+    uint64_t left = bytes_left(b);
+    size_t room = b->cap * point_bytes(b) - bytes_used(b);
+    if (room < FEW && room < left && b->cap < b->limit && grow(b))
+        room = b->cap * point_bytes(b) - bytes_used(b);
+    *n = room < left ? room : (size_t)left;
+    return room > 0 ? (char *)b->xy + bytes_used(b) : NULL;
+}
+
+/* Takes bytes of the body's points, at least one, and returns their number; 0: out of memory. */
+static size_t take_bytes(struct body *b, const char *bytes, size_t n)
+{
+    size_t rest = point_bytes(b) - b->part;
+    if (b->n == b->limit) {
+        n = n < rest ? n : rest;
+        pass(b, n);
+        if (n == rest)
+            body_fail(b, BODY_TOOBIG);
+        return n;
+    }
+    if (b->n == b->cap && !grow(b)) {
+        fail_at(b, BODY_NOMEM, b->line + 1);
+        return 0;
+    }
+    size_t room = b->cap * point_bytes(b) - bytes_used(b);
+    n = n < room ? n : room;
+    memcpy((char *)b->xy + bytes_used(b), bytes, n);
+    body_wrote(b, n);
+    return n;
+}
+
+/* The rest of a body with a fault is dropped. */
 static ptrdiff_t feed_binary(struct body *b, const char *bytes, size_t n)
 {
-    if (b->width != 2 || b->coordinates != 2)
-        return feed_wide(b, bytes, n);
-    size_t points = n / POINT_BYTES < b->left ? n / POINT_BYTES : (size_t)b->left;
-    if (points > 0)
-        take_points(b, bytes, points);
-    b->left -= points;
-    b->complete = b->left == 0;
-    return (ptrdiff_t)(points * POINT_BYTES);
+    size_t at = 0;
+    uint64_t left = bytes_left(b);
+    n = n < left ? n : (size_t)left;
+    while (at < n && b->fault == BODY_GOOD)
+        at += take_bytes(b, bytes + at, n - at);
+    if (at < n)
+        pass(b, n - at);
+    return (ptrdiff_t)n;
 }
 
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last)

@@ -48,8 +48,7 @@ struct body {
     size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
-    size_t
-        dropped;   /* BODY_BINARY with a fault: bytes of the current point that have been dropped */
+    size_t part; /* BODY_BINARY: bytes of the next point that have come; behind the others in xy */
     uint64_t line; /* lines (points, when binary) read so far; the number of the last one, counted
                       from 1 */
     bool complete; /* the end of the body has been read */
@@ -72,6 +71,13 @@ void body_columns(struct body *b, size_t coordinates, size_t values);
  * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:
  * linear in n. bytes may be NULL if n is 0. */
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last);
+
+/* Where the next bytes of a binary body belong, for a caller that can have them written there: *n of them at most. NULL: they have
+ * to be fed, because few points have come yet, the body has a fault, or there is no memory for more. */
+char *body_room(struct body *b, size_t *n);
+
+/* The first n of these bytes are there, and are parsed. Check b->complete after each call. */
+void body_wrote(struct body *b, size_t n);
 
 /* Sets the fault of the body (for instance BODY_NOMEM), unless it has one, and frees the points. */
 void body_fail(struct body *b, enum body_fault fault);

@@ -13,6 +13,7 @@
 enum {
     SMALL_INPUT = 4 * 1024, /* with more input than this a connection yields in a long turn */
     READ_SIZE = 64 * 1024,
+    RECEIVE_SIZE = 256 * 1024, /* stays in the processor's cache until it has been parsed */
     LINGER_MS = 2000,
     LINGER_BYTES = 64 * 1024 * 1024
 };
@@ -163,23 +164,35 @@ static void drop_input(struct conn *c)
         conn_close(c);
 }
 
+/* What the socket has now, of at most n bytes. */
+static size_t receive_now(struct conn *c, char *bytes, size_t n)
+{
+    ssize_t got = recv(c->source.fd, bytes, n, 0);
+    if (got < 0) {
+        on_read_error(c);
+        return 0;
+    }
+    c->eof = got == 0;
+    c->heard_ms = c->loop->awake_ms;
+    return (size_t)got;
+}
+
 static void read_input(struct conn *c)
 {
     size_t most = conn_is_short(c) ? CONN_SMALL : READ_SIZE;
     borrow(&c->in, &c->loop->spare_in);
     char *to = buf_reserve(&c->in, most);
-    if (to == NULL) {
+    if (to == NULL)
         conn_close(c);
-        return;
-    }
-    ssize_t n = recv(c->source.fd, to, most, 0);
-    if (n < 0)
-        on_read_error(c);
-    else if (n == 0)
-        c->eof = true;
     else
-        buf_commit(&c->in, (size_t)n);
-    c->heard_ms = c->loop->awake_ms;
+        buf_commit(&c->in, receive_now(c, to, most));
+}
+
+size_t conn_receive(struct conn *c, char *bytes, size_t n)
+{
+    if (c->eof || c->closed)
+        return 0;
+    return receive_now(c, bytes, n < RECEIVE_SIZE ? n : RECEIVE_SIZE);
 }
 
 /* ---- output ---- */
@@ -267,7 +280,8 @@ void conn_turn(struct conn *c)
     if (c->closed)
         return;
     if (c->draining && !c->lingering && wants_input(c)) {
-        read_input(c);
+        if (!c->receives)
+            read_input(c);
         conn_again(c);
     }
     send_output(c);
@@ -298,11 +312,11 @@ static void on_ready(struct source *source, uint32_t events)
     }
     if (readable && c->lingering)
         drop_input(c);
-    else if (readable)
+    else if (readable && !c->receives)
         read_input(c);
     if (c->closed)
         return;
-    bool much = buf_len(&c->in) > SMALL_INPUT || (events & EPOLLOUT) != 0;
+    bool much = c->receives || buf_len(&c->in) > SMALL_INPUT || (events & EPOLLOUT) != 0;
     if (much && loop_is_late(c->loop, clock_ns()))
         conn_yield(c);
     if (c->yielded)

@@ -47,6 +47,7 @@ struct conn {
     int64_t progress_ms; /* when bytes last went out, or out was empty */
     bool yielded;        /* `turn` is queued behind other tasks with much work (loop_yield) */
     bool eof;            /* the input has ended */
+    bool receives;       /* the owner takes the input itself (conn_receive), in `data` */
     bool draining;       /* input that has arrived is read, then the input counts as ended */
     bool finishing;      /* no more replies: send what is in `out`, then close */
     bool lingering;      /* all is sent; input is read and dropped until the client closes */
@@ -67,6 +68,10 @@ void conn_again(struct conn *c);
 /* The same, behind other tasks with much work (loop_yield). Until then input is read, and `data` is not
  * called. */
 void conn_yield(struct conn *c);
+
+/* Receives input right into bytes[n], past `in`, which is empty; returns how many bytes. 0: none have arrived, or the input has ended,
+ * or the connection has been closed. While c->receives, the connection itself reads no input. */
+size_t conn_receive(struct conn *c, char *bytes, size_t n);
 
 /* Output from outside of `data`: sends at once what the socket takes, if nothing precedes it, and appends the rest. False:
  * some of it is sent later, or never: out of memory, or disconnected. */

@@ -212,23 +212,40 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
 
 /* Reports the memory that adding and triangulating the received points will take, beside that of the points as they
  * were received. */
-static void expect(struct server *s, struct load *l)
+static void expect(struct load *l)
 {
     size_t expected = l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;
     if (expected == l->expected)
         return;
-    keep_expect(s, expected, l->expected);
+    keep_expect(l->server, expected, l->expected);
     l->expected = expected;
 }
 
-ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last)
+/* n bytes of the body have been parsed. */
+static void advance(struct load *l, size_t n)
 {
-    ptrdiff_t took = body_feed(&l->body, bytes, n, last);
-    l->came += took > 0 ? (uint64_t)took : 0;
+    l->came += n;
     if (l->body.fault != BODY_GOOD)
         reservation_set(&l->memory, 0);
-    expect(s, l);
+    expect(l);
+}
+
+ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last)
+{
+    ptrdiff_t took = body_feed(&l->body, bytes, n, last);
+    advance(l, took > 0 ? (size_t)took : 0);
     return took;
+}
+
+char *load_room(struct load *l, size_t *n)
+{
+    return body_room(&l->body, n);
+}
+
+void load_received(struct load *l, size_t n)
+{
+    body_wrote(&l->body, n);
+    advance(l, n);
 }
 
 bool load_stalls(struct load *l, int64_t now_ms)

@@ -47,7 +47,13 @@ void load_skip(struct server *s, const struct load_shape *shape, const struct re
 bool load_refuse(struct server *s, const struct load *l, struct answer *a);
 
 /* Feeds bytes to the body (body_feed). Beyond --max-memory the body fails. */
-ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last);
+ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last);
+
+/* Where the next bytes of the body can be received: *n at most (body_room). NULL: they have to be fed. */
+char *load_room(struct load *l, size_t *n);
+
+/* n bytes have been received there. */
+void load_received(struct load *l, size_t n);
 
 /* Whether the body has made too little progress for --load-timeout. To be called once a second while it is being
  * received. */

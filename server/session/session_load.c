@@ -19,6 +19,25 @@ static bool carry_out_load(struct session *s)
     return session_take_over(s, &a);
 }
 
+/* Receives points right into their array; false: there are none yet, or they have to be fed. */
+static bool receive_load(struct session *s)
+{
+    struct conn *c = &s->conn;
+    size_t n = 0;
+    char *to = buf_len(&c->in) == 0 ? load_room(s->load, &n) : NULL;
+    if (s->in_bulk && n > s->bulk_left)
+        n = s->bulk_left;
+    c->receives = n > 0;
+    size_t got = c->receives ? conn_receive(c, to, n) : 0;
+    if (got == 0)
+        return false;
+    load_received(s->load, got);
+    if (s->in_bulk)
+        s->bulk_left -= got;
+    c->receives = !s->load->body.complete;
+    return true;
+}
+
 /* Feeds the load; true: continue. */
 static bool feed_load(struct session *s)
 {
@@ -30,10 +49,10 @@ static bool feed_load(struct session *s)
         ended = true;
     }
     size_t n = all < FEED_BYTES ? all : FEED_BYTES;
-    ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, ended && n == all);
+    ptrdiff_t took = load_feed(s->load, buf_head(in), n, ended && n == all);
     /* A line longer than a step: again, with all the input. */
     if (took == 0 && n < all)
-        took = load_feed(s->server, s->load, buf_head(in), all, ended);
+        took = load_feed(s->load, buf_head(in), all, ended);
     if (took < 0)
         return session_refuse_line(s, s->load->body.line_fault);
     buf_consume(in, (size_t)took);
@@ -63,6 +82,6 @@ static bool end_bulk(struct session *s)
 bool session_step_load(struct session *s)
 {
     if (!s->load->body.complete)
-        return feed_load(s);
+        return receive_load(s) || feed_load(s);
     return s->in_bulk ? end_bulk(s) : carry_out_load(s);
 }

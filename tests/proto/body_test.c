@@ -295,6 +295,65 @@ TEST(body_stores_points_in_the_callers_memory_of_just_the_right_size)
     }
 }
 
+/* Has a body of many points written in pieces into its array, as soon as it has room; the first ones are fed. */
+static void write_points(struct body *b, const double *xy, size_t bytes, size_t piece)
+{
+    size_t at = 0, fed = 0;
+    while (at < bytes) {
+        size_t n = piece, room = 0;
+        char *to = body_room(b, &room);
+        if (to != NULL) {
+            n = n < room ? n : room;
+            CHECK(room <= bytes - at);
+            memcpy(to, (const char *)xy + at, n);
+            body_wrote(b, n);
+        } else {
+            n = n < bytes - at ? n : bytes - at;
+            CHECK(body_feed(b, (const char *)xy + at, n, false) == (ptrdiff_t)n);
+            fed += n;
+        }
+        at += n;
+    }
+    CHECK(b->complete && (b->fault != BODY_GOOD || fed < 128 * 1024));
+}
+
+TEST(body_in_binary_form_may_be_written_into_its_array)
+{
+    enum { N = 20000 };
+    static double xy[2 * N];
+    for (size_t i = 0; i < 2 * (size_t)N; i++)
+        xy[i] = (double)(i % 999);
+    for (size_t piece = 1; piece < 100000; piece = 3 * piece + 7) {
+        struct body b;
+        body_init(&b, BODY_BINARY, N, N, small_enough);
+        write_points(&b, xy, sizeof xy, piece);
+        CHECK(has_points(&b, N, xy));
+        body_free(&b);
+        body_init(&b, BODY_BINARY, 2 * N / 5, N, small_enough);
+        body_columns(&b, 2, 3);
+        write_points(&b, xy, sizeof xy, piece);
+        CHECK(b.fault == BODY_GOOD && b.n == 2 * N / 5 && memcmp(b.xy, xy, sizeof xy) == 0);
+        body_free(&b);
+    }
+}
+
+TEST(body_that_is_written_into_its_array_finds_the_invalid_point_and_the_limit)
+{
+    enum { N = 20000 };
+    static double xy[2 * N];
+    for (size_t piece = 5; piece < 100000; piece = 3 * piece + 7) {
+        struct body b;
+        xy[2 * 17000 + 1] = 1000;
+        body_init(&b, BODY_BINARY, N, N, small_enough);
+        write_points(&b, xy, sizeof xy, piece);
+        CHECK(b.fault == BODY_RANGE && b.fault_line == 17001 && b.line == N && b.xy == NULL);
+        xy[2 * 17000 + 1] = 0;
+        body_init(&b, BODY_BINARY, N, 15000, small_enough);
+        write_points(&b, xy, sizeof xy, piece);
+        CHECK(b.fault == BODY_TOOBIG && b.fault_line == 15001 && b.line == N && b.xy == NULL);
+    }
+}
+
 TEST(body_does_not_trust_the_announced_count)
 {
     struct body b;

@@ -114,7 +114,7 @@ static struct answer new_answer(struct local *l)
 
 static size_t load(struct local *l, struct load *load, const char *text, size_t n)
 {
-    ptrdiff_t took = load->body.complete ? 0 : load_feed(&l->server, load, text, n, true);
+    ptrdiff_t took = load->body.complete ? 0 : load_feed(load, text, n, true);
     struct answer a;
     CHECK(took >= 0 && load->body.complete);
     do {

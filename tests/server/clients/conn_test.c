@@ -138,6 +138,37 @@ TEST(nothing_is_read_from_a_client_that_takes_no_replies)
     end();
 }
 
+TEST(owner_that_receives_itself_gets_the_input_and_its_end)
+{
+    char got[200];
+    begin();
+    b.conn.receives = true;
+    send_some(100);
+    turn();
+    CHECK(b.calls == 1 && buf_len(&b.conn.in) == 0);
+    CHECK(conn_receive(&b.conn, got, 60) == 60 && conn_receive(&b.conn, got, 200) == 40);
+    CHECK(conn_receive(&b.conn, got, 200) == 0 && !b.conn.eof && !b.conn.closed);
+    shutdown(b.client, SHUT_WR);
+    CHECK(conn_receive(&b.conn, got, 200) == 0 && b.conn.eof && !b.conn.closed);
+    end();
+}
+
+TEST(owner_that_receives_itself_is_called_until_what_has_arrived_before_a_stop_is_read)
+{
+    char got[200];
+    begin();
+    b.conn.receives = true;
+    send_some(100);
+    conn_drain(&b.conn);
+    turn();
+    CHECK(b.calls > 0 && conn_receive(&b.conn, got, 60) == 60);
+    turn();
+    CHECK(conn_receive(&b.conn, got, 60) == 40 && !b.conn.eof);
+    turn();
+    CHECK(conn_receive(&b.conn, got, 60) == 0 && b.conn.eof);
+    end();
+}
+
 TEST(connection_that_is_deferred_and_closed_in_one_turn_is_freed_in_the_next)
 {
     begin();

@@ -117,7 +117,7 @@ TEST(load_whose_points_have_arrived_waits_for_its_turn)
     set->writer = (struct job *)(void *)&l; /* only compared with NULL */
     struct load *load = begin_load(&l, "LOAD t 1");
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
-    CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4 && load->body.complete);
+    CHECK(load_feed(load, "2 2\n", 4, false) == 4 && load->body.complete);
     command_run_body(&l.server, load, &a);
     CHECK(a.next == ANSWER_WAIT && a.wait == &set->queue && set->current->sum.points == 1);
     set->writer = NULL;
@@ -133,9 +133,9 @@ TEST(load_that_is_refused_releases_its_memory_at_once)
     struct local l;
     local_start(&l, 0);
     struct load *load = begin_load(&l, "LOAD t 3");
-    CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4);
+    CHECK(load_feed(load, "2 2\n", 4, false) == 4);
     CHECK(budget_of(&l.server.budget, BUDGET_LOADS) > 0);
-    CHECK(load_feed(&l.server, load, "2 x\n", 4, false) == 4 && !load->body.complete);
+    CHECK(load_feed(load, "2 x\n", 4, false) == 4 && !load->body.complete);
     CHECK(budget_of(&l.server.budget, BUDGET_LOADS) == 0);
     load_free(&l.server, load);
     local_stop(&l);
