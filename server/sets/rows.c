@@ -12,7 +12,8 @@ enum {
     CELLS = 64,          /* read at a time */
     CELL_TEXT = 256,     /* bytes of a usual one, about */
     TABLE_WORDS = 4096,  /* read from a table at a time */
-    PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
+    PART_IDS = 1000,     /* of a part: ids of a table or rows of a list, about 48 KB of text, */
+    PART_BINARY = 1800,  /* or in binary: 36 to 58 KB, */
     PART_CELLS = 150,    /* of a part: cells, */
     PART_MADE = 600,     /* the same in binary, */
     PART_AREAS = 2000,   /* or areas, both if they have been made */
@@ -479,7 +480,8 @@ bool rows_cut(struct rows *r, struct rows *part)
     if (r->form == ROW_SURFACE)
         return surface_rows_cut(&r->surface, &part->surface);
     if (r->table)
-        return dt_table_cut(r->version->dt, &r->cursor, PART_IDS, &part->cursor);
+        return dt_table_cut(r->version->dt, &r->cursor, r->binary ? PART_BINARY : PART_IDS,
+                            &part->cursor);
     if (!r->table && row_is_of_place(r->form)) {
         size_t places = places_of(r, PART_WORDS), left = r->places - r->at;
         r->at += left < places ? left : places;
