@@ -16,7 +16,7 @@
 #   make soak       mirrors of a set that is edited a million times, with kills of the daemon, lost connections and pauses
 #   make generate   after a change of the table of commands: the parts of the clients that follow from it (Python 3)
 #   make lint       dependencies, formatting, static analysis; make fmt formats
-#   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients
+#   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients, bench-python
 #   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, load-watch, load-follow, stress
 #   make clean      removes build/
 #   make help       shows this

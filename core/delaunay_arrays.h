@@ -1,9 +1,8 @@
 /* delaunay_arrays.h - the fourth part of the core's public header: whole arrays at once, for programs in any language that use
  * the core in process. Arguments are numbers and pointers to the caller's arrays.
  *
- * A struct dt_arrays owns a set of points with the ids 0, 1, 2, ... that is always triangulated and ready for searches. Its
- * tolerance is 0: points are coincident if they are equal. Functions that take it as const may run in several threads at once;
- * any other function needs exclusive access.
+ * A struct dt_arrays is a triangulation of points with the ids 0, 1, 2, ..., ready for searches. Points are coincident if they are
+ * equal. It never changes, so all functions but dt_arrays_free may run in several threads at once.
  *
  * Every function computes with the floating-point environment in which programs start, whatever rounding mode or flush to zero
  * the caller has set, and restores that of the caller.
@@ -28,11 +27,6 @@ enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out);
 void dt_arrays_free(struct dt_arrays *a); /* NULL: nothing */
 
-/* Adds n points; triangle[] then has room for all. A failure leaves the set as it was, but DT_NOMEM can leave it without
- * triangles: then the other functions answer DT_UNTRIANGULATED. Cost: that of dt_add_many, and linear in all points. */
-enum dt_status dt_arrays_add(struct dt_arrays *a, const struct dt_point *p, size_t n,
-                             unsigned workers, uint32_t *triangle);
-
 /* Cost: constant. */
 void dt_arrays_counts(const struct dt_arrays *a, struct dt_summary *out);
 
@@ -41,7 +35,7 @@ enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, u
 
 /* out[3 r + k] = 3 s + j: the side from corner k to the next corner of row r of DT_TRIANGLES is the side that begins at corner j of
  * row s; DT_NONE on the hull. Cost: linear. */
-enum dt_status dt_arrays_twins(const struct dt_arrays *a, uint32_t *out);
+void dt_arrays_twins(const struct dt_arrays *a, uint32_t *out);
 
 /* ---- places: q[n], in any order ----
  *
@@ -68,7 +62,7 @@ enum dt_status dt_arrays_nearest(const struct dt_arrays *a, const struct dt_poin
 
 /* The points at most r[i] from place i, aliases included, ascending: end[n] words of out->v, those of place i before end[i].
  * Exact. *out: start with {0}; the caller releases out->v by dt_arrays_release. Places are refused as above, and r that is
- * negative or nan. */
+ * negative or refused by dt_coordinate_ok; infinite r is not. */
 enum dt_status dt_arrays_within(const struct dt_arrays *a, const struct dt_point *q,
                                 const double *r, size_t n, unsigned workers, struct dt_ids *out,
                                 size_t *end);

@@ -121,9 +121,14 @@ bench-durable: all $(O)/tests/bench/durable
 # ---- bench-clients: the command line compared with qdelaunay, Python with SciPy, and the two framings; POINTS=100000 is faster,
 # ---- TABLES=framings does less ----
 
-.PHONY: bench-clients
-bench-clients: all $(O)/tests/bench/points
+.PHONY: bench-clients bench-python
+bench-clients: all lib $(O)/tests/bench/points
 	@TABLES="$(filter files arrays framings,$(TABLES))" tests/bench/clients.sh $(O) $(or $(POINTS),1000000) | tee $(O)/bench-clients.md
+
+# ---- bench-python: delaunayd.spatial and delaunayd.interpolate in process beside SciPy, with their goals ----
+
+bench-python: lib
+	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
 
 # ---- mutants: N=60 random changes of single lines, which a test must notice; SEED=s draws other ones, M=server/disk selects files.
 # ---- LIST=syncs the entries of that list, LIST=all of all; N=0 checks that every entry applies; see tests/mutants/README.md ----

@@ -1,5 +1,6 @@
-"""Builds the package (PEP 517) with the standard library alone. The wheel contains the daemon's program: $DELAUNAYD, or the one in
-build/ of the repository, or else one that is compiled in a temporary directory. No files are left in the source tree."""
+"""Builds the package (PEP 517) with the standard library alone. The wheel contains the daemon's program and the C library of the
+geometry: those beside $DELAUNAYD, or in build/ of the repository, or else compiled in a temporary directory. No files are left in
+the source tree."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ import sysconfig
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import Any, Iterator, List, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent
@@ -42,6 +43,7 @@ def _metadata() -> bytes:
         "Version: " + VERSION,
         "Summary: " + _field("description"),
         "License: MIT",
+        "License-File: LICENSE",
         "Requires-Python: " + _field("requires-python"),
         "Provides-Extra: numpy",
         'Requires-Dist: numpy; extra == "numpy"',
@@ -52,32 +54,52 @@ def _metadata() -> bytes:
     return "\n".join(lines).encode()
 
 
-@contextlib.contextmanager
-def _program() -> Iterator[Optional[Path]]:
-    """The path of the daemon's program; None if there is none and none can be compiled."""
-    built = os.environ.get("DELAUNAYD") or REPOSITORY / "build" / "delaunayd"
-    if Path(built).is_file():
-        yield Path(built)
-        return
+# What the wheel contains besides Python: name there, target of make in a build folder, mode.
+_BINARIES = (("bin/delaunayd", "delaunayd", 0o755), ("lib/libdelaunay-core.so.0", "lib/libdelaunay-core.so.0", 0o644))
+
+_Files = List[Tuple[str, bytes, int]]  # name, content, mode
+
+
+def _read(build: Path) -> _Files:
+    return [("%s/%s" % (PACKAGE, name), (build / target).read_bytes(), mode) for name, target, mode in _BINARIES]
+
+
+def _compile() -> Optional[_Files]:
     with tempfile.TemporaryDirectory() as scratch:
-        program = Path(scratch) / "delaunayd"
-        command = ["make", "-s", "-j%d" % (os.cpu_count() or 1), "-C", str(REPOSITORY), "O=" + scratch, str(program)]
-        made = shutil.which("make") and (REPOSITORY / "Makefile").is_file() and subprocess.call(command) == 0
-        if not made:
-            print("delaunayd cannot be compiled here: the package will use the one of $PATH")
-        yield program if made else None
+        targets = ["%s/%s" % (scratch, target) for _, target, _ in _BINARIES]
+        command = ["make", "-s", "-j%d" % (os.cpu_count() or 1), "-C", str(REPOSITORY), "O=" + scratch, *targets]
+        if not shutil.which("make") or not (REPOSITORY / "Makefile").is_file() or subprocess.call(command) != 0:
+            return None
+        return _read(Path(scratch))
 
 
-def _tag(program: Optional[Path]) -> str:
+def _binaries() -> _Files:
+    """The daemon's program and the library of the geometry: those beside $DELAUNAYD, those in build/ of the repository, or compiled;
+    none where they cannot be compiled."""
+    chosen = os.environ.get("DELAUNAYD")
+    build = Path(chosen).parent if chosen else REPOSITORY / "build"
+    if all((build / target).is_file() for _, target, _ in _BINARIES):
+        return _read(build)
+    found = _compile()
+    if found is None:
+        print("delaunayd cannot be compiled here: the package will use the program and the library of the system")
+    return found or []
+
+
+def _tag(binaries: _Files) -> str:
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    return "py3-none-" + (platform if program is not None else "any")
+    return "py3-none-" + (platform if binaries else "any")
 
 
-def _write_wheel(directory: str, tag: str, files: List[Tuple[str, bytes, int]]) -> str:
-    """`files`: name, content, mode."""
+def _license() -> _Files:
+    text = REPOSITORY / "LICENSE"
+    return [(INFO + "/LICENSE", text.read_bytes(), 0o644)] if text.is_file() else []
+
+
+def _write_wheel(directory: str, tag: str, files: _Files) -> str:
     name = "%s-%s-%s.whl" % (PACKAGE, VERSION, tag)
     wheel = "Wheel-Version: 1.0\nGenerator: delaunayd\nRoot-Is-Purelib: %s\nTag: %s\n"
-    files = files + [
+    files = files + _license() + [
         (INFO + "/METADATA", _metadata(), 0o644),
         (INFO + "/WHEEL", (wheel % (str(tag.endswith("any")).lower(), tag)).encode(), 0o644),
     ]
@@ -100,17 +122,15 @@ def _write_wheel(directory: str, tag: str, files: List[Tuple[str, bytes, int]]) 
 
 
 def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_directory: Optional[str] = None) -> str:
-    sources = sorted((HERE / PACKAGE).glob("*.py*"))
+    sources = sorted([*(HERE / PACKAGE).glob("*.py"), *(HERE / PACKAGE).glob("*.pyi"), HERE / PACKAGE / "py.typed"])
+    binaries = _binaries()
     files = [("%s/%s" % (PACKAGE, path.name), path.read_bytes(), 0o644) for path in sources]
-    with _program() as program:
-        if program is not None:
-            files.append((PACKAGE + "/bin/delaunayd", program.read_bytes(), 0o755))
-        return _write_wheel(wheel_directory, _tag(program), files)
+    return _write_wheel(wheel_directory, _tag(binaries), files + binaries)
 
 
 def build_editable(wheel_directory: str, config_settings: Any = None, metadata_directory: Optional[str] = None) -> str:
     files = [(PACKAGE + ".pth", (str(HERE) + "\n").encode(), 0o644)]
-    return _write_wheel(wheel_directory, _tag(None), files)
+    return _write_wheel(wheel_directory, _tag([]), files)
 
 
 def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:

@@ -68,8 +68,6 @@ static enum dt_status find_heirs(struct dt_arrays *a, uint32_t n, uint32_t alias
             first[id + 2] += first[id + 1];
         for (uint32_t i = 0; i < aliases; i++)
             heirs[first[pair[2 * (size_t)i + 1] + 1]++] = pair[2 * (size_t)i];
-        dt_array_free(a->heirs);
-        dt_array_free(a->first_heir);
         a->heirs = heirs;
         a->first_heir = first;
     }
@@ -88,60 +86,46 @@ static void measure(struct dt_arrays *a)
     a->size = box.hi.x - box.lo.x + (box.hi.y - box.lo.y);
 }
 
-/* Brings everything up to date after an edit. */
-static enum dt_status finish(struct dt_arrays *a, const struct dt_options *opt, uint32_t *triangle)
+static enum dt_status triangulate(struct dt_arrays *a, const struct dt_point *p, size_t n,
+                                  const struct dt_options *opt, uint32_t *triangle)
 {
-    struct dt_summary sum;
-    enum dt_status s = dt_triangulate(a->t, opt);
+    struct dt_added added;
+    enum dt_status s = dt_add_many(a->t, p, n, opt, &added);
     if (s == DT_OK)
-        s = dt_refresh(a->t, opt);
+        s = dt_triangulate(a->t, opt);
     if (s == DT_OK)
         s = dt_prepare(a->t, opt);
-    dt_summary(a->t, &sum);
-    if (s == DT_OK && sum.coincident > 0)
-        s = find_heirs(a, dt_next_id(a->t), sum.coincident);
+    if (s == DT_OK && added.coincident > 0)
+        s = find_heirs(a, added.added, added.coincident);
     if (s == DT_OK)
         measure(a);
     return s == DT_OK ? dt_arrays_sort(a, triangle) : s;
 }
 
-static enum dt_status add(struct dt_arrays *a, const struct dt_point *p, size_t n, unsigned workers,
-                          uint32_t *triangle)
+static enum dt_status make(const struct dt_point *p, size_t n, struct dt_pages *pages,
+                           unsigned workers, uint32_t *triangle, struct dt_arrays **out)
 {
     struct dt_workers w;
-    struct dt_added added;
+    struct dt_arrays *a = calloc(1, sizeof *a);
+    enum dt_status s = DT_NOMEM;
     dt_workers_init(&w, workers);
-    struct dt_options opt = {.pool = &w.pool};
-    enum dt_status s = dt_add_many(a->t, p, n, &opt, &added);
-    if (s != DT_OK)
-        return s;
-    dt_array_free(a->row);
-    a->row = NULL;
-    return finish(a, &opt, triangle);
-}
-
-enum dt_status dt_arrays_add(struct dt_arrays *a, const struct dt_point *p, size_t n,
-                             unsigned workers, uint32_t *triangle)
-{
-    fenv_t caller = dt_call_begin();
-    enum dt_status s = add(a, p, n, workers, triangle);
-    dt_call_end(&caller);
+    if (a != NULL)
+        a->t = dt_new_in(0, pages);
+    if (a != NULL && a->t != NULL)
+        s = triangulate(a, p, n, &(struct dt_options){.pool = &w.pool}, triangle);
+    if (s != DT_OK) {
+        dt_arrays_free(a);
+        a = NULL;
+    }
+    *out = a;
     return s;
 }
 
 enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out)
 {
-    struct dt_arrays *a = calloc(1, sizeof *a);
-    enum dt_status s = DT_NOMEM;
-    if (a != NULL)
-        a->t = dt_new_in(0, pages);
-    if (a != NULL && a->t != NULL)
-        s = dt_arrays_add(a, p, n, workers, triangle);
-    if (s != DT_OK) {
-        dt_arrays_free(a);
-        a = NULL;
-    }
-    *out = a;
+    fenv_t caller = dt_call_begin();
+    enum dt_status s = make(p, n, pages, workers, triangle, out);
+    dt_call_end(&caller);
     return s;
 }

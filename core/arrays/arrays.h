@@ -15,12 +15,6 @@ struct dt_arrays {
     double size;     /* the sum of the sides of the box of all points */
 };
 
-/* DT_OK, or DT_UNTRIANGULATED after a failed edit. */
-static inline enum dt_status dt_arrays_readable(const struct dt_arrays *a)
-{
-    return a->row != NULL ? dt_readable(a->t) : DT_UNTRIANGULATED;
-}
-
 static inline uint32_t dt_row_of(const struct dt_arrays *a, uint32_t half)
 {
     return a->row[half >> 3];

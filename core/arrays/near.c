@@ -83,8 +83,8 @@ enum dt_status dt_arrays_nearest(const struct dt_arrays *a, const struct dt_poin
 {
     struct nearest all = {a, q, k, id, distance};
     fenv_t caller = dt_call_begin();
-    enum dt_status s = dt_arrays_readable(a);
-    if (s == DT_OK && !dt_coordinates_ok(&q->x, 2 * n))
+    enum dt_status s = DT_OK;
+    if (n > 0 && !dt_coordinates_ok(&q->x, 2 * n))
         s = DT_RANGE;
     if (s == DT_OK)
         s = dt_answer_all(&(struct dt_pieces){nearest_piece, &all}, n, workers);
@@ -101,20 +101,39 @@ struct within {
     struct dt_ids *found; /* owns; the answer to each question */
 };
 
+static enum dt_status append_all(const struct dt_arrays *a, struct dt_ids *out)
+{
+    uint32_t n = dt_next_id(a->t);
+    enum dt_status s = dt_ids_reserve(out, n);
+    for (uint32_t id = 0; id < n && s == DT_OK; id++)
+        out->v[out->n++] = id;
+    return s;
+}
+
+static enum dt_status append_within(const struct dt_arrays *a, struct dt_point q, double r,
+                                    struct dt_ids *out)
+{
+    enum dt_status s = dt_within_disc(a->t, q, r, NULL, out);
+    size_t representatives = out->n;
+    for (size_t j = 0; j < representatives && s == DT_OK; j++)
+        s = append_heirs(a, out->v[j], out);
+    if (out->n > representatives)
+        dt_sort_ids(out->v, out->n, NULL, NULL);
+    return s;
+}
+
 static enum dt_status within_piece(void *ctx, size_t from, size_t n)
 {
     const struct within *w = ctx;
     enum dt_status s = DT_OK;
     for (size_t i = from; i < from + n && s == DT_OK; i++) {
         struct dt_ids *out = &w->found[i];
-        if (!(w->r[i] >= 0 && dt_coordinate_ok(w->r[i])))
-            return DT_RANGE;
-        s = dt_within_disc(w->a->t, w->q[i], w->r[i], NULL, out);
-        size_t representatives = out->n;
-        for (size_t j = 0; j < representatives && s == DT_OK; j++)
-            s = append_heirs(w->a, out->v[j], out);
-        if (out->n > representatives)
-            dt_sort_ids(out->v, out->n, NULL, NULL);
+        if (w->r[i] == HUGE_VAL)
+            s = append_all(w->a, out);
+        else if (w->r[i] >= 0 && dt_coordinate_ok(w->r[i]))
+            s = append_within(w->a, w->q[i], w->r[i], out);
+        else
+            s = DT_RANGE;
     }
     return s;
 }
@@ -154,8 +173,8 @@ enum dt_status dt_arrays_within(const struct dt_arrays *a, const struct dt_point
                                 size_t *end)
 {
     fenv_t caller = dt_call_begin();
-    enum dt_status s = dt_arrays_readable(a);
-    if (s == DT_OK && !dt_coordinates_ok(&q->x, 2 * n))
+    enum dt_status s = DT_OK;
+    if (n > 0 && !dt_coordinates_ok(&q->x, 2 * n))
         s = DT_RANGE;
     if (s == DT_OK)
         s = within(a, q, r, n, workers, out, end);

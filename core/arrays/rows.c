@@ -134,16 +134,14 @@ static uint32_t side_of(const struct dt_arrays *a, uint32_t half)
                           : 3 * row + ((half & 3) + 3 - first_corner(a->t, half >> 3)) % 3;
 }
 
-enum dt_status dt_arrays_twins(const struct dt_arrays *a, uint32_t *out)
+void dt_arrays_twins(const struct dt_arrays *a, uint32_t *out)
 {
     const struct dt_mesh *m = &a->t->mesh;
-    enum dt_status s = dt_arrays_readable(a);
-    for (uint32_t i = 0; s == DT_OK && i < m->tri_end; i++) {
+    for (uint32_t i = 0; i < m->tri_end; i++) {
         if (!is_triangle(m, i))
             continue;
         uint32_t turn = first_corner(a->t, i);
         for (uint32_t k = 0; k < 3; k++)
             out[3 * (size_t)a->row[i] + k] = side_of(a, dt_twin(m, 8 * i + (turn + k) % 3));
     }
-    return s;
 }

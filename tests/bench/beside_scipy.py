@@ -1,94 +1,103 @@
-"""From an array of points to arrays of simplices and neighbors: the daemon by way of the Python package, and SciPy. Seconds on
-the wall, the best of three.
+"""delaunayd.spatial and delaunayd.interpolate in this process beside SciPy: the ratio of their times on the wall, the best of some
+alternating runs each, beside its goal. With a port, the raster of a daemon there is measured, too.
 
-    beside_scipy.py PORT N
+    beside_scipy.py N [PORT]
 """
 
+import subprocess
 import sys
 import time
 
 import numpy as np
+from scipy import interpolate as scipy_interpolate, spatial as scipy_spatial
 
 sys.path.insert(0, "clients/python")
 from delaunayd import Client  # noqa: E402
+from delaunayd.interpolate import LinearNDInterpolator  # noqa: E402
 from delaunayd.spatial import Delaunay  # noqa: E402
 
 
-def best_of(runs, triangulate, *args):
-    best = None
-    for _ in range(runs):
-        start = time.perf_counter()
-        view = triangulate(*args)
-        simplices, neighbors = view.simplices, view.neighbors
-        seconds = time.perf_counter() - start
-        best = seconds if best is None else min(best, seconds)
-        size = len(simplices), len(neighbors)
-        if hasattr(view, "close") and callable(view.close) and "delaunayd" in type(view).__module__:
-            view.close()
-    return best, size
-
-
-def main():
-    port, n = sys.argv[1], int(sys.argv[2])
-    points = np.random.default_rng(1).random((n, 2))
-    print("| program | s | ratio |\n|---|---|---|")
-    with Client("delaunay://127.0.0.1:" + port) as client:
-        ours, size = best_of(3, lambda p: Delaunay(p, client=client), points)
-    print("| delaunayd.spatial.Delaunay | %.2f | |" % ours)
-    try:
-        from scipy.spatial import Delaunay as SciPy
-    except ImportError:
-        print("| (no SciPy: python3-scipy) | | |")
-        return
-    theirs, their_size = best_of(3, SciPy, points)
-    assert size == their_size, (size, their_size)
-    print("| scipy.spatial.Delaunay | %.2f | %.3f |" % (theirs, ours / theirs))
-    compare_places(port, points, SciPy)
-    compare_rasters(port, points, SciPy)
-
-
-def seconds_of(find, places):
+def seconds_of(run, repeats=1):
     start = time.perf_counter()
-    found = find(places)
-    return time.perf_counter() - start, found
+    for _ in range(repeats):
+        run()
+    return (time.perf_counter() - start) / repeats
 
 
-def compare_places(port, points, scipy_delaunay):
-    """find_simplex of as many random places as there are points; SciPy, which is slow, gets a tenth of them."""
-    places = np.random.default_rng(2).random(points.shape)
-    few = places[: max(1, len(places) // 10)]
-    with Client("delaunay://127.0.0.1:" + port) as client:
-        view = Delaunay(points, client=client)
-        view.find_simplex(few)
-        ours = min(seconds_of(view.find_simplex, places)[0] for _ in range(3))
-        found = view.find_simplex(few)
-        theirs, their_found = seconds_of(scipy_delaunay(points).find_simplex, few)
-        assert ((found >= 0) == (their_found >= 0)).all()
-        view.close()
-    each = ours / len(places), theirs / len(few)
-    print("\n| find_simplex | us a place | ratio |\n|---|---|---|")
-    print("| delaunayd.spatial.Delaunay, %d places | %.2f | |" % (len(places), each[0] * 1e6))
-    print("| scipy.spatial.Delaunay, %d places | %.2f | %.4f |" % (len(few), each[1] * 1e6, each[0] / each[1]))
+def compare(what, ours, theirs, goal, runs=5, repeats=1, share=1.0):
+    """`share`: SciPy does that share of the work, because it is slow."""
+    mine, others = [], []
+    for _ in range(runs):
+        mine.append(seconds_of(ours, repeats))
+        if len(others) < 3 or repeats > 1:
+            others.append(seconds_of(theirs, repeats) / share)
+    a, b = min(mine), min(others)
+    print("| %s | %.3g | %.3g | %.4f | %s |" % (what, 1e3 * a, 1e3 * b, a / b, goal), flush=True)
 
 
-def compare_rasters(port, points, scipy_delaunay):
+def triangulations(n):
+    points = np.random.default_rng(1).random((n, 2))
+    few = dict(runs=20, repeats=10) if n < 100000 else {}
+    compare("Delaunay of %d points" % n, lambda: Delaunay(points), lambda: scipy_spatial.Delaunay(points),
+            "0.2" if n < 100000 else "0.03", **few)
+    compare("the same, and neighbors", lambda: Delaunay(points).neighbors, lambda: scipy_spatial.Delaunay(points).neighbors, "", **few)
+    if n < 100000:
+        ours, theirs, place = Delaunay(points), scipy_spatial.Delaunay(points), points.mean(axis=0)
+        compare("find_simplex of one place", lambda: ours.find_simplex(place), lambda: theirs.find_simplex(place), "1.5", 20, 1000)
+    return points
+
+
+def searches(points):
+    n = len(points)
+    random = np.random.default_rng(2)
+    places, heights = random.random((n, 2)), np.sin(7 * points[:, 0])
+    some = places[: max(1, n // 100)]
+    share = len(some) / n
+    ours, theirs = Delaunay(points), scipy_spatial.Delaunay(points)
+    theirs.find_simplex(some[:1])
+    compare("find_simplex of %d random places" % n, lambda: ours.find_simplex(places), lambda: theirs.find_simplex(some), "0.003",
+            share=share)
+    assert ((ours.find_simplex(some) >= 0) == (theirs.find_simplex(some) >= 0)).all()
+    linear, their_linear = LinearNDInterpolator(ours, heights), scipy_interpolate.LinearNDInterpolator(theirs, heights)
+    compare("LinearNDInterpolator there", lambda: linear(places), lambda: their_linear(some), "0.005", share=share)
+    tree = scipy_spatial.cKDTree(points)
+    compare("query(workers=-1) there, beside cKDTree", lambda: ours.query(places, workers=-1),
+            lambda: tree.query(places, workers=-1), "")
+
+
+def imports():
+    def milliseconds(text):
+        command = [sys.executable, "-c", "import time, numpy; t = time.perf_counter(); %s; print(time.perf_counter() - t)" % text]
+        return min(1e3 * float(subprocess.check_output(command, env={"PYTHONPATH": "clients/python"})) for _ in range(7))
+
+    ours, theirs = milliseconds("import delaunayd.spatial"), milliseconds("import scipy.spatial")
+    print("| import, beyond NumPy's | %.3g | %.3g | %.4f | 20 ms |" % (ours, theirs, ours / theirs), flush=True)
+
+
+def rasters(port, points):
     """A linear raster of as many cells as there are points; neither time includes the triangulation."""
-    from scipy.interpolate import LinearNDInterpolator
-
     side = int(len(points) ** 0.5)
     heights = np.sin(7 * points[:, 0]) * np.cos(5 * points[:, 1])
     centres = (np.arange(side) + 0.5) / side
+    linear = scipy_interpolate.LinearNDInterpolator(scipy_spatial.Delaunay(points), heights)
     with Client("delaunay://127.0.0.1:" + port) as client:
         client.load("raster", points, {"z": heights})
         client.triangulate("raster")
-        box = (0, 0, 1, 1)
-        ours = min(seconds_of(lambda b: client.raster("raster", "z", b, side, side), box)[0] for _ in range(3))
+        compare("linear raster of %d cells, by the daemon" % side**2,
+                lambda: client.raster("raster", "z", (0, 0, 1, 1), side, side),
+                lambda: linear(*np.meshgrid(centres, centres[::-1])), "")
         client.drop("raster")
-    linear = LinearNDInterpolator(scipy_delaunay(points), heights)
-    theirs, _ = seconds_of(lambda c: linear(*np.meshgrid(c, c[::-1])), centres)
-    print("\n| linear raster | s | ratio |\n|---|---|---|")
-    print("| RASTER BINARY, %d cells | %.3f | |" % (side * side, ours))
-    print("| scipy.interpolate.LinearNDInterpolator | %.3f | %.4f |" % (theirs, ours / theirs))
+
+
+def main():
+    n = int(sys.argv[1])
+    print("| what | delaunayd, ms | SciPy, ms | ratio | goal |\n|---|---|---|---|---|")
+    imports()
+    triangulations(1000)
+    points = triangulations(n)
+    searches(points)
+    if len(sys.argv) > 2:
+        rasters(sys.argv[2], points)
 
 
 main()

@@ -58,8 +58,8 @@ files() {
 # ---- Python ----
 
 arrays() {
-    printf '\nPython with NumPy, from an array of points to arrays of simplices and neighbors, best of three:\n\n'
-    "$python" tests/bench/beside_scipy.py "$port" "$n"
+    printf '\nPython in process with NumPy, and SciPy:\n\n'
+    "$python" tests/bench/beside_scipy.py "$n" "$port"
 }
 
 # ---- framings ----

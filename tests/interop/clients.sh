@@ -135,10 +135,15 @@ import delaunayd, os
 with delaunayd.Client("private:") as c:
     c.load("t", [(0, 0), (4, 0), (0, 4)])
     assert c.triangulate("t")["triangles"] == 1
-assert delaunayd._private.find_program().startswith(os.path.dirname(delaunayd.__file__))'
+here = os.path.dirname(delaunayd.__file__)
+assert delaunayd._private.find_program().startswith(here)
+from delaunayd import _library
+from delaunayd.spatial import Delaunay
+assert Delaunay([(0, 0), (4, 0), (0, 4)]).nsimplex == 1 and _library.library()._name.startswith(here)
+assert os.path.isfile(here + "/py.typed")'
 }
 
-# From a tree without a build, into an empty virtual environment: the daemon is compiled, and nothing else is needed.
+# From a tree without a build, into an empty virtual environment: daemon and library are compiled, and nothing else is needed.
 python_package_compiles_the_daemon() {
     local repository=$scratch/repository found
     mkdir "$repository" && git archive HEAD | tar -x -C "$repository" && python3 -m venv "$scratch/venv" &&
@@ -146,9 +151,11 @@ python_package_compiles_the_daemon() {
         [ ! -e "$repository/build" ] &&
         found=$(env -u DELAUNAYD -u DELAUNAY_URL "$scratch/venv/bin/python" -c '
 import delaunayd
+from delaunayd import _library
 with delaunayd.Client("private:") as c:
     c.load("t", [(0, 0), (4, 0), (0, 4)])
-    print(c.triangulate("t")["triangles"], delaunayd._private.find_program())') && [[ $found == "1 $scratch/venv/"* ]]
+    print(c.triangulate("t")["triangles"], delaunayd._private.find_program(), _library.library()._name)') &&
+        [[ $found == "1 $scratch/venv/"*" $scratch/venv/"* ]] && [ -s "$scratch"/venv/lib/python*/site-packages/delaunayd-*.dist-info/LICENSE ]
 }
 
 # ---- haproxy ----
@@ -231,14 +238,15 @@ else
     skip "Redis.pm" "the Debian package libredis-perl is missing"
 fi
 count "the Python package, nothing skipped" python_package_passes
-count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
+count "SciPy's own tests of Delaunay and interpolation, with ours" env PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py
+count "the Python package in process equals the daemon on all families" "$python" tests/interop/in_process.py "$build"
 count "mirrors equal the set, with kills, lost connections and pauses" "$python" tests/interop/mirrors.py "$build"
-count "the Python package can be installed, with the daemon" python_package_installs
+count "the Python package can be installed, with the daemon and the library" python_package_installs
 if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
-    count "the Python package compiles the daemon where there is none" python_package_compiles_the_daemon
+    count "the Python package compiles daemon and library where there are none" python_package_compiles_the_daemon
 else
-    skip "the Python package compiles the daemon where there is none" "the Debian package python3-venv is missing"
+    skip "the Python package compiles daemon and library where there are none" "the Debian package python3-venv is missing"
 fi
 count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
 count "values in rational arithmetic" "$python" tests/interop/values.py "$port"

@@ -1,14 +1,36 @@
-"""Client of delaunayd, the Delaunay triangulation daemon.
+"""delaunayd, the Delaunay triangulation daemon, and its geometry in this process.
 
-`Client` for threads; `delaunayd.aio.Client` for asyncio; `Mirror` follows a set; `delaunayd.spatial.Delaunay` with the interface of
-SciPy's; `delaunayd.interpolate` with that of its interpolators.
+`Client` for threads; `delaunayd.aio.Client` for asyncio; `Mirror` follows a set. Without a daemon: `delaunayd.spatial.Delaunay` with
+the interface of SciPy's, and `delaunayd.interpolate` with that of its interpolators.
 """
 
-from ._protocol import Cells, Contour, Field
-from .client import Client, ConnectionLost, Located, Neighbour, Pipeline, Refused, Reply
-from .mirror import Change, Mirror
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, List
+
+if TYPE_CHECKING:
+    from ._protocol import Cells, Contour, Field
+    from .client import Client, ConnectionLost, Located, Neighbour, Pipeline, Refused, Reply
+    from .mirror import Change, Mirror
 
 __all__ = [
     "Cells", "Change", "Client", "ConnectionLost", "Contour", "Field", "Located", "Mirror", "Neighbour", "Pipeline", "Refused", "Reply"
 ]
 __version__ = "0.1.0"
+
+_HOMES = {"Cells": "_protocol", "Change": "mirror", "Contour": "_protocol", "Field": "_protocol", "Mirror": "mirror"}
+
+
+def __getattr__(name: str) -> Any:
+    """The client is imported when it is first used: delaunayd.spatial does without."""
+    if name not in __all__:
+        raise AttributeError("module 'delaunayd' has no attribute %r" % name)
+    from importlib import import_module
+
+    value = getattr(import_module("." + _HOMES.get(name, "client"), __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> List[str]:
+    return sorted([*globals(), *__all__])

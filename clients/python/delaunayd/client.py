@@ -8,8 +8,7 @@ import select
 import socket
 import threading
 import weakref
-from collections import deque
-from typing import Any, Callable, Deque, Generator, Iterable, List, Optional, Sequence, Union
+from typing import Any, Callable, Generator, Iterable, List, Optional, Sequence, Union
 
 from . import _address, _protocol as protocol
 from ._commands import Commands
@@ -111,7 +110,6 @@ class Client(Commands):
         self._closed = False
         self._busy = False  # a request is under way
         self._sent = 0  # requests of send() whose replies are to be received
-        self._garbage: Deque[str] = deque()  # sets that are to be dropped
         _clients.add(self)
         self._connect()
 
@@ -218,8 +216,6 @@ class Client(Commands):
                     replies += self._exchange_again(_next_batch(requests, len(replies)), progress)
             finally:
                 self._busy = False
-        if self._garbage:
-            self._drop_garbage()
         return replies
 
     def _run(
@@ -275,32 +271,6 @@ class Client(Commands):
     ) -> Mirror:
         """An object that follows a set of this server, over a connection of its own: see Mirror."""
         return Mirror(self._address, name, fields, within, timeout, on_change)
-
-    # ---- sets that nothing refers to any more ----
-
-    def _discard(self, name: str) -> None:
-        """Drops a temporary set, now or with the next request. For finalizers, which may run at any time."""
-        self._garbage.append(name)
-        if self._lock.acquire(blocking=False):
-            try:
-                if not self._busy and self._sent == 0:
-                    self._drop_garbage()
-            finally:
-                self._lock.release()
-
-    def _drop_garbage(self) -> None:
-        requests = []
-        try:
-            while True:
-                requests.append(protocol.request("DROP", self._garbage.popleft()))
-        except IndexError:
-            pass
-        if not requests or self._closed or self._connection is None or not self._connection.is_good():
-            return  # they have ended with the connection
-        try:
-            self._settle(requests)
-        except OSError:
-            pass
 
 
 class Pipeline(Commands):
@@ -359,7 +329,6 @@ def _after_fork() -> None:
         client._lock = threading.RLock()
         client._busy = False
         client._sent = 0
-        client._garbage.clear()
         client._disconnect()
 
 

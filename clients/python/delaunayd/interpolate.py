@@ -1,36 +1,33 @@
-"""Interpolation between scattered points of the plane, with the calling convention of scipy.interpolate. Needs NumPy.
+"""Interpolation between scattered points of the plane, with the calling convention of scipy.interpolate, in this process. Needs
+NumPy.
 
-    from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator
+    from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator, griddata
 
 Differences from SciPy's: triangles are exact and canonical, so the values are canonical, too, to the last digit; the first of several
-coincident points determines the value; values must be finite or NaN; `rescale` is refused with NotImplementedError, more than two
-dimensions with ValueError.
+coincident points determines the value; values must be finite or NaN; more than two dimensions are refused with ValueError.
 """
 
 from __future__ import annotations
 
-import weakref
-from typing import Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
-from . import _protocol as protocol
-from .client import Client
+from ._library import LAPLACE, LINEAR, NATURAL
 from .spatial import Delaunay
 
-__all__ = ["LinearNDInterpolator", "NaturalNeighborInterpolator"]
+if TYPE_CHECKING:
+    from ._types import ArrayLike, Floats, NDArray
+    from .client import Client
 
-_LEAST, _MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates but for 0 [PROTOCOL.md, section 1]
-_AT_ONCE = 1 << 20  # places of a request
-_FIELD = "v%d"
-_MOST_FIELDS = 64  # of a set
+__all__ = [
+    "CloughTocher2DInterpolator", "LinearNDInterpolator", "NaturalNeighborInterpolator", "NearestNDInterpolator", "griddata"
+]
+
+_METHODS = {"linear": LINEAR, "natural": NATURAL, "laplace": LAPLACE}
 
 
-class _Owner:
-    """Whose values fields are: those of an interpolator, and of its copies."""
-
-
-def _places(args: Tuple[Any, ...]) -> Any:
+def _places(args: Tuple[Any, ...]) -> Floats:
     """The places of a call: one array of shape (..., 2), or a tuple or two arrays of x and y, which are broadcast."""
     if len(args) == 1 and isinstance(args[0], tuple):
         args = args[0]
@@ -48,136 +45,218 @@ def _places(args: Tuple[Any, ...]) -> Any:
     return places
 
 
+def _points(points: Any) -> Any:
+    """Points as Delaunay takes them: those of an array, a tuple of coordinates, or a triangulation of SciPy's."""
+    if isinstance(points, np.ma.MaskedArray) and not np.any(points.mask):
+        return points.data
+    if isinstance(points, tuple):
+        return np.stack(np.broadcast_arrays(*points), axis=-1).reshape(-1, len(points))
+    if not isinstance(points, np.ndarray) and hasattr(points, "simplices") and hasattr(points, "points"):
+        return points.points
+    return points
+
+
+class _Scale:
+    """Coordinates from 0 to 1 if `rescale`, as SciPy's: about 0, divided by the width and height."""
+
+    def __init__(self, points: Any, rescale: bool):
+        self.points = points
+        self.offset: Any = None
+        if rescale:
+            flat = np.asarray(points, dtype=np.float64)
+            self.offset = flat.mean(axis=0)
+            self.width = np.ptp(flat, axis=0)
+            self.width[self.width == 0] = 1.0
+            self.points = (flat - self.offset) / self.width
+
+    def __call__(self, places: Floats) -> Floats:
+        scaled: Floats = places if self.offset is None else (places - self.offset) / self.width
+        return scaled
+
+
+def _triangulate(points: Any, rescale: bool, workers: Optional[int]) -> Tuple[Delaunay, _Scale]:
+    if rescale and hasattr(points, "simplices"):
+        raise ValueError("Rescaling is not supported when passing a Delaunay triangulation as ``points``.")
+    scale = _Scale(points.points if type(points) is Delaunay else _points(points), rescale)
+    return points if type(points) is Delaunay else Delaunay(scale.points, workers=workers), scale
+
+
+class _Values:
+    """Values of shape (n, ...) as columns: each is contiguous in memory, and `shaped` is another view of the same numbers."""
+
+    def __init__(self, values: ArrayLike, points: int):
+        given = np.asarray(values)
+        if given.ndim == 0 or len(given) != points:
+            raise ValueError("different number of values and points")
+        self.is_complex = np.issubdtype(given.dtype, np.complexfloating)
+        last = np.moveaxis(given, 0, -1)
+        kept = np.array(last, dtype=np.complex128 if self.is_complex else np.float64, order="C")
+        if np.isinf(kept).any():
+            raise ValueError("values must be finite or NaN")
+        self.shape = kept.shape[:-1]
+        self.columns = kept.reshape(-1, points)
+        self.shaped = np.moveaxis(kept, -1, 0)
+
+    def __reduce__(self) -> Any:
+        return _Values, (self.shaped, len(self.shaped))
+
+
 class _Interpolator:
     _method = "linear"
 
     def __init__(
         self,
         points: Any,
-        values: Any,
+        values: ArrayLike,
         fill_value: Any = np.nan,
         rescale: bool = False,
         *,
         max_edge: Optional[float] = None,
         url: Optional[str] = None,
         client: Optional[Client] = None,
+        workers: Optional[int] = None,
     ):
-        if rescale:
-            raise NotImplementedError("rescale would change the triangulation; scale the points")
-        self.tri = _triangulation(points, url, client)
+        self.tri, self._scale = _triangulate(points, rescale, workers)
+        self._workers = workers
         self.max_edge = None if max_edge is None else float(max_edge)
-        self.values = self._check_values(values)
-        self.values_shape = self.values.shape[1:]
-        self.is_complex = np.issubdtype(self.values.dtype, np.complexfloating)
-        self.fill_value = complex(fill_value) if self.is_complex else float(fill_value)
-        columns = self.values.reshape(len(self.values), -1)
-        self._columns = np.concatenate([columns.real, columns.imag], axis=1) if self.is_complex else columns
-        self._owner = _Owner()
-
-    def _check_values(self, values: Any) -> Any:
-        values = np.asarray(values)
-        if values.ndim == 0 or len(values) != self.tri.npoints:
-            raise ValueError("different number of values and points")
-        kind = np.complex128 if np.issubdtype(values.dtype, np.complexfloating) else np.float64
-        values = np.ascontiguousarray(values, dtype=kind)
-        if np.isinf(values).any():
-            raise ValueError("values must be finite or NaN")
-        return values
+        self._values = _Values(values, self.tri.npoints)
+        self.fill_value: Any = complex(fill_value) if self.is_complex else float(fill_value)
 
     @property
-    def points(self) -> Any:
+    def values(self) -> NDArray[Any]:
+        """The values of the points, shape (n, ...). Others may be assigned, as a whole or in place: the next call uses them."""
+        return self._values.shaped
+
+    @values.setter
+    def values(self, values: NDArray[Any]) -> None:
+        self._values = _Values(values, self.tri.npoints)
+
+    @property
+    def values_shape(self) -> Tuple[int, ...]:
+        """The shape of a value."""
+        return self._values.shape
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether values are complex."""
+        return self._values.is_complex
+
+    @property
+    def points(self) -> Floats:
         """The points, shape (npoints, 2)."""
         return self.tri.points
 
-    def __call__(self, *args: Any) -> Any:
+    def __call__(self, *args: Any) -> NDArray[Any]:
         """The values at places: shape (..., 2), or x and y, which are broadcast. The result has their shape, and that of a
         value. It is fill_value outside the hull, and NaN where a value is missing."""
+        values = self._values
         places = _places(args)
-        flat = places.reshape(-1, 2)
-        out = np.full((len(flat), self._columns.shape[1]), np.nan)
-        good = np.flatnonzero((np.abs(flat) <= _MOST).all(axis=1))
-        asked = flat[good]
-        asked[np.abs(asked) < _LEAST] = 0.0
-        for at in range(0, len(good), _AT_ONCE):
-            out[good[at : at + _AT_ONCE]] = self._ask(asked[at : at + _AT_ONCE])
-        if self.is_complex:
-            half = out.shape[1] // 2
-            out = out[:, :half] + 1j * out[:, half:]
-        if not np.isnan(self.fill_value):
-            self._fill(out, flat)
-        return out.reshape(places.shape[:-1] + self.values_shape)
+        flat = np.ascontiguousarray(self._scale(places.reshape(-1, 2)))
+        out = np.empty((len(flat), len(values.columns)), dtype=values.columns.dtype)
+        for k, column in enumerate(values.columns):
+            if values.is_complex:
+                out[:, k].real = self._column(column.real, flat, complex(self.fill_value).real)
+                out[:, k].imag = self._column(column.imag, flat, complex(self.fill_value).imag)
+            else:
+                out[:, k] = self._column(column, flat, self.fill_value)
+        return out.reshape(places.shape[:-1] + values.shape)
 
-    def _fill(self, out: Any, flat: Any) -> None:
-        rows = np.flatnonzero(np.isnan(out).any(axis=1))
-        if self.max_edge is None and np.isnan(self._columns).any():
-            rows = rows[self.tri.find_simplex(flat[rows]) < 0]
-        out[rows] = self.fill_value
-
-    def _ask(self, places: Any) -> Any:
-        """Shape (places, columns). Each column is a field of the set."""
-        def ask(client: Client, name: str) -> Any:
-            fields = self._fields(client, name)
-            found = [client.interpolate(name, _FIELD % k, places, self._method, self.max_edge) for k in fields]
-            return np.stack(found, axis=1)
-
-        if self._columns.shape[1] == 0:
-            return np.empty((len(places), 0))
-        if self._columns.shape[1] > _MOST_FIELDS:
-            raise NotImplementedError("at most 64 values a point")
-        return self.tri._ask(ask)
-
-    def _fields(self, client: Client, name: str) -> List[int]:
-        """The numbers of the fields that have the columns, which are sent unless they are there. Interpolators may share a
-        triangulation; if there are too many, those that were used last have fields."""
-        fields = self.tri._fields  # number: (owner, column); the last used is the last
-        mine = {column: number for number, (owner, column) in fields.items() if owner() is self._owner}
-        columns = self._columns.T
-        requests = []
-        if len(mine) == len(columns):
-            numbers = [mine[column] for column in range(len(columns))]
-        else:
-            numbers = self._free_fields(len(columns))
-            for number, column in zip(numbers, columns):
-                data, n = protocol.column(column)
-                requests.append(protocol.request("FSETB", name, _FIELD % number, 0, n, body=data))
-        for number in numbers:
-            fields.pop(number, None)
-        client._run(requests, lambda replies: None)
-        fields.update((number, (weakref.ref(self._owner), column)) for column, number in enumerate(numbers))
-        return numbers
-
-    def _free_fields(self, n: int) -> List[int]:
-        fields = self.tri._fields
-        free = [number for number, (owner, _) in fields.items() if owner() in (None, self._owner)]
-        free += [number for number in range(_MOST_FIELDS) if number not in fields]
-        return (free + [number for number in fields if number not in free])[:n]
-
-
-def _triangulation(points: Any, url: Optional[str], client: Optional[Client]) -> Delaunay:
-    if type(points) is Delaunay:
-        return points
-    if not isinstance(points, np.ndarray) and hasattr(points, "simplices") and hasattr(points, "points"):
-        points = points.points  # SciPy's
-    elif isinstance(points, np.ma.MaskedArray) and not np.any(points.mask):
-        points = points.data
-    elif isinstance(points, tuple):
-        points = np.stack(np.broadcast_arrays(*points), axis=-1).reshape(-1, len(points))
-    return Delaunay(points, url=url, client=client)
+    def _column(self, column: Any, flat: Floats, outside: float) -> Floats:
+        triangulation = self.tri._now.triangulation
+        if len(column) != triangulation.counts.points:
+            raise ValueError("points were added to the triangulation, which now has more than there are values")
+        edge = np.inf if self.max_edge is None else self.max_edge
+        return triangulation.values(
+            np.ascontiguousarray(column), _METHODS[self._method], edge, flat, outside, self._workers
+        )
 
 
 class LinearNDInterpolator(_Interpolator):
-    """LinearNDInterpolator(points, values, fill_value=nan)(xi): linear in each triangle, as scipy.interpolate's of that name.
+    """LinearNDInterpolator(points, values, fill_value=nan, rescale=False)(xi): linear in each triangle, as scipy.interpolate's of
+    that name.
 
     `points` has the shape (n, 2), or is a Delaunay triangulation; `values` has the shape (n, ...), real or complex. `max_edge`:
-    there is no value in triangles with a longer edge. `client` and `url` are those of delaunayd.spatial.Delaunay."""
+    there is no value in triangles with a longer edge. `workers` is the number of threads, all processors if it is None.
+    `client` and `url` have no effect: no daemon is needed."""
 
 
 class NaturalNeighborInterpolator(_Interpolator):
     """NaturalNeighborInterpolator(points, values, fill_value=nan)(xi): Sibson's interpolation, which is smooth except at the
     points. Arguments and calls are those of LinearNDInterpolator; method="laplace" takes Laplace's weights instead."""
 
-    def __init__(self, points: Any, values: Any, fill_value: Any = np.nan, method: str = "natural", **more: Any):
+    def __init__(
+        self, points: Any, values: ArrayLike, fill_value: Any = np.nan, method: str = "natural", **more: Any
+    ):
         if method not in ("natural", "laplace"):
             raise ValueError("method is natural or laplace")
         self._method = method
         super().__init__(points, values, fill_value, **more)
+
+
+class NearestNDInterpolator:
+    """NearestNDInterpolator(points, values, rescale=False)(xi): the value of the nearest point, inside the hull and outside, as
+    scipy.interpolate's of that name. Of points that are as near, the first one counts. `points` may be a Delaunay triangulation.
+    `tree_options` has no effect. Options of a call are those of Delaunay.query, such as `distance_upper_bound`: NaN beyond it."""
+
+    def __init__(
+        self, x: Any, y: ArrayLike, rescale: bool = False, tree_options: Any = None, *, workers: Optional[int] = None
+    ):
+        self._workers = -1 if workers is None else workers
+        self.tri, self._scale = _triangulate(x, rescale, workers)
+        self.values = np.asarray(y)
+        if self.values.ndim == 0 or len(self.values) != self.tri.npoints:
+            raise ValueError("different number of values and points")
+
+    @property
+    def points(self) -> Floats:
+        """The points, shape (npoints, 2)."""
+        return self.tri.points
+
+    def __call__(self, *args: Any, **query: Any) -> NDArray[Any]:
+        """The values at places, given as for LinearNDInterpolator."""
+        places = self._scale(_places(args))
+        _, ids = self.tri.query(places, **{"workers": self._workers, **query})
+        ids = np.asarray(ids)
+        if len(self.values) != self.tri.npoints:
+            raise ValueError("points were added to the triangulation, which now has more than there are values")
+        none = ids == self.tri.npoints
+        found: NDArray[Any] = self.values[np.where(none, 0, ids)]
+        if none.any():
+            found = found.astype(np.result_type(found.dtype, np.float64))
+            found[none] = np.nan
+        return found
+
+
+def CloughTocher2DInterpolator(points: Any, values: ArrayLike, fill_value: Any = np.nan, **more: Any) -> Any:
+    """SciPy's interpolator of that name, which must be installed, on an exact triangulation. `more`: its tol, maxiter and
+    rescale."""
+    from scipy.interpolate import CloughTocher2DInterpolator as theirs  # type: ignore[import]
+
+    tri = points if type(points) is Delaunay else _points(points)
+    if not more.get("rescale", False) and type(tri) is not Delaunay:
+        tri = Delaunay(tri)
+    return theirs(tri, values, fill_value=fill_value, **more)
+
+
+def griddata(
+    points: Any,
+    values: ArrayLike,
+    xi: Any,
+    method: str = "linear",
+    fill_value: Any = np.nan,
+    rescale: bool = False,
+    *,
+    workers: Optional[int] = None,
+) -> NDArray[Any]:
+    """The values at places, as scipy.interpolate.griddata for points of the plane: method "nearest", "linear", "cubic", which needs
+    SciPy, or also "natural" or "laplace"."""
+    if method == "nearest":
+        return NearestNDInterpolator(points, values, rescale=rescale, workers=workers)(xi)
+    if method == "linear":
+        return LinearNDInterpolator(points, values, fill_value, rescale, workers=workers)(xi)
+    if method in ("natural", "laplace"):
+        return NaturalNeighborInterpolator(points, values, fill_value, method, rescale=rescale, workers=workers)(xi)
+    if method == "cubic":
+        found: NDArray[Any] = CloughTocher2DInterpolator(points, values, fill_value, rescale=rescale)(xi)
+        return found
+    raise ValueError("Unknown interpolation method %r for 2 dimensional data" % (method,))

@@ -4,12 +4,12 @@ import copy
 import pickle
 import unittest
 
-from .common import SQUARE, WithDaemon
+from .common import SQUARE
 
 try:
     import numpy as np
 
-    from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator
+    from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator, NearestNDInterpolator, griddata
     from delaunayd.spatial import Delaunay
 except ImportError:
     np = None
@@ -21,14 +21,13 @@ except ImportError:
 
 
 @unittest.skipIf(np is None, "without NumPy")
-class Interpolators(WithDaemon):
+class Interpolators(unittest.TestCase):
     def setUp(self):
-        super().setUp()
         self.random = np.random.default_rng(16)
         self.points = self.random.random((2000, 2))
 
     def ours(self, *args, kind=None, **more):
-        return (kind or LinearNDInterpolator)(*args, client=self.client, **more)
+        return (kind or LinearNDInterpolator)(*args, **more)
 
     @unittest.skipIf(scipy is None, "without SciPy")
     def test_linear_values_are_those_of_scipy(self):
@@ -61,7 +60,7 @@ class Interpolators(WithDaemon):
     @unittest.skipIf(scipy is None, "without SciPy")
     def test_a_triangulation_may_stand_for_points(self):
         values = self.points.sum(axis=1)
-        for tri in (Delaunay(self.points, client=self.client), scipy.spatial.Delaunay(self.points)):
+        for tri in (Delaunay(self.points), scipy.spatial.Delaunay(self.points)):
             self.assertAlmostEqual(float(self.ours(tri, values)(0.25, 0.5)), 0.75)
 
     def test_natural_neighbours_reproduce_planes_and_points(self):
@@ -87,8 +86,6 @@ class Interpolators(WithDaemon):
         self.assertTrue(np.isnan(f(2, 0.5)))
 
     def test_what_cannot_be_done_is_refused(self):
-        with self.assertRaises(NotImplementedError):
-            self.ours(SQUARE, range(5), rescale=True)
         with self.assertRaises(ValueError):
             self.ours(SQUARE, range(4))
         with self.assertRaises(ValueError):
@@ -97,21 +94,61 @@ class Interpolators(WithDaemon):
             self.ours(np.zeros((5, 3)), range(5))
 
     def test_interpolators_that_share_a_triangulation_have_values_of_their_own(self):
-        tri = Delaunay(self.points, client=self.client)
-        many = [self.ours(tri, k + self.points) for k in range(40)]  # 80 columns; a set has 64 fields
+        tri = Delaunay(self.points)
+        many = [self.ours(tri, k + self.points) for k in range(40)]
         for k in (0, 1, 0, 39, 38, 1, 20) + tuple(range(40)):
             np.testing.assert_allclose(many[k](0.25, 0.5), [k + 0.25, k + 0.5], rtol=0, atol=1e-12)
         again = pickle.loads(pickle.dumps(many[:1]))[0]
-        again.tri._given = self.client
         for f in (again, many[0], copy.copy(many[0]), many[1]):
             self.assertAlmostEqual(float(f(0.25, 0.5)[0]) % 1, 0.25)
 
-    def test_values_of_interpolators_that_are_gone_make_room(self):
-        tri = Delaunay(self.points, client=self.client)
-        for k in range(5):
-            f = self.ours(tri, self.points[:, 0] + k)
-            self.assertAlmostEqual(float(f(0.25, 0.5)), k + 0.25)
-        self.assertEqual(len(self.client.fields(tri._name)), 1)
+    def test_values_that_are_assigned_are_used_by_the_next_call(self):
+        for shape in ((), (3,), (2, 2)):
+            given = self.random.random((5,) + shape)
+            first = self.ours(SQUARE, given)
+            for f in (first, pickle.loads(pickle.dumps(first)), copy.deepcopy(first)):
+                self.assertEqual(f(2, 2).tolist(), given[4].tolist())
+                f.values[4] = 7
+                self.assertEqual(f(2, 2).tolist(), np.full(shape, 7.0).tolist())
+                f.values = np.arange(5) * 1j
+                self.assertEqual(complex(f(2, 2)), 4j)
+                self.assertTrue(f.is_complex)
+                with self.assertRaises(ValueError):
+                    f.values = np.arange(4)
+                self.assertEqual(complex(f(2, 2)), 4j)
+
+    def test_a_triangulation_with_more_points_than_values_is_refused(self):
+        tri = Delaunay(SQUARE, incremental=True)
+        kinds = [LinearNDInterpolator(tri, range(5)), NearestNDInterpolator(tri, range(5))]
+        tri.add_points([(1, 2)])
+        for f in kinds:
+            with self.assertRaisesRegex(ValueError, "more than there are values"):
+                f(1, 1)
+
+    @unittest.skipIf(scipy is None, "without SciPy")
+    def test_griddata_and_the_nearest_are_those_of_scipy(self):
+        places = self.random.random((400, 2)) * 1.2 - 0.1
+        x, y = np.meshgrid(np.linspace(-0.1, 1.1, 13), np.linspace(0, 1, 7))
+        wide = self.points * [1000, 1]
+        for values in (self.random.random(2000), self.random.random((2000, 2)) + 2j):
+            for method in ("nearest", "linear", "cubic"):
+                for rescale in (False, True):
+                    points = wide if rescale else self.points
+                    for xi in (places, (x, y), [(0.5, 0.5)]):
+                        args = (points, values, xi, method, -1, rescale)
+                        want = scipy.interpolate.griddata(*args)
+                        got = griddata(*args)
+                        self.assertEqual((got.shape, got.dtype), (want.shape, want.dtype))
+                        np.testing.assert_allclose(got, want, rtol=0, atol=1e-9)
+        self.assertEqual(griddata(SQUARE, [1, 1, 1, 1, 1], [(1, 1)], "natural").tolist(), [1])
+        with self.assertRaises(ValueError):
+            griddata(SQUARE, range(5), [(1, 1)], "spline")
+
+    def test_the_nearest_value_is_that_of_the_first_of_equal_points(self):
+        f = NearestNDInterpolator([(1, 1), (0, 0), (1, 1), (0, 0)], ["a", "b", "c", "d"])
+        self.assertEqual(f([(0.9, 2), (-5, 0)]).tolist(), ["a", "b"])
+        g = NearestNDInterpolator(SQUARE, range(5))
+        np.testing.assert_array_equal(g([(2, 2.5), (99, 0)], distance_upper_bound=3), [4, np.nan])
 
     def test_masked_arrays_without_masked_points_are_arrays(self):
         values = self.points.sum(axis=1)
@@ -119,12 +156,6 @@ class Interpolators(WithDaemon):
         self.assertAlmostEqual(float(f(0.25, 0.5)), 0.75)
         with self.assertRaises(ValueError):
             self.ours(np.ma.masked_array(self.points, mask=self.points > 0.9), values)
-
-    def test_the_set_is_made_again_with_its_values(self):
-        f = self.ours(SQUARE, [0, 1, 2, 3, 4])
-        self.assertEqual(float(f(2, 2)), 4)
-        self.client.drop(f.tri._name)
-        self.assertEqual(float(f(2, 2)), 4)
 
 
 if __name__ == "__main__":

@@ -1,17 +1,12 @@
 """delaunayd.spatial.Delaunay, compared with SciPy's where that is installed."""
 
 import copy
-import gc
 import importlib.util
-import os
 import pickle
 import unittest
 import warnings
 
-from delaunayd import Client
-
 from .common import SQUARE, WithDaemon
-from .test_threads import in_threads
 
 try:
     import numpy
@@ -28,7 +23,7 @@ except ImportError:
 @unittest.skipIf(numpy is None, "NumPy is missing")
 class Spatial(WithDaemon):
     def make(self, points, **options):
-        return Delaunay(points, client=self.client, **options)
+        return Delaunay(points, **options)
 
     def check_against_scipy(self, points):
         mine, theirs = self.make(points), scipy_spatial.Delaunay(points)
@@ -103,12 +98,6 @@ class Spatial(WithDaemon):
         self.assertEqual(d.coplanar.tolist(), [[3, -1, 1]])
         self.assertEqual(int(d.find_simplex((1, 1))), -1)
 
-    def test_the_set_goes_with_the_object(self):
-        d = self.make(SQUARE)
-        self.assertEqual(len(self.client.sets()), 1)
-        del d
-        self.assertEqual(self.client.sets(), [])
-
     def test_a_million_points(self):
         d = self.make(numpy.random.default_rng(3).random((1000000, 2)))
         n = d.neighbors
@@ -180,7 +169,7 @@ class Spatial(WithDaemon):
         with self.assertRaises(NotImplementedError):
             self.make(SQUARE + SQUARE, qhull_options="QJ")
         self.assertEqual(self.make(SQUARE, qhull_options="QJ Pp").nsimplex, 4)
-        self.assertEqual(self.client.sets(), [])
+        self.assertEqual(self.client.sets(), [])  # no daemon is asked
 
     def test_points_can_be_added(self):
         rng = numpy.random.default_rng(8)
@@ -203,7 +192,7 @@ class Spatial(WithDaemon):
 
     def test_a_copy_and_a_pickle_answer_alike(self):
         points = numpy.random.default_rng(9).random((200, 2))
-        d = Delaunay(points, url=self.url)
+        d = Delaunay(points, workers=1)
         for other in (pickle.loads(pickle.dumps(d)), copy.copy(d), copy.deepcopy(d)):
             self.assertEqual(type(other), Delaunay)
             self.assertEqual(other.simplices.tolist(), d.simplices.tolist())
@@ -236,52 +225,93 @@ class Spatial(WithDaemon):
         d = self.make(points)
         self.assertEqual(d.find_simplex(points[d.simplices].mean(axis=1)).tolist(), list(range(d.nsimplex)))
 
-    # ---- the set ----
+    @unittest.skipIf(scipy_spatial is None, "SciPy is missing")
+    def test_searches_take_the_whole_signature_of_a_tree(self):
+        rng = numpy.random.default_rng(13)
+        points = numpy.vstack([rng.random((300, 2)), rng.random((20, 2)).repeat(3, axis=0)])
+        places = rng.random((30, 4, 2)) * 1.4 - 0.2
+        d, tree = self.make(points), scipy_spatial.cKDTree(points)
+        for p in (1, 1.5, 2, 3, numpy.inf):
+            for k in (1, [1], [3, 1, 7], 5, 400):
+                for upper in (numpy.inf, 0.05):
+                    args = dict(k=k, p=p, distance_upper_bound=upper)
+                    got, ids = d.query(places, eps=0.1, workers=2, **args)
+                    want, _ = tree.query(places, workers=2, **args)
+                    self.assertEqual((got.shape, ids.shape), (want.shape, want.shape))
+                    numpy.testing.assert_allclose(got, want, rtol=1e-12)
+                    there = ids < len(points)
+                    self.assertEqual(there.tolist(), numpy.isfinite(want).tolist())
+                    self.assertTrue((ids[~there] == len(points)).all())
+            radii = rng.random((30, 4)) * 0.2
+            for r in (0.1, radii, 0, numpy.inf):
+                got, want = d.query_ball_point(places, r, p=p), tree.query_ball_point(places, r, p=p, return_sorted=True)
+                self.assertEqual(got.tolist(), want.tolist())
+                lengths = d.query_ball_point(places, r, p=p, workers=-1, return_length=True)
+                self.assertEqual(lengths.tolist(), [[len(ids) for ids in row] for row in want.tolist()])
+        self.assertEqual(d.query_ball_point(points[0], 0.1), tree.query_ball_point(points[0], 0.1, return_sorted=True))
+        one, theirs = d.query(places[0, 0]), tree.query(places[0, 0])
+        self.assertEqual((numpy.ndim(one[0]), int(one[1])), (0, int(theirs[1])))
+        for bad in ({"k": 0}, {"k": []}, {"p": 0.5}, {"eps": -1}, {"workers": 0}):
+            with self.assertRaises(ValueError):
+                d.query(places, **bad)
+        with self.assertRaises(ValueError):
+            d.query_ball_point(places, -1)
 
-    def test_a_lost_set_is_made_again(self):
-        points = numpy.random.default_rng(10).random((100, 2))
-        client = Client(self.url)
-        d = Delaunay(points, client=client, incremental=True)
-        centres = points[d.simplices].mean(axis=1)
-        for lose in (lambda: self.client.command("CLIENT", "KILL", "ID", own_id(client)), lambda: client.drop(client.sets()[0])):
-            lose()
-            self.assertEqual(d.find_simplex(centres).tolist(), list(range(d.nsimplex)))
-        self.client.command("CLIENT", "KILL", "ID", own_id(client))
-        d.add_points([(0.5, 0.5), (3, 3)])
-        self.assertEqual(d.simplices.tolist(), self.make(d.points).simplices.tolist())
-        client.close()
+    @unittest.skipIf(scipy_spatial is None, "SciPy is missing")
+    def test_places_on_the_hull_have_a_triangle_as_for_scipy(self):
+        rng = numpy.random.default_rng(14)
+        corners = numpy.array([(0, 0), (1, 0.3), (0.7, 1.3), (-0.3, 1)])
+        points = numpy.vstack([corners, rng.random((50, 2)) * 0.3 + [0.2, 0.5]])
+        t = rng.random((1000, 1))
+        places = numpy.vstack([corners[k] * t + corners[(k + 1) % 4] * (1 - t) for k in range(4)])
+        d, theirs = self.make(points), scipy_spatial.Delaunay(points)
+        self.assertTrue((theirs.find_simplex(places) >= 0).all())
+        self.assertTrue((d.find_simplex(places) >= 0).all())
+        self.assertGreater(int((d.find_simplex(places, tol=0) < 0).sum()), 100)
+        self.assertEqual(int((d.find_simplex(places + [1e-9, -1e-9]) < 0).sum() > 0), 1)
+        from scipy import interpolate
 
-    def test_sets_that_are_collected_in_the_midst_of_a_request_harm_nobody(self):
-        self.client.load("t", [(i, 0.5) for i in range(100)])
-        for k in range(100):
-            cycle = [self.make(SQUARE)]
-            cycle.append(cycle)
-            del cycle
-            if k % 7 == 0:
-                gc.collect()
-            self.assertEqual(self.client.nearest("t", k + 0.2, 0.5)[0].id, k)
-        gc.collect()
-        self.client.ping()
+        from delaunayd.interpolate import LinearNDInterpolator
+
+        values = points @ [2, -3]
+        for kind in (LinearNDInterpolator, interpolate.LinearNDInterpolator):
+            numpy.testing.assert_allclose(kind(points, values)(places), places @ [2, -3], rtol=0, atol=1e-12)
+
+    # ---- a set of a daemon ----
+
+    def test_a_shared_set_has_the_points_and_the_same_triangles(self):
+        points = numpy.random.default_rng(15).random((500, 2))
+        d = Delaunay(points, client=self.client, set="t", incremental=True)
         self.assertEqual(self.client.sets(), ["t"])
+        self.assertEqual(d.simplices.tolist(), self.client.triangles("t").tolist())
+        same = Delaunay(points, url=self.url, set="t")
+        taken = Delaunay(client=self.client, set="t")
+        for other in (same, taken):
+            self.assertEqual(other.simplices.tolist(), d.simplices.tolist())
+            self.assertEqual(other.ids.tolist(), list(range(500)))
+        d.add_points([(0.5, 0.5), (2, 2)])
+        self.assertEqual(d.simplices.tolist(), self.client.triangles("t").tolist())
+        self.assertEqual(d.ids.tolist(), list(range(502)))
+        self.client.delete("t", [3])
+        gaps = Delaunay(client=self.client, set="t")
+        self.assertEqual(gaps.ids.tolist(), [i for i in range(502) if i != 3])
+        self.assertEqual(gaps.ids[gaps.simplices].tolist(), self.client.triangles("t").tolist())
 
-    def test_threads_make_triangulations_side_by_side(self):
-        def work(i):
-            for k in range(20):
-                points = numpy.random.default_rng(100 * i + k).random((50, 2))
-                d = Delaunay(points, url=self.url)
-                self.assertEqual(d.find_simplex(points[d.simplices].mean(axis=1)).tolist(), list(range(d.nsimplex)))
-
-        in_threads(8, work)
-
-    def test_a_child_leaves_its_parents_set_alone(self):
-        d = self.make(SQUARE)
-        pid = os.fork()
-        if pid == 0:
-            del d
-            os._exit(0)
-        os.waitpid(pid, 0)
-        self.assertEqual(len(self.client.sets()), 1)
-        self.assertEqual(int(d.find_simplex((2, 1))), 0)
+    def test_a_shared_set_that_others_have_made_or_changed_is_left_alone(self):
+        Delaunay(SQUARE, client=self.client, set="t")
+        with self.assertRaisesRegex(ValueError, "has other points"):
+            Delaunay(SQUARE[:4], client=self.client, set="t")
+        d = Delaunay(client=self.client, set="t", incremental=True)
+        self.client.add("t", 9, 9)
+        with self.assertRaisesRegex(ValueError, "another client"):
+            d.add_points([(5, 5)])
+        self.assertEqual((d.npoints, self.client.stat("t")["points"]), (5, 6))
+        self.client.create("loose", tolerance=0.5)
+        with self.assertRaisesRegex(ValueError, "tolerance"):
+            Delaunay(client=self.client, set="loose")
+        for nothing in ({}, {"client": self.client}):
+            with self.assertRaises(ValueError):
+                Delaunay(**nothing)
 
     # ---- Matplotlib ----
 
@@ -295,7 +325,7 @@ class Spatial(WithDaemon):
         points = numpy.random.default_rng(11).random((100, 2))
         d = self.make(points)
         t = tri.Triangulation(points[:, 0], points[:, 1], d.simplices)
-        self.assertEqual(t.edges.shape, self.client.edges(self.client.sets()[0]).shape)
+        self.assertEqual(t.edges.shape, d._now.triangulation.edges().shape)
         interpolated = tri.LinearTriInterpolator(t, points[:, 0])(0.5, 0.5)
         self.assertAlmostEqual(float(interpolated), 0.5)
         lines, _ = pyplot.triplot(points[:, 0], points[:, 1], d.simplices)
@@ -303,10 +333,6 @@ class Spatial(WithDaemon):
         if scipy_spatial is not None:
             scipy_spatial.delaunay_plot_2d(d)
         pyplot.close("all")
-
-
-def own_id(client):
-    return client.command("CLIENT", "ID").keys["id"]
 
 
 if __name__ == "__main__":

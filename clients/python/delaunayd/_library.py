@@ -1,0 +1,110 @@
+"""Finds libdelaunay-core, the geometry as a C library, and declares what the package calls. Loading waits for the first call.
+
+Calls through ctypes release the GIL. Each function is described in core/delaunay_arrays.h.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from ctypes import POINTER, byref, c_double, c_int, c_size_t, c_uint, c_uint32, c_void_p
+from pathlib import Path
+from typing import Any, List, Optional
+
+NAME = "libdelaunay-core.so.0"
+_KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next ones
+
+LINEAR, NATURAL, LAPLACE = range(3)  # enum dt_interpolation
+COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
+
+_NOMEM, _TOOBIG, _RANGE = 1, 2, 3  # enum dt_status
+
+
+class Summary(ctypes.Structure):
+    """struct dt_summary."""
+
+    _fields_ = [(name, c_uint32) for name in ("points", "coincident", "triangles", "edges", "hull", "fields")] + [
+        (name, ctypes.c_bool) for name in ("triangulated", "current", "searchable")
+    ] + [("memory", c_size_t)]
+
+
+class Ids(ctypes.Structure):
+    """struct dt_ids."""
+
+    _fields_ = [("v", c_void_p), ("n", c_size_t), ("cap", c_size_t)]
+
+
+_FUNCTIONS = {
+    "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
+    "dt_arrays_counts": [c_void_p, POINTER(Summary)],
+    "dt_arrays_table": [c_void_p, c_int, c_void_p],
+    "dt_arrays_twins": [c_void_p, c_void_p],
+    "dt_arrays_locate": [c_void_p, c_void_p, c_size_t, c_double, c_uint, c_void_p],
+    "dt_arrays_values": [
+        c_void_p, c_void_p, c_int, c_double, c_void_p, c_size_t, c_double, c_double, c_uint, c_void_p
+    ],
+    "dt_arrays_nearest": [c_void_p, c_void_p, c_size_t, c_uint32, c_uint, c_void_p, c_void_p],
+    "dt_arrays_within": [c_void_p, c_void_p, c_void_p, c_size_t, c_uint, POINTER(Ids), c_void_p],
+    "dt_arrays_free": [c_void_p],
+    "dt_arrays_release": [c_void_p],
+}
+_NO_STATUS = frozenset(["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins"])
+
+_loaded: Any = None
+pages: Optional[int] = None  # the keeper of pages of all triangulations
+
+
+def candidates() -> List[str]:
+    """Where the library may be, best first: $DELAUNAY_CORE alone; or in this package, in the build folder of the checkout, and
+    where the system looks."""
+    chosen = os.environ.get("DELAUNAY_CORE")
+    if chosen:
+        return [chosen]
+    here = Path(__file__).resolve().parent
+    files = [here / "lib" / NAME, here.parent.parent.parent / "build" / "lib" / NAME]
+    return [str(path) for path in files if path.is_file()] + [NAME]
+
+
+def _open() -> Any:
+    try:
+        return ctypes.CDLL(candidates()[0])
+    except OSError as error:
+        raise ImportError(
+            "%s: delaunayd.spatial computes with the C library %s. `make lib` in the repository builds it, `pip install` of "
+            "clients/python puts it into the package, and $DELAUNAY_CORE may name it" % (error, NAME)
+        ) from None
+
+
+def library() -> Any:
+    """The library, loaded on first use. Raises ImportError."""
+    global _loaded, pages
+    if _loaded is None:
+        opened = _open()
+        try:
+            for name, arguments in _FUNCTIONS.items():
+                function = getattr(opened, name)
+                function.argtypes = arguments
+                function.restype = None if name in _NO_STATUS else c_int
+        except AttributeError:
+            raise ImportError("%s is of another version of delaunayd: it lacks %s" % (opened._name, name)) from None
+        opened.dt_pages_new.argtypes, opened.dt_pages_new.restype = [c_size_t], c_void_p
+        opened.dt_status_text.argtypes, opened.dt_status_text.restype = [c_int], ctypes.c_char_p
+        pages = opened.dt_pages_new(_KEPT)
+        _loaded = opened
+    return _loaded
+
+
+def check(status: int, what: str) -> None:
+    """Raises the exception of a status of the library unless that is 0."""
+    if status == 0:
+        return
+    if status == _NOMEM:
+        raise MemoryError(what)
+    if status == _RANGE:
+        raise ValueError(what + ": magnitudes other than 0 are at least 2^-142 and at most 2^201")
+    if status == _TOOBIG:
+        raise ValueError(what + ": there are too many")
+    raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))
+
+
+__all__ = ["COINCIDENT", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "Summary", "byref", "check", "library"]

@@ -1,0 +1,145 @@
+"""A triangulation in this process: arrays go to libdelaunay-core and come back without copies. It never changes, so any number of
+threads may use it at once, without a lock, and a forked process has its own."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import TYPE_CHECKING, Any, Optional, Tuple
+
+import numpy as np
+
+from . import _library
+from ._library import COINCIDENT, EDGES, HULL, byref, check
+
+if TYPE_CHECKING:
+    from ._types import Floats, Ints, Numbers
+
+TOLERANCE: float = 100 * float(np.finfo(np.float64).eps)  # SciPy's, of places beside the hull
+
+_PLACES = "coordinates of places"
+
+
+def processors() -> int:
+    """How many threads the processors of this process can run at once."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers_of(workers: Optional[int]) -> int:
+    """As for cKDTree, -1 is as many as there are processors; so is None."""
+    if workers is None or workers == -1:
+        return processors()
+    if workers < 1:
+        raise ValueError("workers must be at least 1, or -1 for all processors")
+    return int(workers)
+
+
+def _first_bad(points: Floats) -> str:
+    size = np.abs(points)
+    bad = ~((size == 0) | ((size >= 2.0**-142) & (size <= 2.0**201))).all(axis=1)
+    return "points[%d] is %s" % (bad.argmax(), points[bad.argmax()]) if bad.any() else "%d points" % len(points)
+
+
+class Triangulation:
+    """Of points of shape (n, 2), contiguous; `simplices`: the triangles, sorted, each counterclockwise from its smallest point."""
+
+    _handle: Any = None
+
+    def __init__(self, points: Floats, workers: Optional[int] = None):
+        self._library = _library.library()
+        n = len(points)
+        rows = np.empty((2 * n, 3), dtype=np.int32)  # there are fewer; pages that are not touched cost nothing
+        handle = ctypes.c_void_p()
+        status = self._library.dt_arrays_new(
+            points.ctypes.data, n, _library.pages, workers_of(workers), rows.ctypes.data, byref(handle)
+        )
+        check(status, _first_bad(points) if status != 0 else "")
+        self._handle = handle
+        self.counts = _library.Summary()
+        self._library.dt_arrays_counts(handle, byref(self.counts))
+        self.simplices: Ints = rows[: self.counts.triangles]
+
+    def __del__(self) -> None:
+        if self._handle is not None:
+            self._library.dt_arrays_free(self._handle)
+
+    # ---- tables ----
+
+    def _table(self, table: int, rows: int, width: int) -> Ints:
+        out = np.empty((rows, width), dtype=np.int32)
+        check(self._library.dt_arrays_table(self._handle, table, out.ctypes.data), "a table")
+        return out
+
+    def coincident(self) -> Ints:
+        """Rows (point, the point that represents it)."""
+        return self._table(COINCIDENT, self.counts.coincident, 2)
+
+    def edges(self) -> Ints:
+        """The edges, the smaller point first, sorted."""
+        return self._table(EDGES, self.counts.edges, 2)
+
+    def hull(self) -> Ints:
+        """The points of the hull, counterclockwise; those of a line from end to end."""
+        return self._table(HULL, self.counts.hull, 1)[:, 0]
+
+    def neighbors(self) -> Ints:
+        """neighbors[i, k] is the row opposite corner k of row i, -1 at the hull."""
+        twins = np.empty(self.simplices.shape, dtype=np.int32)
+        self._library.dt_arrays_twins(self._handle, twins.ctypes.data)
+        twins //= 3  # the side that begins at corner k + 1 is opposite corner k; -1 stays -1
+        return np.roll(twins, -1, axis=1)
+
+    # ---- places of shape (n, 2), contiguous ----
+
+    def locate(self, places: Floats, tol: float, workers: Optional[int]) -> Ints:
+        """The row of the triangle of each place, -1 outside; shape places.shape[:-1]."""
+        out = np.empty(places.shape[:-1], dtype=np.int32)
+        n = out.size
+        workers = 1 if n < 2 else workers_of(workers)
+        status = self._library.dt_arrays_locate(
+            self._handle, places.ctypes.data, n, tol, workers, out.ctypes.data
+        )
+        if status != 0:
+            check(status, _PLACES)
+        return out
+
+    def values(
+        self, column: Floats, method: int, max_edge: float, places: Floats, outside: float, workers: Optional[int]
+    ) -> Floats:
+        """The value at each place."""
+        out = np.empty(len(places))
+        status = self._library.dt_arrays_values(
+            self._handle, column.ctypes.data, method, max_edge, places.ctypes.data, len(places), TOLERANCE, outside,
+            workers_of(workers), out.ctypes.data
+        )
+        check(status, "max_edge")
+        return out
+
+    def nearest(self, places: Floats, k: int, workers: Optional[int]) -> Tuple[Floats, Numbers]:
+        """The distances and numbers of the nearest k, shape (n, k); infinite and npoints where there are fewer."""
+        ids = np.empty((len(places), k), dtype=np.uint32)
+        distance = np.empty((len(places), k))
+        status = self._library.dt_arrays_nearest(
+            self._handle, places.ctypes.data, len(places), k, workers_of(workers), ids.ctypes.data, distance.ctypes.data
+        )
+        check(status, _PLACES)
+        numbers = ids.astype(np.int64)
+        numbers[ids == 0xFFFFFFFF] = self.counts.points
+        return distance, numbers
+
+    def within(self, places: Floats, r: Floats, workers: Optional[int]) -> Tuple[Numbers, Numbers]:
+        """The numbers of the points at most r[i] from place i, ascending, of one place after the other; and where those of each
+        end."""
+        end = np.empty(len(places), dtype=np.uintp)
+        found = _library.Ids()
+        status = self._library.dt_arrays_within(
+            self._handle, places.ctypes.data, r.ctypes.data, len(places), workers_of(workers), byref(found), end.ctypes.data
+        )
+        try:
+            check(status, "places and distances")
+            numbers = np.empty(found.n, dtype=np.uint32)
+            if found.n > 0:
+                ctypes.memmove(numbers.ctypes.data, found.v, 4 * found.n)
+        finally:
+            self._library.dt_arrays_release(found.v)
+        return numbers.astype(np.int64), end.astype(np.int64)
