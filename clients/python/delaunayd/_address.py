@@ -71,6 +71,14 @@ def _connect_to_private(timeout: Optional[float]) -> socket.socket:
         return _connect_to(Address(path=_private.socket_path(instead_of=path)), timeout)
 
 
+def describe(address: Address, s: socket.socket) -> str:
+    """What a connected socket leads to, for people."""
+    if address.path or s.family != socket.AF_UNIX:
+        return str(address)
+    why = ", because no server listens at %s" % (address,) if address.default else ""
+    return "a private daemon, whose sets are in memory alone and end with this process" + why
+
+
 def connect(address: Address, timeout: Optional[float]) -> socket.socket:
     """A connected socket."""
     if address.private:

@@ -7,6 +7,7 @@ that ends. Forked processes share the daemon.
 from __future__ import annotations
 
 import atexit
+import logging
 import os
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ import threading
 from pathlib import Path
 from typing import Optional
 
+_log = logging.getLogger("delaunayd")
 _lock = threading.Lock()
 _process: Optional["subprocess.Popen[str]"] = None
 _owner = 0  # the process that has started it
@@ -56,6 +58,7 @@ def _start() -> str:
     if words[:2] != ["ready", "on"]:
         _end()
         raise ConnectionError("cannot start %s: it is not a daemon, or one without --private" % program)
+    _log.info("started the private daemon %s, process %d: sets are in memory alone and end with this process", program, _process.pid)
     return words[2]
 
 

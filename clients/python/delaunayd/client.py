@@ -95,7 +95,8 @@ class Client(Commands):
     meanwhile. Threads that should not wait for each other's long requests have clients of their own.
 
     `url` is delaunay://[:token@]host[:port], unix://[:token@]/path (or the path alone), or private: for a daemon of this process
-    alone. Without one, $DELAUNAY_URL; without that, localhost:6374, or the private daemon if no server listens there.
+    alone. Without one, $DELAUNAY_URL; without that, localhost:6374, or the private daemon if no server listens there. repr() says which
+    it is, and the logger "delaunayd" at level INFO when a private daemon is started: it loses its sets with this process.
 
     `timeout` is in seconds, for connecting and for each wait for the server; then TimeoutError is raised. None: no limit.
 
@@ -104,6 +105,7 @@ class Client(Commands):
 
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
+        self._where = str(self._address)
         self._timeout = timeout
         self._lock = threading.RLock()
         self._connection: Optional[_Connection] = None
@@ -131,12 +133,13 @@ class Client(Commands):
             connection.close()
 
     def __repr__(self) -> str:
-        return "<delaunayd.Client of %s>" % (self._address,)
+        return "<delaunayd.Client of %s>" % self._where
 
     # ---- the connection; with the lock ----
 
     def _connect(self) -> None:
         self._connection = _Connection(self._address, self._timeout)
+        self._where = _address.describe(self._address, self._connection.socket)
         if self._address.token:
             try:
                 self._connection.send([protocol.request("AUTH", self._address.token)])

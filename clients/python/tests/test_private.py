@@ -45,6 +45,23 @@ class Private(unittest.TestCase):
         nobody = _address.Address(host="127.0.0.1", port=1, default=True)
         with mock.patch.object(_address, "parse", lambda url: nobody), Client() as c:
             self.assertEqual(c.command("CONFIG", "GET", "private").rows, ["private yes"])
+            self.assertIn("a private daemon, whose sets are in memory alone", repr(c))
+            self.assertIn("no server listens at 127.0.0.1:1>", repr(c))
+
+    def test_who_starts_it_learns_that_in_the_log(self):
+        with script(
+            """
+            import logging, sys
+            logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(name)s %(levelname)s %(message)s")
+            from delaunayd import Client
+            print(Client("private:"), Client("private:"))
+            """
+        ) as owner:
+            said, wrong = owner.communicate()
+            self.assertEqual(wrong, "")
+            self.assertRegex(said, r"^delaunayd INFO started the private daemon .*, process \d+: sets are in memory alone")
+            self.assertEqual(said.count("INFO"), 1)
+            self.assertNotIn("no server", said)
 
     def test_a_url_is_never_replaced_by_it(self):
         with self.assertRaises(ConnectionRefusedError):
