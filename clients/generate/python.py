@@ -104,6 +104,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._aio_mirror import Mirror as Mirror
 from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
+from ._types import Floats, Uint32s
 
 __all__ = ["Client", "Mirror"]
 
@@ -112,6 +113,9 @@ class Client:
     async def close(self) -> None: ...
     async def __aenter__(self) -> "Client": ...
     async def __aexit__(self, *_: object) -> None: ...
+    def mirror(
+        self, name: str, fields: Iterable[str] = (), within: Optional[Sequence[float]] = None, timeout: Optional[float] = None
+    ) -> Mirror: ...
 '''
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from typing import AsyncIterator, Iterable, Optional, Sequence, Tuple
+from typing import AsyncIterator, Iterable, Optional, Sequence, Tuple, Union
 
 from . import _address, _mirror
 from ._mirror import FIRST_PAUSE, LAST_PAUSE, LATER, PIECE, Change
@@ -25,14 +25,14 @@ class Mirror(_mirror.Mirror):
 
     def __init__(
         self,
-        url: Optional[str],
+        url: Union[str, _address.Address, None],
         name: str,
         fields: Iterable[str] = (),
         within: Optional[Sequence[float]] = None,
         timeout: Optional[float] = None,
     ):
         super().__init__(name, fields, within)
-        self._address = _address.parse(url)
+        self._address = url if isinstance(url, _address.Address) else _address.parse(url)
         self._timeout = timeout
         self._streams: Optional[_Streams] = None
         self._closed = False

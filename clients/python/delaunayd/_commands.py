@@ -6,21 +6,25 @@ of `delaunayd.aio` each method returns an awaitable of the result described here
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
 from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
 from ._table import Table
 
+if TYPE_CHECKING:
+    from ._types import Floats, Uint32s
+
 
 class Commands(Table):
     """The commands, one method each: those of the table, and here those that take or return more than words, such as arrays."""
 
-    def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Any:
+    def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Uint32s:
         """Ids in binary, in rows of `width`."""
 
-        def read(reply: Reply) -> Any:
-            return protocol.uint32s(reply.data, width)
+        def read(reply: Reply) -> Uint32s:
+            ids: Uint32s = protocol.uint32s(reply.data, width)
+            return ids
 
         return self._ask(read, *words, body=body)
 
@@ -45,12 +49,23 @@ class Commands(Table):
 
     # ---- points ----
 
-    def load(self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None) -> int:
+    def load(
+        self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None, replace: bool = False
+    ) -> int:
         """Adds points of shape (n, 2), all or none, to a set, which is created if necessary. Returns the id of the first one; the
-        others follow it. `fields` maps names of fields to n values each, NaN where one is missing."""
+        others follow it. `fields` maps names of fields to n values each, NaN where one is missing. Loading twice doubles the points.
+
+        `replace`: the set is dropped first, as by drop(), so that it has these points alone, with ids from 0, and is not triangulated.
+        What the server would refuse about the points is checked before; only if it lacks memory or disk is the set then gone."""
         data, n = protocol.rows_with_fields(points, fields) if fields else protocol.pairs(points)
         words: Tuple[Word, ...] = ("FIELDS", ",".join(map(field_name, fields))) if fields else ()
-        return self._ask(lambda reply: int(reply.keys["first"]), "LOADB", set_name(name), n, *words, body=data)
+        requests = [protocol.request("LOADB", set_name(name), n, *words, body=data)]
+        if replace:
+            protocol.check_rows(data, 2 + len(fields or ()))
+            # DROP needs a set, which LOADB of no points creates if there is none.
+            requests[:0] = [protocol.request("LOADB", name, 0), protocol.request("DROP", name)]
+        first: int = self._run(requests, lambda replies: int(replies[-1].keys["first"]))
+        return first
 
     def add(self, name: str, x: float, y: float) -> int:
         """Adds a point; returns its id."""
@@ -84,7 +99,7 @@ class Commands(Table):
         words = [int(i) for i in ids]
         return self._ask(_second_words, "FGET", set_name(name), field_name(field), *words)
 
-    def field(self, name: str, field: str) -> Tuple[Any, Any]:
+    def field(self, name: str, field: str) -> Tuple[Uint32s, Floats]:
         """The values of all points, of one state of the set: the ids, ascending, and the values, NaN where one is missing."""
         return self._ask(_field_column, "POINTS", set_name(name), "FIELDS", field_name(field), "BINARY")
 
@@ -104,16 +119,16 @@ class Commands(Table):
         words = ("METHOD", method) if method is not None else ()
         return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
 
-    def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Any:
+    def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Uint32s:
         """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3). `within`: those that meet the closed
         box (x0, y0, x1, y1)."""
         return self._ask_ids(3, "TRIANGLES", set_name(name), *_box("WITHIN", within), "BINARY")
 
-    def edges(self, name: str) -> Any:
+    def edges(self, name: str) -> Uint32s:
         """Every edge a, b, with a < b, sorted: ids with shape (n, 2)."""
         return self._ask_ids(2, "EDGES", set_name(name), "BINARY")
 
-    def lists(self, name: str, within: Optional[Sequence[float]] = None) -> Dict[int, Any]:
+    def lists(self, name: str, within: Optional[Sequence[float]] = None) -> Dict[int, Uint32s]:
         """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order. `within`: those of
         the points in the closed box (x0, y0, x1, y1)."""
         words = _box("WITHIN", within)
@@ -140,13 +155,13 @@ class Commands(Table):
         found: List[Located] = self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
         return found
 
-    def locate_triangles(self, name: str, places: Any) -> Any:
+    def locate_triangles(self, name: str, places: Any) -> Uint32s:
         """The triangle of each place of shape (n, 2): ids with shape (n, 3), as in triangles(). Of several that meet at a place, the
         first of triangles(); outside three times 4294967295."""
         data, n = protocol.pairs(places)
         return self._ask_ids(3, "LOCATEB", set_name(name), n, body=data)
 
-    def nearest_all(self, name: str, places: Any, k: int = 1) -> Any:
+    def nearest_all(self, name: str, places: Any, k: int = 1) -> Uint32s:
         """The k points nearest to each place of shape (n, 2), nearest first: ids with shape (n, k), 4294967295 where there are
         too few points."""
         data, n = protocol.pairs(places)
@@ -164,7 +179,7 @@ class Commands(Table):
 
     def interpolate(
         self, name: str, field: str, places: Any, method: str = "linear", max_edge: Optional[float] = None
-    ) -> Any:
+    ) -> Floats:
         """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
         nearest. None in triangles with an edge longer than max_edge."""
         data, n = protocol.pairs(places)
@@ -180,7 +195,7 @@ class Commands(Table):
         rows: int,
         method: str = "linear",
         max_edge: Optional[float] = None,
-    ) -> Any:
+    ) -> Floats:
         """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
         else as interpolate()."""
         x0, y0, x1, y1 = map(float, box)
@@ -214,7 +229,7 @@ class Commands(Table):
         which = [int(i) for i in ids]
         return self._ask(protocol.cells, "VORONOI", set_name(name), *which, *_box("BOX", box), "BINARY")
 
-    def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Any, Any]:
+    def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Uint32s, Floats]:
         """The areas of the cells of voronoi(): the ids, and the areas."""
         return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *_box("BOX", box), "BINARY")
 
@@ -227,8 +242,12 @@ class Commands(Table):
         return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
 
 
-def _grid(columns: int) -> Callable[[Reply], Any]:
-    return lambda reply: protocol.doubles(reply.data, columns)
+def _grid(columns: int) -> Callable[[Reply], Floats]:
+    def read(reply: Reply) -> Floats:
+        rows: Floats = protocol.doubles(reply.data, columns)
+        return rows
+
+    return read
 
 
 def _method(method: str, max_edge: Optional[float]) -> Tuple[Word, ...]:
@@ -243,15 +262,16 @@ def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
     return (word, x0, y0, x1, y1)
 
 
-def _values(reply: Reply) -> Any:
-    return protocol.doubles(reply.data)
+def _values(reply: Reply) -> Floats:
+    values: Floats = protocol.doubles(reply.data)
+    return values
 
 
 def _points_table(fields: int) -> Callable[[Reply], Any]:
     return lambda reply: protocol.points_table(reply.data, fields)
 
 
-def _field_column(reply: Reply) -> Tuple[Any, Any]:
+def _field_column(reply: Reply) -> Tuple[Uint32s, Floats]:
     ids, _, values = protocol.points_table(reply.data, 1)
     return ids, protocol.flat(values)
 

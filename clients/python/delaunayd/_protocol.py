@@ -6,12 +6,15 @@ import re
 import struct
 import sys
 from array import array
-from typing import Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, TypeVar, Union
 
 try:
     import numpy
 except ImportError:  # the standard library alone is enough
     numpy = None  # type: ignore[assignment]
+
+if TYPE_CHECKING:
+    from ._types import Floats, Numbers, Uint32s
 
 Progress = Callable[[str], None]
 Word = Union[str, int, float]
@@ -72,9 +75,9 @@ class Cells(NamedTuple):
     """Voronoi cells: that of point ids[i] has the corners corners[offsets[i]:offsets[i + 1]], counterclockwise; they are clipped
     to the box (x0, y0, x1, y1). Without NumPy `corners` is a flat array x, y, x, y, ..."""
 
-    ids: Any
-    offsets: Any
-    corners: Any
+    ids: Uint32s
+    offsets: Numbers
+    corners: Floats
     box: Tuple[float, float, float, float]
 
 
@@ -83,7 +86,7 @@ class Contour(NamedTuple):
 
     level: float
     closed: bool
-    line: Any
+    line: Floats
 
 
 class Loop(NamedTuple):
@@ -354,6 +357,19 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
     if sys.byteorder == "big":
         flat.byteswap()
     return memoryview(flat).cast("B"), len(flat) // 2
+
+
+def check_rows(data: memoryview, width: int) -> None:
+    """Raises ValueError where the server would refuse a number of rows x, y, value ...: for requests that change something before."""
+    flat = array("d", bytes(data))
+    if sys.byteorder == "big":
+        flat.byteswap()
+    for i, v in enumerate(flat):
+        row, column = divmod(i, width)
+        if column < 2 and not (v == 0 or 2.0**-142 <= abs(v) <= 2.0**201):
+            raise ValueError("points[%d]: a coordinate is 0 or has a magnitude from 2^-142 to 2^201, not %r" % (row, v))
+        if abs(v) == float("inf"):
+            raise ValueError("a value of points[%d] is infinite" % row)
 
 
 def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:

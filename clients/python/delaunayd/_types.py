@@ -1,4 +1,5 @@
-"""Types of arrays, for type checkers alone: importing numpy.typing takes as long as importing delaunayd.spatial."""
+"""Types of arrays, for type checkers alone: importing numpy.typing takes as long as importing delaunayd.spatial. Without NumPy
+a client returns arrays of the module array instead."""
 
 from __future__ import annotations
 
@@ -8,3 +9,4 @@ from numpy.typing import ArrayLike as ArrayLike, NDArray as NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Numbers = NDArray[np.int64]
+Uint32s = NDArray[np.uint32]

@@ -13,7 +13,7 @@ It has the methods of delaunayd.Client; each returns an awaitable. `Mirror` foll
 from __future__ import annotations
 
 import asyncio
-from typing import Any, Callable, List, Optional, Sequence, Union
+from typing import Any, Callable, Iterable, List, Optional, Sequence, Union
 
 from . import _address, _protocol as protocol
 from ._aio_mirror import Mirror
@@ -33,6 +33,7 @@ class Client(Commands):
 
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
+        self._where = str(self._address)
         self._timeout = timeout
         self._lock: Optional[asyncio.Lock] = None
         self._reader: Optional[asyncio.StreamReader] = None
@@ -50,6 +51,19 @@ class Client(Commands):
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
+    def __repr__(self) -> str:
+        return "<delaunayd.aio.Client of %s>" % self._where
+
+    def mirror(
+        self,
+        name: str,
+        fields: Iterable[str] = (),
+        within: Optional[Sequence[float]] = None,
+        timeout: Optional[float] = None,
+    ) -> Mirror:
+        """An object that follows a set of this server, over a connection of its own, for `async with`: see Mirror."""
+        return Mirror(self._address, name, fields, within, timeout)
+
     def _disconnect(self) -> None:
         writer, self._reader, self._writer = self._writer, None, None
         if writer is not None:
@@ -58,6 +72,7 @@ class Client(Commands):
     async def _connect(self) -> None:
         loop = asyncio.get_running_loop()
         s = await loop.run_in_executor(None, _address.connect, self._address, self._timeout)
+        self._where = _address.describe(self._address, s)
         s.setblocking(False)
         self._reader, self._writer = await asyncio.open_connection(sock=s, limit=_LINE_LIMIT)
         if self._address.token:

@@ -54,6 +54,27 @@ class Commands(WithDaemon):
         self.assertEqual(c.check("t")["delaunay"], True)
         self.assertIn("uptime_s", c.info())
 
+    def test_load_doubles_points_or_replaces_them(self):
+        c = self.client
+        self.assertEqual(c.load("t", SQUARE, replace=True), 0)  # there was none
+        self.assertEqual(c.load("t", SQUARE), 5)
+        self.assertEqual(c.stat("t")["points"], 10)
+        self.assertEqual(c.load("t", [(7, 7), (8, 8)], {"z": [1, 2]}, replace=True), 0)
+        self.assertEqual((c.stat("t")["points"], list(c.fields("t"))), (2, ["z"]))
+        nan, inf = float("nan"), float("inf")
+        for bad, fields in (([(0, nan)], None), ([(0, 0), (1e300, 0)], None), ([(1e-60, 0)], None), ([(0, 0)], {"z": [-inf]})):
+            with self.assertRaisesRegex(ValueError, "points\\["):
+                c.load("t", bad, fields, replace=True)
+            self.assertEqual(c.get("t", [0, 1]), [(7, 7), (8, 8)])
+        c.load("t", [(0, 0)], {"z": [nan]}, replace=True)
+        with c.pipeline() as p:
+            p.load("t", SQUARE, replace=True)
+            p.get("t", [4])
+        self.assertEqual(p.results, [0, [(2, 2)]])
+
+    def test_a_client_says_what_it_is_connected_to(self):
+        self.assertEqual(repr(self.client), "<delaunayd.Client of %s>" % self.url.split("//")[1])
+
     def test_results_of_commands_without_methods_written_by_hand(self):
         c = self.client
         c.create("t", temporary=True)

@@ -239,7 +239,7 @@ class Following(WithDaemon):
             return [change async for change in m]
 
         async def main():
-            async with aio.Client(self.url) as c, aio.Mirror(self.url, "t", timeout=WAIT) as m:
+            async with aio.Client(self.url) as c, c.mirror("t", timeout=WAIT) as m:
                 await c.add("t", 1, 2)
                 self.assertTrue(await asyncio.wait_for(m.wait(int((await c.stat("t"))["version"])), WAIT))
                 self.assertEqual(mirrored(m), state(self.client, "t"))
