@@ -23,16 +23,24 @@ _T = TypeVar("_T")
 
 LINE = -1  # what read_reply asks for: a line
 _SET_NAME = re.compile(r"[A-Za-z0-9_.:-]{1,64}\Z")
+_ROW = re.compile(r"ERR [A-Z]+ (?:point|place|value) ([0-9]+): ")
 _INTEGER = re.compile(r"-?[0-9]+\Z")
 _FLOAT = re.compile(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?\Z")
 
 
 class Refused(Exception):
-    """The server replied ERR. `code` is the error code, such as NOSET; the connection is still usable."""
+    """The server replied ERR. `code` is the error code, such as NOSET; the connection is still usable. `index`: which row of an array
+    it is about, counted from 0 as ids are, where the server's sentence counts from 1; else None."""
 
     def __init__(self, line: str):
-        super().__init__(line)
+        found = _ROW.match(line)
+        self.index = int(found.group(1)) - 1 if found is not None else None
+        super().__init__(line if self.index is None else "%s (index %d)" % (line, self.index))
+        self.line = line
         self.code = line.split(" ", 2)[1]
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.line,)
 
 
 class ConnectionLost(ConnectionError):
@@ -286,10 +294,14 @@ def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview
 
 def _cell_rows(data: bytes) -> List[int]:
     """Where the rows of VORONOI BINARY begin, in units of 8 bytes: id, k, then k times x, y."""
-    rows, at, read_k = [], 0, struct.Struct("<4xI").unpack_from
-    while 8 * at < len(data):
-        rows.append(at)
-        at += 1 + 2 * int(read_k(data, 8 * at)[0])
+    rows: List[int] = []
+    at, words = 0, array("I", bytes(data))
+    if sys.byteorder == "big":
+        words.byteswap()
+    end, append = len(words), rows.append
+    while at < end:
+        append(at >> 1)
+        at += 2 + 4 * words[at + 1]
     return rows
 
 

@@ -1,6 +1,7 @@
 """The methods of a client, with NumPy and without."""
 
 import os
+import pickle
 import socket
 import subprocess
 import tempfile
@@ -71,6 +72,21 @@ class Commands(WithDaemon):
             p.load("t", SQUARE, replace=True)
             p.get("t", [4])
         self.assertEqual(p.results, [0, [(2, 2)]])
+
+    def test_an_error_names_the_index_of_the_row(self):
+        nan = float("nan")
+        self.client.load("t", SQUARE)
+        for ask in (
+            lambda: self.client.load("t", [(0, 0), (1, nan)]),
+            lambda: self.client.set_field("t", "z", [0, float("inf")]),
+            lambda: self.client.nearest_all("t", [(0, 0), (nan, 1)]),
+        ):
+            with self.assertRaisesRegex(Refused, r"2: .* \(index 1\)") as caught:
+                ask()
+            self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).index, 1)
+        with self.assertRaises(Refused) as caught:
+            self.client.stat("missing")
+        self.assertEqual((caught.exception.index, caught.exception.code), (None, "NOSET"))
 
     def test_a_client_says_what_it_is_connected_to(self):
         self.assertEqual(repr(self.client), "<delaunayd.Client of %s>" % self.url.split("//")[1])

@@ -125,6 +125,10 @@ class Spatial(WithDaemon):
         places = rng.normal(size=(4, 5, 2)) * [3, 0.5] + [7, -2]
         close(mine.lift_points(places), theirs.lift_points(places))
         close(mine.plane_distance(places)[..., number], theirs.plane_distance(places), rtol=1e-6, atol=1e-9)
+        for wrong in ([[1], [2]], [1, 2, 3]):
+            for method in (mine.plane_distance, mine.lift_points):
+                with self.assertRaises(ValueError):
+                    method(wrong)
         close(mine.min_bound, theirs.min_bound)
         close(mine.max_bound, theirs.max_bound)
         corner = points[mine.simplices]
