@@ -212,6 +212,11 @@ class NearestNDInterpolator:
         """The points, shape (npoints, 2)."""
         return self.tri.points
 
+    @property
+    def tree(self) -> Delaunay:
+        """What has `query`, as SciPy's tree."""
+        return self.tri
+
     def __call__(self, *args: Any, **query: Any) -> NDArray[Any]:
         """The values at places, given as for LinearNDInterpolator."""
         places = self._scale(_places(args))

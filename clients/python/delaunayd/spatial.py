@@ -81,7 +81,7 @@ class Delaunay:
     Attributes, as for SciPy: points, simplices, neighbors, convex_hull, coplanar, equations, good, transform, vertex_to_simplex,
     vertex_neighbor_vertices, npoints, nsimplex, ndim, min_bound, max_bound, paraboloid_scale, paraboloid_shift.
 
-    Several threads may use an object at once. A pickle has the points."""
+    Several threads may use an object at once. A pickle has the points, and the ids, but no longer the set."""
 
     ndim = 2
     furthest_site = False
@@ -159,7 +159,7 @@ class Delaunay:
         self.close()
 
     def __reduce__(self) -> Any:
-        return _restore, (type(self), self.points, self._incremental, self._workers)
+        return _restore, (type(self), self.points, self._incremental, self._workers, self.ids)
 
     # ---- tables; each is computed on first use ----
 
@@ -361,13 +361,17 @@ def _hull_edges(now: _Moment) -> Ints:
 
 
 def _vertex_neighbors(now: _Moment) -> Tuple[Ints, Ints]:
+    """The edges a, b with a < b are sorted. So are those of each b after a stable sort by b: its lower neighbours, which come first;
+    the upper ones of each a follow one another."""
     edges, n = now.triangulation.edges(), len(now.points)
-    near = np.concatenate([edges[:, 0], edges[:, 1]])
-    far = np.concatenate([edges[:, 1], edges[:, 0]])
-    order = np.lexsort((far, near))
+    by_upper = edges[np.argsort(edges[:, 1], kind="stable")]
+    lower, upper = np.bincount(edges[:, 1], minlength=n), np.bincount(edges[:, 0], minlength=n)
     indptr = np.zeros(n + 1, dtype=np.int32)
-    np.cumsum(np.bincount(near, minlength=n), out=indptr[1:])
-    return indptr, far[order]
+    np.cumsum(lower + upper, out=indptr[1:])
+    is_lower = np.repeat(np.tile([True, False], n), np.column_stack([lower, upper]).ravel())
+    indices = np.empty(2 * len(edges), dtype=np.int32)
+    indices[is_lower], indices[~is_lower] = by_upper[:, 0], edges[:, 1]
+    return indptr, indices
 
 
 def _vertex_simplices(now: _Moment) -> Ints:
@@ -380,10 +384,10 @@ def _vertex_simplices(now: _Moment) -> Ints:
     return some
 
 
-def _restore(kind: Any, points: Floats, incremental: bool, workers: Optional[int]) -> Delaunay:
-    """From a pickle."""
+def _restore(kind: Any, points: Floats, incremental: bool, workers: Optional[int], ids: Any) -> Delaunay:
+    """From a pickle, which leaves the daemon behind."""
     d: Delaunay = kind.__new__(kind)
-    d._shared, d.ids = None, None
+    d._shared, d.ids = None, ids
     d._begin(points, incremental, workers)
     return d
 

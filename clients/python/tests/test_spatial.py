@@ -294,6 +294,7 @@ class Spatial(WithDaemon):
             self.assertEqual(other.simplices.tolist(), d.simplices.tolist())
             self.assertEqual(other.ids.tolist(), list(range(500)))
         d.add_points([(0.5, 0.5), (2, 2)])
+        self.assertEqual(pickle.loads(pickle.dumps(d)).ids.tolist(), d.ids.tolist())
         self.assertEqual(d.simplices.tolist(), self.client.triangles("t").tolist())
         self.assertEqual(d.ids.tolist(), list(range(502)))
         self.client.delete("t", [3])

@@ -12,7 +12,7 @@
 
 TEST_TIMEOUT(values_of_an_array_have_the_bytes_of_those_of_a_field, 60)
 {
-    enum { N = 700 };
+    enum { N = 300 };
     struct dt_point p[N], q[N];
     double z[N], got[N], want[N];
     uint32_t triangle[6 * N];
@@ -57,7 +57,7 @@ static struct dt_arrays *turned_square(unsigned n, double angle, struct dt_point
 
 TEST(a_place_that_rounding_puts_outside_the_hull_has_a_triangle_and_a_value)
 {
-    enum { N = 100, PLACES = 2000 };
+    enum { N = 100, PLACES = 400 };
     struct dt_point p[4 * N];
     double z[4 * N], value;
     unsigned outside = 0;
