@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "core/arrays/workers.h"
+#include "core/query/flat.h"
 
 void dt_arrays_free(struct dt_arrays *a)
 {
     if (a == NULL)
         return;
-    dt_array_free(a->row);
+    dt_array_free(a->place_of);
     dt_array_free(a->heirs);
     dt_array_free(a->first_heir);
     dt_free(a->t);
@@ -45,6 +46,11 @@ static enum dt_status read_table(const struct dt *t, enum dt_table table, uint32
 enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, uint32_t *out)
 {
     return table == DT_LISTS || table == DT_TRIANGLES ? DT_RANGE : read_table(a->t, table, out);
+}
+
+void dt_arrays_twins(const struct dt_arrays *a, uint32_t *out)
+{
+    dt_flat_halfedges(a->t, false, a->place_of, out);
 }
 
 /* ---- aliases by representative ---- */
@@ -99,7 +105,7 @@ static enum dt_status triangulate(struct dt_arrays *a, const struct dt_point *p,
         s = find_heirs(a, added.added, added.coincident);
     if (s == DT_OK)
         measure(a);
-    return s == DT_OK ? dt_arrays_sort(a, triangle) : s;
+    return s == DT_OK ? dt_flat_rows(a->t, false, triangle, &a->place_of) : s;
 }
 
 static enum dt_status make(const struct dt_point *p, size_t n, struct dt_pages *pages,

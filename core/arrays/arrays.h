@@ -7,21 +7,20 @@
 
 struct dt_arrays {
     struct dt *t; /* owns */
-    uint32_t *
-        row; /* owns; by record of the mesh: the row of its triangle in DT_TRIANGLES, DT_NONE for a ghost */
+    uint32_t
+        *place_of; /* owns; by record of the mesh, as dt_flat_rows has it; NULL: not triangulated */
     uint32_t *heirs; /* owns; aliases, by representative and then by id; NULL: there are none */
     uint32_t
         *first_heir; /* owns; by id: where the aliases of that representative begin; has one more */
     double size;     /* the sum of the sides of the box of all points */
 };
 
+/* The row of a half edge's triangle in DT_TRIANGLES, DT_NONE for a ghost. */
 static inline uint32_t dt_row_of(const struct dt_arrays *a, uint32_t half)
 {
-    return a->row[half >> 3];
+    uint32_t place = a->place_of[half >> 3];
+    return place == DT_NONE ? DT_NONE : place / 4;
 }
-
-/* Computes `row`, and the rows themselves into triangle[]. DT_NOMEM. */
-enum dt_status dt_arrays_sort(struct dt_arrays *a, uint32_t *triangle);
 
 /* A place that predicates can take, from one of which each coordinate is at most 2^201; false: it is not. */
 static inline bool dt_place_ok(struct dt_point *q)

@@ -6,9 +6,10 @@
  *
  * Records are read in the order of memory, and only single words are written at random: faster than a walk around each
  * point (table.c), which needs no memory and can stop anywhere. */
-#include "core/set/set.h"
+#include "core/query/flat.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct entry {
     uint32_t second, third, record;
@@ -19,53 +20,43 @@ struct flat {
     bool cw;
     uint32_t *start; /* owns one for each id, and one more */
     struct entry *entry;
-    uint32_t *place_of; /* 4 * place + corner */
+    uint32_t
+        *place_of; /* 4 * place + corner, the place from write_triangles on; DT_NONE: no triangle */
 };
-
-static bool is_triangle(const uint32_t *corner)
-{
-    return corner[2] != DT_NONE && corner[2] != DT_DEAD;
-}
-
-/* Which corner of a triangle has the smallest id; ids[3]: those of the corners. */
-static uint32_t first_corner(const struct dt *t, const uint32_t *corner, uint32_t *ids)
-{
-    for (int k = 0; k < 3; k++)
-        ids[k] = t->points.id[corner[k]];
-    uint32_t first = ids[1] < ids[0] ? 1 : 0;
-    return ids[2] < ids[first] ? 2 : first;
-}
 
 /* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. */
 static void count(const struct flat *f)
 {
     const struct dt_mesh *m = &f->t->mesh;
-    uint32_t ids[3], n = f->t->points.next_id;
+    const uint32_t *id = f->t->points.id;
     for (uint32_t i = 0; i < m->tri_end; i++) {
         const uint32_t *corner = &m->half[(size_t)8 * i];
-        if (is_triangle(corner)) {
-            uint32_t first = first_corner(f->t, corner, ids);
-            f->start[ids[first] + 1]++;
-        }
+        f->place_of[i] = DT_NONE;
+        if (corner[2] == DT_NONE || corner[2] == DT_DEAD)
+            continue;
+        uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]];
+        uint32_t ab = a < b ? a : b;
+        f->place_of[i] = c < ab ? 2 : b < a;
+        f->start[(c < ab ? c : ab) + 1]++;
     }
-    for (uint32_t id = 0; id < n; id++)
-        f->start[id + 1] += f->start[id];
+    for (uint32_t k = 0; k < f->t->points.next_id; k++)
+        f->start[k + 1] += f->start[k];
 }
 
 /* Puts every triangle among those with the same smallest id; start[id] becomes where these end. */
 static void distribute(const struct flat *f)
 {
+    static const uint32_t next[] = {1, 2, 0, 1};
     const struct dt_mesh *m = &f->t->mesh;
-    uint32_t ids[3];
+    const uint32_t *id = f->t->points.id, *after = f->cw ? next + 1 : next;
     for (uint32_t i = 0; i < m->tri_end; i++) {
-        const uint32_t *corner = &m->half[(size_t)8 * i];
-        if (!is_triangle(corner))
+        uint32_t k = f->place_of[i];
+        if (k == DT_NONE)
             continue;
-        uint32_t k = first_corner(f->t, corner, ids);
-        uint32_t next = k == 2 ? 0 : k + 1, before = k == 0 ? 2 : k - 1;
-        f->entry[f->start[ids[k]]++] =
-            (struct entry){ids[f->cw ? before : next], ids[f->cw ? next : before], i};
-        f->place_of[i] = k;
+        const uint32_t *corner = &m->half[(size_t)8 * i];
+        uint32_t second = after[k], third = 3 - k - second;
+        f->entry[f->start[id[corner[k]]]++] =
+            (struct entry){id[corner[second]], id[corner[third]], i};
     }
 }
 
@@ -75,92 +66,95 @@ static int compare(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Triangles that share their two smallest ids are on both sides of an edge, and differ in which of the two comes first; so the
- * second ids of one point's triangles differ. */
-static void sort(struct entry *e, size_t n)
+enum { FEW = 16 };
+
+/* How many of n entries come before e, which is number i. Triangles on both sides of an edge differ in which of its
+ * ends comes first; so the second ids of one point's triangles differ. Few are compared with each other, because a sort's
+ * branches would be unpredictable; many are sorted. */
+static uint32_t rank_of(const struct entry *e, uint32_t i, uint32_t n)
 {
-    enum { FEW = 16 };
-    if (n > FEW) {
-        qsort(e, n, sizeof *e, compare);
-        return;
-    }
-    for (size_t i = 1; i < n; i++) {
-        struct entry here = e[i];
-        size_t j = i;
-        for (; j > 0 && e[j - 1].second > here.second; j--)
-            e[j] = e[j - 1];
-        e[j] = here;
-    }
+    uint32_t before = 0;
+    if (n > FEW)
+        return i;
+    for (uint32_t k = 0; k < n; k++)
+        before += e[k].second < e[i].second;
+    return before;
 }
 
 static void write_triangles(const struct flat *f, uint32_t *out)
 {
-    uint32_t n = f->t->points.next_id;
-    for (uint32_t id = 0, i = 0; id < n; id++) {
-        uint32_t end = f->start[id];
-        sort(f->entry + i, end - i);
-        for (; i < end; i++) {
-            const struct entry *e = &f->entry[i];
-            f->place_of[e->record] |= 4 * i;
-            *out++ = id;
-            *out++ = e->second;
-            *out++ = e->third;
+    for (uint32_t id = 0, from = 0; id < f->t->points.next_id; id++) {
+        struct entry *e = &f->entry[from];
+        uint32_t n = f->start[id] - from;
+        if (n > FEW)
+            qsort(e, n, sizeof *e, compare);
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t place = from + rank_of(e, i, n), *row = &out[(size_t)3 * place];
+            row[0] = id;
+            row[1] = e[i].second;
+            row[2] = e[i].third;
+            f->place_of[e[i].record] |= 4 * place;
         }
+        from += n;
     }
 }
 
-/* The place of a half edge of the mesh in the arrays: clockwise, a triangle's half edges are in the opposite order. */
-static uint32_t place(const struct flat *f, uint32_t h)
+enum dt_status dt_flat_rows(const struct dt *t, bool cw, uint32_t *triangles, uint32_t **place_of)
 {
-    uint32_t at = f->place_of[h / 8], first = at & 3, k = h & 7;
-    uint32_t turn = k >= first ? k - first : k + 3 - first;
-    return at / 4 * 3 + (f->cw ? 2 - turn : turn);
+    enum dt_status s = dt_readable(t);
+    struct dt_pages *pages = t->mesh.pages;
+    size_t ids = (size_t)t->points.next_id + 1;
+    struct flat f = {.t = t, .cw = cw};
+    *place_of = NULL;
+    if (s != DT_OK)
+        return s;
+    f.start = dt_array_new_in(pages, ids, sizeof *f.start);
+    f.entry = dt_array_new_in(pages, dt_mesh_triangles(&t->mesh), sizeof *f.entry);
+    f.place_of = dt_array_new_in(pages, t->mesh.tri_end, sizeof *f.place_of);
+    if (f.start == NULL || f.entry == NULL || f.place_of == NULL) {
+        s = DT_NOMEM;
+        dt_array_free(f.place_of);
+    } else {
+        memset(f.start, 0, ids * sizeof *f.start);
+        count(&f);
+        distribute(&f);
+        write_triangles(&f, triangles);
+        *place_of = f.place_of;
+    }
+    dt_array_free(f.start);
+    dt_array_free(f.entry);
+    return s;
 }
 
-static void write_halfedges(const struct flat *f, uint32_t *out)
+/* Where a triangle's half edges are in its row, by the corner that comes first and by the half edge of the mesh. Clockwise,
+ * they are in the opposite order. */
+static const uint8_t turns[2][3][4] = {{{0, 1, 2}, {2, 0, 1}, {1, 2, 0}},
+                                       {{2, 1, 0}, {0, 2, 1}, {1, 0, 2}}};
+
+void dt_flat_halfedges(const struct dt *t, bool cw, const uint32_t *place_of, uint32_t *out)
 {
-    const struct dt_mesh *m = &f->t->mesh;
+    const struct dt_mesh *m = &t->mesh;
+    const uint8_t(*turn)[4] = turns[cw];
     for (uint32_t i = 0; i < m->tri_end; i++) {
-        if (!is_triangle(&m->half[(size_t)8 * i]))
+        uint32_t at = place_of[i];
+        if (at == DT_NONE)
             continue;
-        for (uint32_t h = 8 * i; h < 8 * i + 3; h++) {
-            uint32_t twin = dt_twin(m, h);
-            out[place(f, h)] = dt_is_ghost(m, twin) ? DT_NONE : place(f, twin);
+        const uint32_t *twins = &m->half[(size_t)8 * i + 4];
+        uint32_t *row = &out[(size_t)3 * (at / 4)];
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t twin = twins[k], beyond = place_of[twin / 8];
+            row[turn[at & 3][k]] =
+                beyond == DT_NONE ? DT_NONE : 3 * (beyond / 4) + turn[beyond & 3][twin & 7];
         }
     }
-}
-
-static void flat_clear(struct flat *f)
-{
-    dt_array_free(f->start);
-    dt_array_free(f->entry);
-    dt_array_free(f->place_of);
 }
 
 enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_t *halfedges)
 {
-    enum dt_status s = dt_readable(t);
-    uint32_t n = s == DT_OK ? dt_mesh_triangles(&t->mesh) : 0;
-    if (n == 0)
-        return s;
-    struct dt_pages *pages = t->mesh.pages;
-    size_t ids = (size_t)t->points.next_id + 1;
-    struct flat f = {.t = t,
-                     .cw = cw,
-                     .start = dt_array_new_in(pages, ids, sizeof *f.start),
-                     .entry = dt_array_new_in(pages, n, sizeof *f.entry),
-                     .place_of = dt_array_new_in(pages, t->mesh.tri_end, sizeof *f.place_of)};
-    if (f.start == NULL || f.entry == NULL || f.place_of == NULL) {
-        flat_clear(&f);
-        return DT_NOMEM;
-    }
-    for (size_t i = 0; i < ids; i++)
-        f.start[i] = 0;
-    count(&f);
-    distribute(&f);
-    write_triangles(&f, triangles);
-    if (halfedges != NULL)
-        write_halfedges(&f, halfedges);
-    flat_clear(&f);
-    return DT_OK;
+    uint32_t *place_of;
+    enum dt_status s = dt_flat_rows(t, cw, triangles, &place_of);
+    if (s == DT_OK && halfedges != NULL)
+        dt_flat_halfedges(t, cw, place_of, halfedges);
+    dt_array_free(place_of);
+    return s;
 }
