@@ -39,7 +39,7 @@ static void *resize_region(struct header *h, size_t bytes)
 {
     size_t want = dt_huge_pages(bytes), have = h->region;
     if (want < have)
-        dt_region_give(h->pages, (char *)h + want, have - want);
+        h = dt_region_shrink(h->pages, h, have, want);
     else if (want > have)
         h = dt_region_grow(h->pages, h, have, want);
     if (h == NULL)

@@ -309,6 +309,12 @@ void dt_region_give(struct dt_pages *p, void *region, size_t bytes)
     keep(p, start, bytes);
 }
 
+void *dt_region_shrink(struct dt_pages *p, void *region, size_t bytes, size_t keep)
+{
+    dt_region_give(p, (char *)region + keep, bytes - keep);
+    return region;
+}
+
 /* ---- the keeper ---- */
 
 struct dt_pages *dt_pages_new(size_t limit)

@@ -3,7 +3,10 @@
  *
  * Fresh pages are expensive: the system clears them, and under a hypervisor it may have to find them first.
  * So what one array releases is kept for the next one, in pieces of any size: a region can be cut
- * at every huge page, and a large one is put together from small ones by moving their pages. */
+ * at every huge page, and a large one is put together from small ones by moving their pages.
+ *
+ * pages.c does this on Linux. plain/pages.c is for systems without mmap, such as WebAssembly: regions are from malloc, and
+ * nothing is kept. A program contains one of the two. */
 #ifndef DT_PAGES_H
 #define DT_PAGES_H
 
@@ -18,13 +21,15 @@ static inline size_t dt_huge_pages(size_t bytes)
 }
 
 /* A region of that size (whole huge pages, not 0), aligned to a huge page; its contents are anything.
- * p may be NULL: then it comes from the system, and goes back there. NULL: out of memory. The caller
- * owns it, and any part of it that begins and ends at a huge page can be given back on its own. */
+ * p may be NULL: then it comes from the system, and goes back there. NULL: out of memory. The caller owns it. */
 void *dt_region_take(struct dt_pages *p, size_t bytes);
 
 /* Grows the region to `want` > bytes. Keeps its first `bytes`; it may move. NULL: out of memory, it is
  * unchanged. Cost: O(pages), unless the system refuses to move them. */
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want);
+
+/* Gives back what is behind the first `keep` bytes, 0 < keep < bytes. Returns the region, which may have moved. */
+void *dt_region_shrink(struct dt_pages *p, void *region, size_t bytes, size_t keep);
 
 /* p: where it was taken. */
 void dt_region_give(struct dt_pages *p, void *region, size_t bytes);
