@@ -6,6 +6,7 @@
 #   make view       the same places on a live page in the browser; make test_web tests that page in Chromium
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include
+#   make wasm       the core in WebAssembly for clients/js, which is committed; make test_wasm compares and tests it
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
 #   make asan       the base tests under the address and undefined behaviour sanitizers; make tsan: the thread sanitizer
 #   make faults     kill -9 under load, power cuts, failing disks, thousands of stalled clients
@@ -16,7 +17,8 @@
 #   make soak       mirrors of a set that is edited a million times, with kills of the daemon, lost connections and pauses
 #   make generate   after a change of the table of commands: the parts of the clients that follow from it (Python 3)
 #   make lint       dependencies, formatting, static analysis; make fmt formats
-#   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients, bench-python
+#   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients,
+#                   bench-python, bench-js
 #   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, load-watch, load-follow, stress
 #   make clean      removes build/
 #   make help       shows this
@@ -43,7 +45,9 @@ FLAGS_debug := -O0
 COMPILE   = $(CC) $(CFLAGS) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
 LDLIBS   := -lm
 
-CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*/*.c))
+# PAGES=core/memory/plain/pages.c: large arrays from malloc, as on systems without mmap.
+PAGES    := core/memory/pages.c
+CORE     := $(patsubst %.c,$(O)/%.o,$(PAGES) $(filter-out core/memory/pages.c,$(wildcard core/*/*.c)))
 PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c proto/*/*.c))
 SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(filter-out clients/examples/%,$(wildcard clients/*.c clients/*/*.c)))

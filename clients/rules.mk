@@ -104,6 +104,41 @@ npm: all
 	@install $(O)/delaunayd $(O)/npm/package/bin
 	@cd $(O)/npm/package && npm pack --silent --pack-destination ..
 
+# ---- wasm: the core for JavaScript, in the npm package's lib/module.js and browser.js, which are committed; so only who changes the
+# ---- core needs clang for it. bundle: browser.js alone, after a change of the JavaScript in it ----
+
+WASM_CC      ?= clang-14
+WASM_SOURCES := clients/js/wasm/doors.c core/memory/plain/pages.c \
+                $(filter-out core/memory/pages.c core/arrays/%,$(wildcard core/*/*.c))
+WASM_FLAGS   := --target=wasm32-wasi -O2 -DNDEBUG -msimd128 -mbulk-memory -std=c11 -D_GNU_SOURCE -ffp-contract=off -I. $(filter-out -Wmissing-prototypes,$(WARNINGS))
+WASM_LINK    := -mexec-model=reactor -nostartfiles -Wl,--no-entry,--gc-sections,--strip-all,--export=malloc,--export=free \
+                -Wl,--stack-first,-z,stack-size=1048576
+
+.PHONY: wasm bundle test_wasm
+$(O)/wasm/core.wasm: $(WASM_SOURCES) $(wildcard core/*.h core/*/*.h) clients/rules.mk
+	$(call need,clang-14 lld-14 wasi-libc libclang-rt-14-dev-wasm32,command -v $(WASM_CC) wasm-ld-14 && [ -d /usr/include/wasm32-wasi ])
+	@mkdir -p $(@D)
+	$(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) -o $@ $(WASM_SOURCES)
+
+wasm: $(O)/wasm/core.wasm
+	node clients/js/wasm/bundle.mjs $< "$$($(WASM_CC) --version | head -n 1)"
+
+bundle:
+	node clients/js/wasm/bundle.mjs
+
+# The module of a fresh build has the bytes of the committed one, if it is from the same compiler, and passes the tests.
+test_wasm: $(O)/wasm/core.wasm $(O)/delaunayd
+	clients/js/wasm/check.sh $(O) "$$($(WASM_CC) --version | head -n 1)"
+
+# ---- bench-js: what runs in process beside delaunator and d3-delaunay, which npm fetches ----
+
+.PHONY: bench-js
+bench-js:
+	$(call need,nodejs npm,command -v npm)
+	@[ -d $(O)/npm_bench/node_modules/d3-delaunay ] || \
+	  npm install --prefix $(O)/npm_bench --no-save --no-audit --no-fund --ignore-scripts --silent delaunator@5.1.0 d3-delaunay@6.0.6
+	@node tests/bench/beside_delaunator.mjs $(O)/npm_bench
+
 # ---- interop: other clients, and ours in other languages ----
 
 $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c

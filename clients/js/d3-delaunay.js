@@ -1,21 +1,14 @@
-// The interface of d3-delaunay. Voronoi diagrams need d3-delaunay itself.
+// The interface of d3-delaunay: synchronous, in process, without d3-delaunay.
 'use strict';
 
 const Delaunator = require('./delaunator.js');
-const { findVoronoi } = require('./lib/d3.js');
 const { Line } = require('./lib/line.js');
 const { nextHalfedge } = require('./lib/mesh.js');
-const { Corners, SvgPath } = require('./lib/path.js');
+const { Corners, onto } = require('./lib/path.js');
+const { Voronoi } = require('./lib/voronoi.js');
 
 const first = (p) => p[0];
 const second = (p) => p[1];
-
-/** Calls draw with the context, or without one with an SVG path, whose text is then the result. */
-function onto(context, draw) {
-  const path = context == null ? new SvgPath() : null;
-  draw(context ?? path);
-  return path?.value();
-}
 
 class Delaunay {
   #line = null; // of collinear points
@@ -67,7 +60,7 @@ class Delaunay {
     if (hull.length === 1 || hull.length === 2) this.#indexFew();
   }
 
-  /** One place or two places: as d3-delaunay's Voronoi expects it. */
+  /** One place or two places: as d3-delaunay has them. */
   #indexFew() {
     const [a, b = -1] = this.hull;
     this.triangles = Int32Array.of(a, b, b);
@@ -111,7 +104,7 @@ class Delaunay {
   }
 
   /** The neighbour of i that is nearest to a place, or i itself; for a coincident point, which has none, the next point.
-   * d3-delaunay's Voronoi calls it. */
+   * Voronoi.contains() calls it. */
   _step(i, x, y) {
     if (this.inedges[i] < 0) return (i + 1) % (this.points.length >> 1);
     let nearest = i;
@@ -131,9 +124,7 @@ class Delaunay {
   }
 
   voronoi(bounds) {
-    const { Delaunay: TheirDelaunay, Voronoi } = findVoronoi();
-    // d3-delaunay moves collinear points a little, which our triangulation does not.
-    return this.#line !== null ? new TheirDelaunay(Float64Array.from(this.points)).voronoi(bounds) : new Voronoi(this, bounds);
+    return new Voronoi(this, bounds);
   }
 
   // ---- drawing: on a canvas's context, or else the text of an SVG path ----
@@ -195,10 +186,4 @@ class Delaunay {
   }
 }
 
-module.exports = {
-  Delaunay,
-  /** d3-delaunay's own; an error if that is not installed. */
-  get Voronoi() {
-    return findVoronoi().Voronoi;
-  },
-};
+module.exports = { Delaunay, Voronoi };

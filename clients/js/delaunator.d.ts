@@ -5,8 +5,8 @@ declare class Delaunator<T extends ArrayLike<number> = Float64Array> {
     getX?: (p: P) => number,
     getY?: (p: P) => number,
   ): Delaunator<Float64Array>;
-  /** Sets the server for later calls; a URL as in connect(). */
-  static useServer(url?: string, options?: { timeout?: number }): void;
+  /** Throws: only Triangulation.from() uses a server. */
+  static useServer(): never;
   /** x, y one after the other. */
   constructor(coords: T);
   coords: T;

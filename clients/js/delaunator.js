@@ -1,8 +1,10 @@
-// The interface of Delaunator: synchronous, triangles clockwise in a plane whose y axis points up.
+// The interface of Delaunator: synchronous, in process, triangles clockwise in a plane whose y axis points up.
 'use strict';
 
-const { useServer, triangulateSync } = require('./lib/sync.js');
-const { complete } = require('./lib/triangulation.js');
+const { withSet } = require('./lib/core.js');
+
+const CLOCKWISE = 1;
+const HULL = 5; // enum dt_table
 
 const first = (p) => p[0];
 const second = (p) => p[1];
@@ -17,6 +19,11 @@ class Delaunator {
     return new Delaunator(coords);
   }
 
+  /** The server is that of Triangulation.from(). */
+  static useServer() {
+    throw new Error('Delaunator computes in this process and uses no server; useServer() is for Triangulation.from()');
+  }
+
   constructor(coords) {
     if (!(coords.length >= 0)) throw new RangeError(`Invalid typed array length: ${coords.length}`);
     if (coords.length > 1 && typeof coords[0] !== 'number') throw new Error('Expected coords to contain numbers.');
@@ -26,9 +33,14 @@ class Delaunator {
 
   /** After a change of coords. */
   update() {
-    const n = this.coords.length >> 1;
-    const result = triangulateSync(this.coords.length === 2 * n ? this.coords : this.coords.slice(0, 2 * n));
-    complete(this, result, n);
+    const { coords } = this;
+    withSet(coords, (core, set) => {
+      core.call('set_triangles', set, CLOCKWISE);
+      this.triangles = core.array(Uint32Array, 0);
+      this.halfedges = core.array(Int32Array, 1);
+      core.call('set_table', set, HULL, CLOCKWISE);
+      this.hull = core.array(Uint32Array, 0);
+    });
     this.trianglesLen = this.triangles.length;
     if (this.trianglesLen === 0 && this.#before(this.hull.at(-1), this.hull[0])) this.hull.reverse();
   }
@@ -41,6 +53,5 @@ class Delaunator {
 }
 
 Delaunator.default = Delaunator; // for what compilers make of `import Delaunator`
-Delaunator.useServer = useServer;
 
 module.exports = Delaunator;

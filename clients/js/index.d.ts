@@ -1,8 +1,9 @@
 import Delaunator = require('./delaunator');
-import { Delaunay } from './d3-delaunay';
+import { Delaunay, Voronoi } from './d3-delaunay';
+import { LiveSet } from './live';
 import { Table } from './table';
 
-export { Delaunator, Delaunay };
+export { Delaunator, Delaunay, LiveSet, Voronoi };
 
 /** Flat coordinates (x, y, x, y ...) or pairs. */
 export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;
@@ -222,7 +223,7 @@ export interface Mirror {
   off(event: string, listener: (...words: any[]) => void): this;
 }
 
-/** The value for a missing id in the results of locateAll and nearestAll. */
+/** The value for a missing id in the results of locateAll and nearestAll, and of LiveSet. */
 export const NONE: 0xffffffff;
 
 /**
@@ -231,7 +232,7 @@ export const NONE: 0xffffffff;
  */
 export function connect(url?: string, options?: ClientOptions): Promise<Client>;
 
-/** Sets the server of Delaunator and Delaunay for later calls; a URL as in connect(). */
+/** Sets the server of Triangulation.from() for later calls; a URL as in connect(). */
 export function useServer(url?: string, options?: { timeout?: number }): void;
 
 export interface TriangulationOptions {

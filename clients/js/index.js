@@ -1,11 +1,11 @@
-// The package delaunayd, for require(); index.mjs is for import.
+// The package delaunayd, for require(); index.mjs is for import, browser.mjs for browsers.
 'use strict';
 
-const { Client, NONE, connect } = require('./lib/client.js');
+const { Client, NONE, connect, useServer } = require('./lib/client.js');
 const { Disconnected, Refused } = require('./lib/errors.js');
 const { Triangulation } = require('./lib/triangulation.js');
 const Delaunator = require('./delaunator.js');
-const { Delaunay } = require('./d3-delaunay.js');
-const { useServer } = require('./lib/sync.js');
+const { Delaunay, Voronoi } = require('./d3-delaunay.js');
+const { LiveSet } = require('./live.js');
 
-module.exports = { Client, Delaunator, Delaunay, Disconnected, NONE, Refused, Triangulation, connect, useServer };
+module.exports = { Client, Delaunator, Delaunay, Disconnected, LiveSet, NONE, Refused, Triangulation, Voronoi, connect, useServer };

@@ -1,3 +1,3 @@
 import delaunayd from './index.js';
 
-export const { Client, Delaunator, Delaunay, Disconnected, NONE, Refused, Triangulation, connect, useServer } = delaunayd;
+export const { Client, Delaunator, Delaunay, Disconnected, LiveSet, NONE, Refused, Triangulation, Voronoi, connect, useServer } = delaunayd;

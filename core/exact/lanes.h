@@ -55,6 +55,8 @@ static inline dt_lanes dt_lanes_least(dt_lanes a, dt_lanes b)
 {
 #ifdef __SSE2__
     return __builtin_ia32_minpd(a, b);
+#elif defined(__wasm_simd128__)
+    return __builtin_wasm_pmin_f64x2(b, a);
 #else
     return (dt_lanes){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
 #endif
@@ -64,6 +66,8 @@ static inline dt_lanes dt_lanes_most(dt_lanes a, dt_lanes b)
 {
 #ifdef __SSE2__
     return __builtin_ia32_maxpd(a, b);
+#elif defined(__wasm_simd128__)
+    return __builtin_wasm_pmax_f64x2(b, a);
 #else
     return (dt_lanes){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
 #endif
@@ -88,6 +92,8 @@ static inline int dt_lanes_bits(dt_lanes_holds holds)
 {
 #ifdef __SSE2__
     return __builtin_ia32_movmskpd((dt_lanes)holds);
+#elif defined(__wasm_simd128__)
+    return (int)__builtin_wasm_bitmask_i64x2(holds);
 #else
     return (holds[0] < 0 ? 1 : 0) | (holds[1] < 0 ? 2 : 0);
 #endif

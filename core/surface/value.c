@@ -14,7 +14,8 @@ enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
                                 const struct dt_view *v)
 {
     const double *page;
-    uint32_t room = f->blocks * DT_FIELD_SLOTS;
+    size_t room = (f->blocks * (size_t)DT_FIELD_SLOTS) |
+                  1; /* odd: doubles follow an even number of pointers */
     uint64_t id = 0;
     double *missing;
     s->pages = 0;

@@ -255,6 +255,7 @@ count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/int
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 DELAUNAYD=$build/delaunayd tests/node.sh clients/js/test/*.test.mjs >"$scratch/node" 2>&1
 collect "$scratch/node"
+count "triangles in process of all families are those of the daemon" node tests/interop/node/families.mjs "$build/tests/bench/points" "delaunay://127.0.0.1:$port"
 millions
 count "a million points by the command line" by_command_line
 count "a million points by the C library" by_c

@@ -4,7 +4,8 @@
 const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
 const { Disconnected } = require('./errors.js');
-const { checkField, checkSet, doubleBytes, flatten, pointBytes, typed, words } = require('./framing.js');
+const { checkField, checkSet, doubleBytes, pointBytes, typed, words } = require('./framing.js');
+const { flatten } = require('./points.js');
 const { Cells, bordersOf, contourOf, multiPolygon } = require('./surfaces.js');
 const { Table } = require('./table.js');
 
@@ -415,7 +416,13 @@ function commonClient() {
   return common;
 }
 
+/** Sets the server of the default client for later calls, as in connect(). */
+function useServer(url, { timeout = 0 } = {}) {
+  common?.close();
+  common = new Client(chooseAddress(url), { unref: true, timeout });
+}
+
 /** The value for a missing id in the results of locateAll and nearestAll. */
 const NONE = 0xffffffff;
 
-module.exports = { Client, NONE, commonClient, connect };
+module.exports = { Client, NONE, commonClient, connect, useServer };

@@ -140,20 +140,6 @@ function words(Type, bytes) {
   return new Type(own.buffer, 0, own.length / size);
 }
 
-/** Points as x, y one after the other: from such an array of any kind, from pairs, or from anything with getX and getY. A
- * Float64Array is returned as it is. */
-function flatten(points, getX, getY) {
-  if (getX === undefined && getY === undefined) {
-    if (points instanceof Float64Array) return points;
-    if (ArrayBuffer.isView(points) || (Array.isArray(points) && typeof points[0] === 'number')) return Float64Array.from(points);
-  }
-  const x = getX ?? ((p) => p[0]);
-  const y = getY ?? ((p) => p[1]);
-  const flat = [];
-  for (const p of points) flat.push(x(p), y(p));
-  return Float64Array.from(flat);
-}
-
 /** Coordinates as LOADB expects them. They are not copied on a little-endian machine. */
 function pointBytes(flat) {
   if (flat.length % 2 !== 0) throw new TypeError('odd number of coordinates');
@@ -170,7 +156,6 @@ module.exports = {
   checkField,
   checkSet,
   doubleBytes,
-  flatten,
   line,
   nothing,
   number,

@@ -21,6 +21,11 @@ class SvgPath {
     if (r > 0) this.#text += `A${r},${r},0,1,1,${x - r},${y}A${r},${r},0,1,1,${x + r},${y}`;
   }
 
+  rect(x, y, width, height) {
+    this.#at = [x, y];
+    this.#text += `M${x},${y}h${width}v${height}h${-width}Z`;
+  }
+
   closePath() {
     if (this.#at !== null) this.#text += 'Z';
   }
@@ -50,4 +55,11 @@ class Corners {
   }
 }
 
-module.exports = { Corners, SvgPath };
+/** Calls draw with the context, or without one with an SVG path, whose text is then the result. */
+function onto(context, draw) {
+  const path = context == null ? new SvgPath() : null;
+  draw(context ?? path);
+  return path?.value();
+}
+
+module.exports = { Corners, onto };

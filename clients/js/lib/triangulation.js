@@ -4,7 +4,7 @@
 const { randomUUID } = require('node:crypto');
 
 const { commonClient } = require('./client.js');
-const { flatten } = require('./framing.js');
+const { flatten } = require('./points.js');
 const { findHalfedges, findHull } = require('./mesh.js');
 
 /** {triangles, hull} of the points. Uses a temporary set, which the server drops even if we are killed. hull is null unless

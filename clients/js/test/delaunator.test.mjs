@@ -5,7 +5,6 @@ import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import Delaunator from '../delaunator.mjs';
 
-Delaunator.useServer('private:');
 
 const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
 const random = (n) => Array.from({ length: n }, () => [Math.random() * 1000, Math.random() * 1000]);
@@ -88,9 +87,32 @@ test('require gives the class itself', () => {
   assert.equal(required.default, Delaunator);
 });
 
-test('a server that cannot be reached is named', () => {
-  Delaunator.useServer('delaunay://127.0.0.1:1');
-  assert.throws(() => new Delaunator([0, 0]), { name: 'Disconnected', code: 'ECONNREFUSED' });
-  Delaunator.useServer('private:');
-  checkSound(new Delaunator([0, 0, 1, 0, 0, 1]));
+test('a server is refused with a sentence', () => {
+  assert.throws(() => Delaunator.useServer('private:'), /computes in this process and uses no server/);
+});
+
+test('triangles are exact where those of doubles are not', () => {
+  // A circle through many lattice points, shifted far away; and points that are collinear but for the last bit.
+  const far = 2 ** 40;
+  const circle = [[5, 0], [4, 3], [3, 4], [0, 5], [-3, 4], [-4, 3], [-5, 0], [-4, -3], [-3, -4], [0, -5], [3, -4], [4, -3]];
+  checkSound(Delaunator.from(circle.map(([x, y]) => [far + x, far + y])));
+  const nearLine = Array.from({ length: 100 }, (_, i) => [i / 10, (i / 10) * 3 + (i % 7 === 0 ? 2 ** -50 : 0)]);
+  const d = Delaunator.from(nearLine);
+  assert.ok(d.triangles.length > 0);
+  assert.equal(new Set([...d.triangles, ...d.hull]).size, 100);
+});
+
+test('the memory of a million points is given back, and that of many small sets', () => {
+  const rss = () => process.memoryUsage().rss / 2 ** 20;
+  const big = Float64Array.from({ length: 600000 }, Math.random);
+  const small = Float64Array.from({ length: 40 }, Math.random);
+  const many = () => {
+    for (let k = 0; k < 20000; k++) new Delaunator(small);
+    for (let k = 0; k < 5; k++) new Delaunator(big);
+  };
+  many();
+  const before = rss();
+  many();
+  many();
+  assert.ok(rss() < before + 300, `${before} MiB before, ${rss()} after`);
 });

@@ -8,8 +8,6 @@ import { test } from 'node:test';
 import Ours from '../../../clients/js/delaunator.mjs';
 import { connect } from '../../../clients/js/index.mjs';
 
-Ours.useServer('private:');
-
 const peer = createRequire(path.join(process.cwd(), 'x.js'));
 const { default: Theirs } = await import(peer.resolve('delaunator'));
 

@@ -1,7 +1,7 @@
 // Compiled, not run: what users write has the types that they expect.
-import { type Change, Client, connect, type Mirror, Refused, Triangulation } from 'delaunayd';
+import { type Change, Client, connect, LiveSet, type Mirror, Refused, Triangulation } from 'delaunayd';
 import Delaunator from 'delaunayd/delaunator';
-import { Delaunay, type Polygon } from 'delaunayd/d3-delaunay';
+import { Delaunay, type Polygon, Voronoi } from 'delaunayd/d3-delaunay';
 
 export async function asynchronous(): Promise<number> {
   const client: Client = await connect('private:', { timeout: 100 });
@@ -31,6 +31,29 @@ export function synchronous(): Polygon {
   const found: number = delaunay.find(1, 2, 0) + [...delaunay.neighbors(0)].length + d.hull.length + named.triangles.length;
   const path: string = delaunay.render() + delaunay.voronoi([0, 0, found, 1]).renderCell(0);
   return path === '' ? [] : delaunay.hullPolygon();
+}
+
+// As with d3's types.
+export function ofD3(context: CanvasRenderingContext2D): Delaunay.Point[] {
+  const points: Delaunay.Point[] = [[0, 0], [1, 0], [0, 1]];
+  const bounds: Delaunay.Bounds = [0, 0, 1, 1];
+  const delaunay: Delaunay<Delaunay.Point> = Delaunay.from(points);
+  const voronoi: Voronoi<Delaunay.Point> = delaunay.voronoi(bounds);
+  const named: Voronoi<{ x: number; y: number }> = Delaunay.from([{ x: 1, y: 2 }], (p) => p.x, (p) => p.y).voronoi();
+  voronoi.renderBounds(context);
+  voronoi.renderCell(0, context);
+  named.delaunay.renderPoints(context, 2);
+  for (const cell of voronoi.update().cellPolygons()) if (cell.index === 0) return cell;
+  return voronoi.cellPolygon(0);
+}
+
+export function live(): number {
+  const set = LiveSet.from([{ lon: 1, lat: 2 }], { getX: (p) => p.lon, getY: (p) => p.lat, values: [3] });
+  set.move(set.add([[1, 2]]), 3, 4);
+  const { levels, coords } = set.contours([1, 2], { maxEdge: 5 });
+  const values: Float64Array = set.interpolate(new Float64Array(2), { method: 'natural' });
+  set.free();
+  return set.size + set.delete([0]) + values[0] + levels[0] + coords[0] + set.nearest([0, 0], 2)[1];
 }
 
 // @ts-expect-error: a set's name comes first

@@ -1,0 +1,1 @@
+export { Delaunator, Delaunator as default, Delaunay, LiveSet, Refused, Voronoi } from './index.js';

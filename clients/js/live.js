@@ -1,0 +1,204 @@
+// A set of points in process that stays triangulated while points come, go and move. Answers are typed arrays.
+'use strict';
+
+const { NOPOINT, RANGE, addPoints, findCore, refusal, withPlaces } = require('./lib/core.js');
+const { pairs } = require('./lib/points.js');
+
+const TABLES = { points: 0, coincident: 1, edges: 4, hull: 5 }; // enum dt_table
+const METHODS = ['linear', 'natural', 'laplace', 'nearest']; // enum dt_interpolation
+
+// The memory of sets that nobody refers to any more.
+const forgotten = new FinalizationRegistry(({ core, set }) => core.freeSet(set));
+
+function methodNumber(method) {
+  const number = METHODS.indexOf(method);
+  if (number < 0) throw new TypeError(`no such method: ${method}; there are ${METHODS.join(', ')}`);
+  return number;
+}
+
+/** An id as the core takes it. */
+function idOf(id) {
+  if (!(Number.isInteger(id) && id >= 0 && id < 2 ** 32)) throw refusal(NOPOINT);
+  return id;
+}
+
+class LiveSet {
+  #core = findCore();
+  #set; // null: freed
+
+  /** points: flat (x, y, x, y ...), or pairs, or anything with getX and getY. */
+  static from(points, { getX, getY, values, tolerance } = {}) {
+    const live = new LiveSet({ tolerance });
+    live.add(points, { getX, getY, values });
+    return live;
+  }
+
+  /** Points within the tolerance of an earlier one coincide with it. */
+  constructor({ tolerance = 0 } = {}) {
+    if (!(tolerance === 0 || (tolerance >= 2 ** -142 && tolerance <= 2 ** 201))) throw refusal(RANGE);
+    this.#set = this.#core.newSet(tolerance);
+    forgotten.register(this, { core: this.#core, set: this.#set }, this);
+    this.#core.call('set_triangulate', this.#set);
+  }
+
+  /** Gives the memory back now instead of when the object is collected. */
+  free() {
+    if (this.#set !== null) this.#core.freeSet(this.#set);
+    forgotten.unregister(this);
+    this.#set = null;
+  }
+
+  get #mine() {
+    if (this.#set === null) throw new TypeError('this set has been freed');
+    return this.#set;
+  }
+
+  #counts() {
+    this.#core.call('set_counts', this.#mine);
+    return [0, 1, 2].map((i) => this.#core.number(i));
+  }
+
+  /** How many points there are. */
+  get size() {
+    return this.#counts()[0];
+  }
+
+  /** The id that the next point will get. */
+  get nextId() {
+    return this.#counts()[2];
+  }
+
+  // ---- edits ----
+
+  /** Adds points, all or none; returns the id of the first one, the others follow. */
+  add(points, { getX, getY, values } = {}) {
+    const flat = pairs(points, getX, getY);
+    if (values !== undefined && 2 * values.length !== flat.length) {
+      throw new RangeError(`${values.length} values for ${flat.length / 2} points`);
+    }
+    if (values !== undefined) checkValues(values);
+    addPoints(this.#core, this.#mine, flat);
+    const first = this.#core.number(0);
+    if (values !== undefined) this.setValues(values, { first });
+    return first;
+  }
+
+  /** Deletes the points with these ids, all or none; returns how many. */
+  delete(ids) {
+    const list = Uint32Array.from(ids, idOf);
+    this.#core.callWith('set_delete', this.#mine, Uint32Array, list, list.length);
+    return this.#core.number(0);
+  }
+
+  /** Moves a point, which keeps its id. */
+  move(id, x, y) {
+    withPlaces([x, y], () => this.#core.call('set_move', this.#mine, idOf(id), x, y));
+  }
+
+  // ---- the triangulation ----
+
+  /** [x, y] of a point. */
+  point(id) {
+    this.#core.call('set_get', this.#mine, idOf(id));
+    return [...this.#core.doubles(2)];
+  }
+
+  #table(name, clockwise) {
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.call('set_table', this.#set, TABLES[name], clockwise);
+    return this.#core.array(Uint32Array, 0);
+  }
+
+  /** All ids, ascending. */
+  ids() {
+    return this.#table('points', false);
+  }
+
+  /** Pairs: a point that coincides with another one, and that one. */
+  coincident() {
+    return this.#table('coincident', false);
+  }
+
+  edges() {
+    return this.#table('edges', false);
+  }
+
+  hull({ clockwise = false } = {}) {
+    return this.#table('hull', clockwise);
+  }
+
+  /** {triangles, halfedges} as Delaunator has them; counterclockwise in a plane whose y axis points up, unless clockwise. */
+  triangulation({ clockwise = false } = {}) {
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.call('set_triangles', this.#set, clockwise);
+    return { triangles: this.#core.array(Uint32Array, 0), halfedges: this.#core.array(Int32Array, 1) };
+  }
+
+  /** In order, that of LISTS. */
+  neighbors(id, { clockwise = false } = {}) {
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.call('set_ring', this.#set, idOf(id), clockwise);
+    return this.#core.array(Uint32Array, 0);
+  }
+
+  // ---- questions about places, as points are given ----
+
+  #ask(name, places, ...rest) {
+    const flat = pairs(places);
+    withPlaces(flat, () => this.#core.callWith(name, this.#mine, Float64Array, flat, flat.length / 2, ...rest));
+  }
+
+  /** Three ids for each place: the triangle that contains it; NONE: there is none. */
+  locate(places) {
+    this.#ask('set_locate', places);
+    return this.#core.array(Uint32Array, 0);
+  }
+
+  /** k ids for each place, the nearest first; NONE: there are no more. */
+  nearest(places, k = 1) {
+    if (!(Number.isInteger(k) && k >= 1 && k < 2 ** 32)) throw new RangeError('k is a number of points from 1 on');
+    this.#ask('set_nearest', places, k);
+    return this.#core.array(Uint32Array, 0);
+  }
+
+  // ---- surfaces ----
+
+  /** Sets the values of the points with the ids from `first` on; NaN: it has none. */
+  setValues(values, { first = 0 } = {}) {
+    checkValues(values);
+    idOf(first);
+    this.#core.callWith('set_values', this.#mine, Float64Array, values, values.length, first);
+  }
+
+  /** The values at places; NaN where there is no surface. */
+  interpolate(places, { method = 'linear', maxEdge = Infinity } = {}) {
+    this.#ask('set_interpolate', places, methodNumber(method), maxEdge);
+    return this.#core.array(Float64Array, 0);
+  }
+
+  /** The lines at levels: line i is at levels[i], has the places offsets[i] .. offsets[i + 1] of coords, and is closed if closed[i]
+   * is 1. Higher ground is on the left; a closed line does not repeat its first place. */
+  contours(levels, { maxEdge = Infinity } = {}) {
+    const sorted = Float64Array.from(new Set(levels)).sort();
+    if (!sorted.every(Number.isFinite)) throw new RangeError('levels are finite numbers');
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.callWith('set_contours', this.#set, Float64Array, sorted, sorted.length, maxEdge);
+    const [Types, core] = [[Float64Array, Uint32Array, Float64Array, Uint32Array], this.#core];
+    const [of, offsets, coords, closed] = Types.map((Type, i) => core.array(Type, i));
+    return { levels: of, offsets, coords, closed };
+  }
+
+  /** The Voronoi cells, clipped to a box: that of point id has the corners offsets[id] .. offsets[id + 1] of coords, counterclockwise
+   * where y points up. */
+  cells([x0, y0, x1, y1]) {
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.call('set_cells', this.#set, x0, y0, x1, y1);
+    return { offsets: this.#core.array(Uint32Array, 0), coords: this.#core.array(Float64Array, 1) };
+  }
+}
+
+function checkValues(values) {
+  if (Array.prototype.some.call(values, (v) => Math.abs(v) === Infinity)) throw new RangeError('values are finite or NaN');
+}
+
+module.exports = { LiveSet };
