@@ -411,12 +411,6 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
  * Cost: O(ids / 4096) where few points have been deleted. */
 bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct dt_cursor *part);
 
-/* All triangles at once: triangles[3n], as the table DT_TRIANGLES has them; and, unless it is NULL, halfedges[3n]. Half edge 3i + k
- * runs from triangles[3i + k] to the next corner of the triangle; halfedges[3i + k] is the one that runs back along the
- * same edge, DT_NONE on the hull. n: dt_summary.triangles. Cost: linear; 4 bytes for each id ever given, and 16 for each
- * triangle, meanwhile. */
-enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_t *halfedges);
-
 /* ---- upkeep ---- */
 
 /* Makes the grid that lets searches of a triangulated set begin near their place, if there is none yet: so sets

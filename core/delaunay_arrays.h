@@ -18,6 +18,16 @@
 extern "C" {
 #endif
 
+/* ---- of any set ----
+ *
+ * All triangles at once: triangles[3n], as the table DT_TRIANGLES has them; and, unless it is NULL, halfedges[3n]. Half edge 3i + k
+ * runs from triangles[3i + k] to the next corner of the triangle; halfedges[3i + k] is the one that runs back along the
+ * same edge, DT_NONE on the hull. n: dt_summary.triangles. Cost: linear; 4 bytes for each id ever given, and 16 for each
+ * triangle, meanwhile. */
+enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_t *halfedges);
+
+/* ---- of points that are triangulated together ---- */
+
 struct dt_arrays;
 
 /* Triangulates n points p[n] and writes the rows of DT_TRIANGLES into triangle[], which has room for 3 words for each of 2 n rows;

@@ -2,6 +2,7 @@
 #ifndef DT_FLAT_H
 #define DT_FLAT_H
 
+#include "core/delaunay_arrays.h"
 #include "core/set/set.h"
 
 /* Writes the rows of DT_TRIANGLES, 3 words each. (*place_of)[i] belongs to record i of the mesh: four times its row, and the corner
@@ -9,7 +10,7 @@
  * NULL. Cost: linear; 4 bytes for each id ever given, and 16 for each triangle, meanwhile. */
 enum dt_status dt_flat_rows(const struct dt *t, bool cw, uint32_t *triangles, uint32_t **place_of);
 
-/* Writes halfedges[] of dt_flat (delaunay.h) for rows with these places. */
+/* Writes halfedges[] of dt_flat (delaunay_arrays.h) for rows with these places. */
 void dt_flat_halfedges(const struct dt *t, bool cw, const uint32_t *place_of, uint32_t *halfedges);
 
 #endif

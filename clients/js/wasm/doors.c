@@ -4,7 +4,7 @@
  * arrays by free(). Functions that return an enum dt_status leave out[] as it was when that is not DT_OK. lib/core.js has the
  * other side. */
 #include "core/cells/centre.h"
-#include "core/delaunay_surface.h"
+#include "core/delaunay_arrays.h"
 
 #include <stdlib.h>
 #include <string.h>

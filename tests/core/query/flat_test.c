@@ -1,6 +1,7 @@
 /* flat_test.c - the triangles as flat arrays. */
 #include <stdlib.h>
 
+#include "core/delaunay_arrays.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
 
