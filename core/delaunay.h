@@ -1,5 +1,5 @@
-/* delaunay.h - the core's public header: a set of points of the plane and its Delaunay triangulation.
- * delaunay_surface.h and delaunay_fields.h are its further parts.
+/* delaunay.h - the core's public header: a set of points of the plane and its Delaunay triangulation. delaunay_surface.h,
+ * delaunay_fields.h and delaunay_constraints.h are its further parts.
  *
  * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used twice. A point within the
  * set's coincidence tolerance of an earlier one becomes an alias of it (its representative); only representatives are vertices of
@@ -59,7 +59,11 @@ enum dt_status {
     DT_CANCELLED,      /* the caller's cancel flag was seen */
     DT_CORRUPT,        /* dt_check found a fault */
     DT_TOOSMALL,       /* the caller's buffer does not hold one row; the size it needs is set */
-    DT_TOOLONG         /* it takes more steps than the caller allows (struct dt_options) */
+    DT_TOOLONG,        /* it takes more steps than the caller allows (struct dt_options) */
+    DT_CROSSES,
+    DT_CONSTRAINED,
+    DT_NOCONSTRAINT,
+    DT_NOTDELAUNAY /* core/delaunay_constraints.h */
 };
 
 /* A sentence for people, for any number: a static string. */
@@ -67,9 +71,8 @@ const char *dt_status_text(enum dt_status status);
 
 /* ---- how a call may be carried out ---- */
 
-/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
- * on up to `threads` threads at once, and returns when all have returned. A job never waits for
- * another one. */
+/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order, on up to `threads`
+ * threads at once, and returns when all have returned. A job never waits for another one. */
 struct dt_pool {
     unsigned threads;
     void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
@@ -219,8 +222,7 @@ enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
 void dt_touched_begin(struct dt *t, bool values);
 void dt_touched_end(struct dt *t);
 
-/* How many keys there are to be taken. */
-size_t dt_touched_count(const struct dt *t);
+size_t dt_touched_count(const struct dt *t); /* how many keys there are to be taken */
 
 /* What edits have touched since the last call, in no order, and possibly repeated: keys made of an id, shifted by 32,
  * and one of the numbers below; new ids are not among them. With values: those of points that are not new. Keys are
@@ -262,8 +264,8 @@ void dt_built(struct dt *t, struct dt_build *b);
 /* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost: constant. */
 void dt_summary(const struct dt *t, struct dt_summary *out);
 
-/* Proves the triangulation exactly: every edge locally Delaunay under the canonical tie rule, twins
- * and rings consistent, Euler's formula, the hull convex, every representative a vertex. DT_CORRUPT
+/* Proves the triangulation exactly: every unconstrained edge locally Delaunay under the canonical tie rule, twins and rings
+ * consistent, Euler's formula, the hull convex, every representative a vertex, constraints chains of edges. DT_CORRUPT
  * points *fault (may be NULL) to a static sentence. Cost: linear. */
 enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const char **fault);
 
@@ -439,16 +441,14 @@ void dt_renewed(struct dt *t, struct dt_renewal *r);
  * point would cost can be estimated; among points on one line, dt_ring walks along all of them. */
 uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit);
 
-/* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest
- * neighbour, a boundary point's at its successor on the hull). *rep is the representative,
- * *boundary whether it lies on the hull. */
+/* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest neighbour, a boundary
+ * point's at its successor on the hull). *rep is the representative, *boundary whether it lies on the hull. */
 enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep,
                        bool *boundary);
 
-/* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in
- * hull order), replaced by their representatives, each once; *kept is how many remain, *interior
- * how many of those are interior. Cost: O(n log n), and O(hull) if two or more are boundary
- * points. */
+/* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in hull order), replaced
+ * by their representatives, each once; *kept is how many remain, *interior how many of those are interior. Cost:
+ * O(n log n), and O(hull) if two or more are boundary points. */
 enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n,
                               const struct dt_options *opt, size_t *kept, size_t *interior);
 

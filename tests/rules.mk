@@ -22,6 +22,10 @@ $(O)/interop/small_sets: $(addprefix $(O)/tests/,interop/small_sets.o interop/da
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
+$(O)/interop/constrained: $(O)/tests/interop/constrained.o $(FAMILIES) $(CORE)
+	@mkdir -p $(@D)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
 $(O)/interop/surfaces: $(addprefix $(O)/tests/,interop/surfaces.o interop/daemon.o oracle/cgal_delaunay.o) $(FAMILIES)
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
@@ -32,7 +36,7 @@ $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 interop_programs: all $(O)/tests/bench/points
 	$(call need,g++ libcgal-dev netcat-openbsd redis-tools,command -v $(CXX) && command -v nc && command -v redis-cli && \
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
-	@$(MAKE) --no-print-directory $(addprefix $(O)/interop/,compare small_sets surfaces)
+	@$(MAKE) --no-print-directory $(addprefix $(O)/interop/,compare constrained small_sets surfaces)
 
 interop: interop_programs
 	tests/interop/run.sh $(O)

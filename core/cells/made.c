@@ -62,7 +62,7 @@ static enum dt_status begin(const struct dt *t, const struct dt_cells *c, bool a
                             struct dt_cells_made **out)
 {
     *out = NULL;
-    enum dt_status s = dt_readable(t);
+    enum dt_status s = dt_readable_delaunay(t);
     if (s != DT_OK)
         return s;
     if (dt_mesh_is_line(&t->mesh) || t->points.next_id / 2 > dt_points_live(&t->points))

@@ -48,7 +48,7 @@ enum dt_status dt_bounds_read(const struct dt *t, const struct dt_view *v, struc
 {
     struct dt_row row[64];
     size_t n = 1;
-    enum dt_status s = dt_view_readable(t, v, true);
+    enum dt_status s = dt_view_readable_delaunay(t, v);
     if (s != DT_OK)
         return s;
     if (!b->rows && dt_view_if_changed(t, v) == NULL) {

@@ -16,6 +16,10 @@ const char *dt_status_text(enum dt_status status)
         [DT_CANCELLED] = "cancelled",
         [DT_CORRUPT] = "the check found a fault in the triangulation",
         [DT_TOOSMALL] = "the buffer does not hold one row",
+        [DT_CROSSES] = "constraints would cross where no point is",
+        [DT_CONSTRAINED] = "the point is the end of a constraint",
+        [DT_NOCONSTRAINT] = "there is no such constraint",
+        [DT_NOTDELAUNAY] = "not defined in a set with constraints",
         [DT_TOOLONG] = "more steps are needed than the caller allows",
     };
     size_t i = (size_t)status; /* a caller may have any number in an enum */

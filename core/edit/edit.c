@@ -8,6 +8,7 @@
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
 #include "core/edit/arrivals.h"
+#include "core/edit/constrain.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
 #include "core/exact/lanes.h"
@@ -127,8 +128,12 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
     enum dt_status status = dt_fields_take_ready(&t->fields, ids, n, &work);
     if (status != DT_OK)
         return status;
-    bool aside = !are_aliases(&t->points, ids, n) && set_mesh_aside(t, n);
-    status = dt_update_delete(t, ids, n, &work, opt != NULL && opt->disposable);
+    bool constrained = dt_is_constrained(t) && t->triangulated;
+    bool aside = !constrained && !are_aliases(&t->points, ids, n) && set_mesh_aside(t, n);
+    if (constrained)
+        status = dt_constrained_delete(t, ids, n, opt);
+    else
+        status = dt_update_delete(t, ids, n, &work, opt != NULL && opt->disposable);
     if (status == DT_OK)
         dt_fields_take(&t->fields, ids, n);
     else if (aside)
@@ -151,6 +156,10 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
         if (v == DT_NONE) {
             *missing = ids[i];
             return DT_NOPOINT;
+        }
+        if (dt_is_end(t, ids[i])) {
+            *missing = ids[i];
+            return DT_CONSTRAINED;
         }
         if (n == 1 && dt_is_live(t))
             dt_update_fetch(t, v);
@@ -192,5 +201,7 @@ enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
     if (status != DT_OK)
         return status;
     dt_views_edit_begin(t);
+    if (dt_is_constrained(t) && t->triangulated)
+        return dt_constrained_move(t, id, to, opt);
     return dt_update_move(t, id, to, &work);
 }

@@ -5,18 +5,12 @@
  * surface over the plane that the lifted, perturbed points span, so no triangulation comes twice and the
  * flips end [Lawson 1977; Edelsbrunner 2001, sec. 1.2]. An edge that is not locally Delaunay is a diagonal
  * of a strictly convex quadrilateral, so it can always be flipped, and hull edges never change.
- *
- *            c                         c
- *          /   \                     / | \
- *        /       \                 /   |   \        h:  a->b, its twin b->a. The records stay within
- *       a ------- b       ->      a    |    b       the quadrilateral: b->c and a->d keep their half
- *        \   h   /                 \   |   /        edges, d->b becomes h, c->a becomes the twin, and
- *          \   /                     \ | /          the diagonal c->d prev(h).
- *            d                         d
  */
 #include "core/edit/flip.h"
 
 #include "core/exact/predicates.h"
+#include "core/mesh/diagonal.h"
+#include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
 static bool add_suspect(struct dt_flips *f, uint32_t h)
@@ -106,12 +100,24 @@ static bool look_at(const struct dt_point *xy, const struct spokes *s, struct dt
     return true;
 }
 
+/* Such a vertex is an end of a constraint, or constraints run through it. */
+static bool has_fixed_spoke(const struct dt_mesh *m, uint32_t first)
+{
+    uint32_t h = first;
+    do {
+        if (dt_is_fixed(m, h))
+            return true;
+        h = dt_turn_ccw(m, h);
+    } while (h != first);
+    return false;
+}
+
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                               struct dt_point to, struct dt_stop *work, struct dt_flips *f,
                               bool *allowed)
 {
     enum dt_status status = DT_OK;
-    *allowed = !dt_on_hull(m, v);
+    *allowed = !dt_on_hull(m, v) && (m->fixed == NULL || !has_fixed_spoke(m, m->leaving[v]));
     f->suspects = f->flipped = 0;
     uint32_t first = m->leaving[v], h = first;
     if (!*allowed)
@@ -128,44 +134,10 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
     return status;
 }
 
-static void leave_by(struct dt_mesh *m, uint32_t v, uint32_t old, uint32_t h)
-{
-    if (m->leaving[v] == old)
-        m->leaving[v] = h;
-}
-
-/* Flips the edge of h: see the drawing. */
-static void flip(struct dt_mesh *m, uint32_t h)
-{
-    uint32_t g = dt_twin(m, h), a = dt_origin(m, h), b = dt_origin(m, g);
-    uint32_t db = dt_twin(m, dt_prev(g)), ca = dt_twin(m, dt_prev(h)); /* seen from outside */
-    m->half[h] = dt_apex_of(m, g);
-    m->half[g] = dt_apex_of(m, h);
-    dt_link(m, h, db);
-    dt_link(m, g, ca);
-    dt_link(m, dt_prev(h), dt_prev(g));
-    leave_by(m, a, h, dt_next(g));
-    leave_by(m, b, g, dt_next(h));
-}
-
-/* The inverse of flip(m, h). */
-static void flip_back(struct dt_mesh *m, uint32_t h)
-{
-    uint32_t g = dt_next(dt_twin(m, dt_prev(h))), d = dt_origin(m, h), c = dt_origin(m, g);
-    uint32_t db = dt_twin(m, h), ca = dt_twin(m, g);
-    m->half[h] = dt_dest(m, g);
-    m->half[g] = dt_dest(m, h);
-    dt_link(m, dt_prev(g), db);
-    dt_link(m, dt_prev(h), ca);
-    dt_link(m, h, g);
-    leave_by(m, d, h, dt_prev(g));
-    leave_by(m, c, g, dt_prev(h));
-}
-
 static bool is_delaunay(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h)
 {
     uint32_t g = dt_twin(m, h);
-    return dt_is_ghost(m, g) ||
+    return dt_is_ghost(m, g) || dt_is_fixed(m, h) ||
            dt_incircle_perturbed(xy[dt_origin(m, h)], xy[dt_origin(m, g)], xy[dt_apex_of(m, h)],
                                  xy[dt_apex_of(m, g)]) <= 0;
 }
@@ -184,7 +156,7 @@ static enum dt_status flip_one(struct dt_mesh *m, struct dt_flips *f, uint32_t h
     dt_changes_star(scratch->changes, dt_origin(m, g));
     dt_changes_star(scratch->changes, dt_apex_of(m, h));
     dt_changes_star(scratch->changes, dt_apex_of(m, g));
-    flip(m, h);
+    dt_flip(m, h);
     f->flip[f->flipped++] = h;
     bool room = add_suspect(f, h) && add_suspect(f, dt_next(h)) && add_suspect(f, g) &&
                 add_suspect(f, dt_next(g));
@@ -201,7 +173,7 @@ enum dt_status dt_flip_all(struct dt_mesh *m, const struct dt_point *xy, struct 
             status = flip_one(m, f, h, scratch);
     }
     while (status != DT_OK && f->flipped > 0)
-        flip_back(m, f->flip[--f->flipped]);
+        dt_flip_back(m, f->flip[--f->flipped]);
     m->recycled = m->recycled || f->flipped > 0;
     return status;
 }

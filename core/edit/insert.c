@@ -18,6 +18,7 @@
 
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
 /* Whether q lies strictly between a and b on their line. */
@@ -65,9 +66,12 @@ static inline void push(const struct dt_mesh *m, struct dt_cavity *c, struct dt_
  *             / \            The sign of the determinant of a, b and w, lifted, decides whether the triangle is in
  *            /   \           conflict. Two of its three cross products are those of the new edges, a-w and w-b;
  *           b --- a          the third has been computed when a-b was such an edge.
- *              q */
+ *              q
+ *
+ * has_fixed: it does not grow through fixed edges, but through that on which q lies. */
 static inline enum dt_status find_cavity(const struct dt_mesh *m, const struct dt_point *xy,
-                                         uint32_t t, struct dt_point q, struct dt_cavity *c)
+                                         uint32_t t, struct dt_point q, struct dt_cavity *c,
+                                         bool has_fixed)
 {
     enum dt_status status = DT_OK;
     uint32_t steps = 0;
@@ -87,6 +91,8 @@ static inline enum dt_status find_cavity(const struct dt_mesh *m, const struct d
         double aw = dt_lifted_cross(a, w), wb = dt_lifted_cross(w, e.end);
         double bound, det = dt_lifted_det(a, w, e.end, aw, wb, -e.cross, &bound);
         bool conflict = fabs(det) > bound ? det > 0 : dt_conflict(m, xy, dt_base(beyond), q);
+        if (has_fixed && dt_is_fixed(m, e.h) && e.h != c->split)
+            conflict = false;
         if (conflict) {
             if (!dt_cavity_add(c, dt_base(beyond)))
                 return DT_NOMEM;
@@ -107,7 +113,8 @@ enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy
                               struct dt_point q, struct dt_cavity *c)
 {
     struct dt_cavity hole = *c; /* a copy, which stays in registers */
-    enum dt_status status = find_cavity(m, xy, t, q, &hole);
+    enum dt_status status = m->fixed == NULL ? find_cavity(m, xy, t, q, &hole, false)
+                                             : find_cavity(m, xy, t, q, &hole, true);
     *c = hole;
     return status;
 }
@@ -178,6 +185,24 @@ static void fill_at_hull(struct dt_mesh *m, const struct dt_cavity *c, uint32_t 
         m->leaving[v] = dt_prev(first);
 }
 
+/* The star of v has replaced the cavity: the edges of the rim are fixed as they were; the spokes are not. */
+static void carry_fixed(struct dt_mesh *m, const struct dt_cavity *c)
+{
+    for (uint32_t i = 0; i < c->rims; i++)
+        m->half[c->record[i] + 3] = 0;
+    for (uint32_t i = 0; i < c->rims; i++)
+        dt_fixed_mark(m, dt_twin(m, c->rim[i].beyond), dt_is_fixed(m, c->rim[i].beyond));
+}
+
+/* The spoke of v to a corner u of the rim becomes fixed. */
+static void fix_spoke(struct dt_mesh *m, const struct dt_cavity *c, uint32_t u, uint32_t covers)
+{
+    uint32_t i = 0;
+    while (c->rim[i].origin != u)
+        i++;
+    dt_fix(m, dt_prev(dt_twin(m, c->rim[i].beyond)), covers);
+}
+
 /* Replaces the triangles of the cavity, and two records more, by the star of v. */
 static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
 {
@@ -189,6 +214,8 @@ static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
         fill_at_hull(m, c, v);
     else
         fill_inside(m, c, v);
+    if (m->fixed != NULL)
+        carry_fixed(m, c);
     m->vertices++;
 }
 
@@ -196,6 +223,7 @@ static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
 static void insert_second(struct dt_mesh *m, uint32_t a, uint32_t b)
 {
     uint32_t g = dt_mesh_take(m), h = dt_mesh_take(m);
+    m->half[g + 3] = m->half[h + 3] = 0;
     dt_set_corners(m, g, a, b, DT_NONE);
     dt_set_corners(m, h, b, a, DT_NONE);
     dt_link(m, g, h);
@@ -218,6 +246,7 @@ static void extend_line(struct dt_mesh *m, uint32_t half, uint32_t v,
     uint32_t above = dt_base(half), e = m->half[above], below = dt_base(dt_twin(m, above));
     dt_changes_star(changes, e);
     uint32_t in = dt_mesh_take(m), out = dt_mesh_take(m);
+    m->half[in + 3] = m->half[out + 3] = 0;
     dt_set_corners(m, in, v, e, DT_NONE);
     dt_set_corners(m, out, e, v, DT_NONE);
     dt_link(m, in, out);
@@ -238,7 +267,11 @@ static void split_line(struct dt_mesh *m, uint32_t half, uint32_t v,
     uint32_t a = m->half[there], b = m->half[back];
     dt_changes_star(changes, a);
     dt_changes_star(changes, b);
+    uint32_t covers = dt_fixed_count(m, there);
+    if (covers > 0)
+        dt_unfix(m, there, covers);
     uint32_t there_on = dt_mesh_take(m), back_on = dt_mesh_take(m);
+    m->half[there_on + 3] = m->half[back_on + 3] = 0;
     dt_set_corners(m, there_on, v, b, DT_NONE);
     dt_set_corners(m, back_on, v, a, DT_NONE);
     dt_link(m, there_on + 1, dt_twin(m, there + 1));
@@ -248,6 +281,10 @@ static void split_line(struct dt_mesh *m, uint32_t half, uint32_t v,
     dt_link(m, there_on, back);
     dt_link(m, there + 1, there_on + 2);
     dt_link(m, back + 1, back_on + 2);
+    if (covers > 0) {
+        dt_fix(m, there, covers);
+        dt_fix(m, there_on, covers);
+    }
     m->leaving[v] = there + 1;
     m->leaving[b] = there_on + 1;
     m->leaving[a] = back_on + 1;
@@ -279,10 +316,21 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
     return DT_OK;
 }
 
+/* v splits the fixed edge of half: constraints that cover it cover both parts. */
+static void split_fixed(struct dt_mesh *m, uint32_t half, uint32_t v, struct dt_cavity *c)
+{
+    uint32_t a = dt_origin(m, half), b = dt_dest(m, half), covers = dt_fixed_count(m, half);
+    dt_unfix(m, half, covers);
+    fill_with_star(m, c, v);
+    fix_spoke(m, c, a, covers);
+    fix_spoke(m, c, b, covers);
+}
+
 enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                          enum dt_where where, uint32_t half, struct dt_cavity *scratch)
 {
-    if (dt_mesh_make_room(m, v, 2) != DT_OK)
+    if (dt_mesh_make_room(m, v, 2) != DT_OK ||
+        (m->fixed != NULL && dt_fixed_reserve(m, 2) != DT_OK))
         return DT_NOMEM;
     if (m->vertices == 0) {
         m->leaving[v] = DT_NONE;
@@ -295,12 +343,18 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         insert_second(m, half, v);
         return DT_OK;
     }
+    scratch->split = DT_NONE;
     if (dt_mesh_is_line(m))
         return insert_in_line(m, xy, v, where, half, scratch);
+    bool splits = where == DT_ON_EDGE && dt_is_fixed(m, half);
+    scratch->split = splits ? half : DT_NONE;
     enum dt_status status = dt_find_cavity(m, xy, dt_base(half), xy[v], scratch);
     if (status != DT_OK)
         return status;
     dt_cavity_report(scratch);
-    fill_with_star(m, scratch, v);
+    if (splits)
+        split_fixed(m, half, v, scratch);
+    else
+        fill_with_star(m, scratch, v);
     return DT_OK;
 }

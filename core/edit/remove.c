@@ -19,6 +19,7 @@
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
 enum { MET = 4 }; /* triangles each way, after which most stars have been seen */
@@ -188,6 +189,17 @@ static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
         dt_mesh_drop(m, w.spare[--w.spares]);
 }
 
+/* Releases the edges of two ghosts of a line that become one, and returns how many constraints covered each. */
+static uint32_t release_edges(struct dt_mesh *m, uint32_t in, uint32_t out)
+{
+    uint32_t covers = dt_fixed_count(m, in);
+    if (covers > 0) {
+        dt_unfix(m, in, covers);
+        dt_unfix(m, out, covers);
+    }
+    return covers;
+}
+
 /* A line loses an edge. v lies between a and b: (a, v) and (v, b) become (a, b), on both sides; or
  * it is an end next to e: the two ghosts of v-e go. */
 static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
@@ -207,11 +219,14 @@ static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_chan
         uint32_t back_in = dt_base(dt_twin(m, out)),
                  back_out = dt_base(dt_twin(m, in)); /* (b, v), (v, a) */
         uint32_t after = dt_twin(m, out + 1), back_after = dt_twin(m, back_out + 1);
+        uint32_t covers = release_edges(m, in, out);
         m->half[in + 1] = b;
         m->half[back_in + 1] = a;
         dt_link(m, in, back_in);
         dt_link(m, in + 1, after);
         dt_link(m, back_in + 1, back_after);
+        if (covers > 0)
+            dt_fix(m, in, covers);
         m->leaving[b] = in + 1;
         m->leaving[a] = back_in + 1;
         m->hull = in;
@@ -247,13 +262,16 @@ enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         enum dt_status status = collect_star(m, xy, v, scratch);
         if (status == DT_OK)
             dt_cavity_report(scratch);
-        if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
+        if (status == DT_OK && m->fixed != NULL)
+            status = dt_remove_fixed(m, xy, v, scratch);
+        else if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
             status = dt_remove_large(m, xy, v, scratch);
         else if (status == DT_OK)
             remove_from_plane(m, xy, scratch);
         if (status != DT_OK)
             return status;
-        settle_rim(m, scratch);
+        if (m->fixed == NULL)
+            settle_rim(m, scratch);
     }
     m->leaving[v] = DT_NONE;
     m->vertices--;

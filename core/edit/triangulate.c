@@ -5,6 +5,7 @@
 
 #include "core/control/stop.h"
 #include "core/divide/divide.h"
+#include "core/edit/constrain.h"
 #include "core/memory/memory.h"
 #include "core/set/set.h"
 #include "core/shelling/shelling.h"
@@ -133,7 +134,8 @@ struct dt_build {
 
 bool dt_build_suits(const struct dt *t, const struct dt_options *opt)
 {
-    return t->points.plan != NULL && (opt == NULL || opt->method != DT_SHELLING);
+    return t->points.plan != NULL && (opt == NULL || opt->method != DT_SHELLING) &&
+           !dt_is_constrained(t);
 }
 
 enum dt_status dt_build(const struct dt *t, const struct dt_options *opt, struct dt_build **out)
@@ -167,6 +169,15 @@ void dt_built(struct dt *t, struct dt_build *b)
 
 /* ---- any points ---- */
 
+/* The mesh that was just installed becomes that of the constraints. completes: the flag is not polled any more. */
+static enum dt_status constrain(struct dt *t, bool completes, const struct dt_options *opt)
+{
+    struct dt_stop stop = dt_stop_of(opt);
+    stop.left = UINT64_MAX;
+    stop.cancel = completes ? NULL : stop.cancel;
+    return dt_constrain_all(t, &stop);
+}
+
 /* Builds the mesh of t for its present points; without a plan, vertices are renumbered into grid order. On success t is
  * current. Else (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed (opt->disposable). */
 static enum dt_status build(struct dt *t, const struct dt_options *opt)
@@ -174,11 +185,19 @@ static enum dt_status build(struct dt *t, const struct dt_options *opt)
     dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
     struct dt_mesh mesh = {.pages = t->points.pages};
     const struct dt_points *p = &t->points;
-    enum dt_status status = dt_build_suits(t, opt)
+    enum dt_status status = p->plan != NULL && (opt == NULL || opt->method != DT_SHELLING)
                                 ? dt_divide_sorted(p->xy, p->end, p->plan, &mesh, opt)
                                 : build_sorting(t, &mesh, opt);
-    if (status == DT_OK)
-        install(t, &mesh);
+    if (status != DT_OK)
+        return status;
+    bool was_triangulated = t->triangulated, was_current = t->current;
+    install(t, &mesh);
+    if (dt_is_constrained(t))
+        status = constrain(t, was_triangulated && was_current, opt);
+    if (status != DT_OK) {
+        t->triangulated = was_triangulated;
+        t->current = false;
+    }
     return status;
 }
 

@@ -100,7 +100,7 @@ static struct place look_up(struct dt *t, struct dt_point q)
 /* The same when the triangle of half edge `near` is near q, unless that is DT_NONE. */
 static struct place look_up_from(struct dt *t, struct dt_point q, uint32_t near)
 {
-    if (near == DT_NONE)
+    if (near == DT_NONE || t->mesh.fixed != NULL)
         return look_up(t, q);
     struct place p = {.where = DT_INSIDE, .half = near, .at = DT_NONE};
     if (dt_is_certain_conflict(&t->mesh, t->points.xy, near, q))
@@ -349,7 +349,8 @@ static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to,
 {
     struct dt_points *p = &t->points;
     struct dt_point from = p->xy[v];
-    bool found = t->mesh.vertices > 2 && outlives(&t->mesh, place->half, v);
+    bool found =
+        t->mesh.vertices > 2 && t->mesh.fixed == NULL && outlives(&t->mesh, place->half, v);
     enum dt_status status = remove_vertex(t, v);
     if (status != DT_OK)
         return status;

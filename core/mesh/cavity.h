@@ -11,6 +11,8 @@
 #include "core/mesh/mesh.h"
 #include "core/points/changes.h"
 
+struct dt_enforcer;
+
 struct dt_rim {
     uint32_t origin; /* where the rim edge starts, counterclockwise around the hole; DT_NONE at
                         infinity */
@@ -32,8 +34,10 @@ struct dt_cavity {
     struct dt_crossing *stack; /* owns `room` */
     uint32_t records, rims, stacked;
     uint32_t room;
-    bool open;            /* infinity is on the rim */
-    struct dt_stop *work; /* borrows: the work left to the edit; NULL: no limit */
+    bool open;                    /* infinity is on the rim */
+    struct dt_stop *work;         /* borrows: the work left to the edit; NULL: no limit */
+    struct dt_enforcer *enforcer; /* borrows; of edits of a mesh with fixed edges */
+    uint32_t split; /* an edge that an insertion may cross although it is fixed; DT_NONE: none */
     const struct dt_changes
         *changes; /* borrows; notified of the stars that change; NULL: not needed */
 };

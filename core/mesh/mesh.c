@@ -1,18 +1,34 @@
 /* mesh.c - storage and counts of the half-edge mesh; the structure itself is drawn in mesh.h. */
 #include "core/mesh/mesh.h"
 
+#include <stdlib.h>
+
 #include "core/memory/memory.h"
+
+void dt_fixed_end(struct dt_mesh *m)
+{
+    if (m->fixed != NULL)
+        dt_array_free(m->fixed->more);
+    free(m->fixed);
+    m->fixed = NULL;
+}
+
+static size_t fixed_memory(const struct dt_mesh *m)
+{
+    return m->fixed == NULL ? 0 : sizeof *m->fixed + m->fixed->cap * sizeof *m->fixed->more;
+}
 
 void dt_mesh_clear(struct dt_mesh *m)
 {
     dt_array_free(m->half);
     dt_array_free(m->leaving);
+    dt_fixed_end(m);
     *m = (struct dt_mesh){.pages = m->pages, .free_list = DT_NONE, .hull = DT_NONE};
 }
 
 size_t dt_mesh_memory(const struct dt_mesh *m)
 {
-    return ((size_t)m->tri_cap * 8 + m->vert_cap) * sizeof(uint32_t);
+    return ((size_t)m->tri_cap * 8 + m->vert_cap) * sizeof(uint32_t) + fixed_memory(m);
 }
 
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)

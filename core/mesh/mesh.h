@@ -4,6 +4,7 @@
  * 2) runs counterclockwise from corner k to corner k + 1 with the triangle on its left:
  *
  *      half[8t + 0..2]   the three corners (vertices), the origins of the half edges
+ *      half[8t + 3]      which of the half edges are fixed (fixed.h)
  *      half[8t + 4..6]   the twins of the half edges: the same edges seen from the triangles beyond
  *
  *                  v2
@@ -31,6 +32,17 @@
 
 #define DT_DEAD (UINT32_MAX - 1)
 
+struct dt_more {
+    uint32_t a, b; /* vertices, a < b; a == DT_NONE: free */
+    uint32_t more; /* constraints that cover the edge beside the first one */
+};
+
+/* The edges that several constraints cover (fixed.h): a hash table with linear probing. */
+struct dt_fixed {
+    struct dt_more *more; /* owns `cap`, a power of two or 0 */
+    uint32_t n, cap;
+};
+
 struct dt_mesh {
     struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
     uint32_t *half;         /* owns 8 * tri_cap words */
@@ -46,12 +58,16 @@ struct dt_mesh {
     bool recycled;      /* dead records have been reused elsewhere since the hints were built */
     uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
     uint32_t alone;     /* the vertex, if there is just one */
+    struct dt_fixed *fixed; /* owns; NULL: no edge is constrained (fixed.h) */
 };
 
 /* *m must be zeroed or cleared; it keeps its keeper of pages. */
 void dt_mesh_clear(struct dt_mesh *m);
 
 size_t dt_mesh_memory(const struct dt_mesh *m); /* bytes */
+
+/* No edge is fixed any more. */
+void dt_fixed_end(struct dt_mesh *m);
 
 /* Makes room for vertices numbered below verts and for tris records in all. DT_NOMEM leaves *m
  * valid and unchanged. */

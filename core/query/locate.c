@@ -2,9 +2,11 @@
  * side.
  *
  * In a Delaunay triangulation such a walk never returns to a triangle, whichever edge it takes where two
- * qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud 2002], so it ends. */
+ * qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud 2002], so it ends. In a
+ * triangulation with constraints it may return: there it takes a limited number of steps, and then the straight way (march.h). */
 #include "core/query/locate.h"
 
+#include "core/constraints/march.h"
 #include "core/exact/predicates.h"
 #include "core/grid/hints.h"
 #include "core/grid/jump.h"
@@ -147,11 +149,15 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
                       struct dt_point q, uint32_t *half)
 {
     enum dt_where where;
-    uint32_t steps = UINT32_MAX;
+    uint32_t steps = m->fixed == NULL ? UINT32_MAX : PATIENCE;
     if (dt_mesh_is_line(m))
         return walk_line(m, xy, from, q, half);
-    while (!walk_plane(m, xy, NULL, from, q, &steps, &where, half))
+    while (!walk_plane(m, xy, NULL, from, q, &steps, &where, half)) {
         from = *half;
+        if (m->fixed != NULL)
+            return dt_march_to(m, xy, dt_is_ghost(m, from) ? dt_twin(m, dt_base(from)) : from, q,
+                               half);
+    }
     return where;
 }
 

@@ -5,6 +5,7 @@
  * what it follows from has no image since the view began; else the search is repeated among the rings
  * of that moment: what a view keeps are rows and rings, by id, so it goes from ring to ring. That is slower, by the
  * reading of a ring for each step. */
+#include "core/memory/sort.h"
 #include "core/query/ahead.h"
 #include "core/query/locate.h"
 #include "core/query/nearest.h"
@@ -19,6 +20,7 @@ struct lookup {
     const struct dt *t;
     const struct dt_view *then; /* NULL: nothing has changed since */
     struct dt_stop work;
+    uint64_t random;
     uint32_t width;              /* words of an answer */
     struct dt_ids ids;           /* owns: workspace */
     struct dt_neighbours around; /* owns: the star then that was read last */
@@ -163,8 +165,11 @@ static enum dt_status step_then(struct lookup *l, struct dt_point q, uint32_t id
     int side[3];
     for (unsigned k = 0; k < 3; k++)
         p[k] = dt_view_place(l->t, l->then, id[k]);
-    for (unsigned k = 0; k < 3; k++) {
+    for (unsigned k = 0; k < 3; k++)
         side[k] = dt_orient2d(p[k], p[(k + 1) % 3], q);
+    unsigned first = l->then->constrained ? dt_random_below(&l->random, 3) : 0;
+    for (unsigned i = 0; i < 3; i++) {
+        unsigned k = (first + i) % 3;
         if (side[k] >= 0)
             continue;
         uint32_t a = id[k], b = id[(k + 1) % 3], c;
@@ -180,7 +185,8 @@ static enum dt_status step_then(struct lookup *l, struct dt_point q, uint32_t id
 }
 
 /* `from` was a vertex, best one near q; DT_NONE: there was none. The walk ends for the reason given in locate.c, which
- * holds for any Delaunay triangulation. */
+ * holds for any Delaunay triangulation. With constraints it could return to a triangle; there it takes edges at
+ * random, so that it ends with probability 1 [Devillers, Pion & Teillaud 2002]. */
 static enum dt_status locate_then(struct lookup *l, struct dt_point q, uint32_t from,
                                   uint32_t out[3])
 {
@@ -241,7 +247,7 @@ static enum dt_status look_round(struct lookup *l, struct dt_point q, uint32_t v
 static enum dt_status nearest_were_same(struct lookup *l, struct dt_point q, bool *same)
 {
     enum dt_status st = DT_OK;
-    *same = l->ids.n == l->width;
+    *same = l->ids.n == l->width && !l->then->constrained;
     for (size_t i = 0; *same && st == DT_OK && i < l->ids.n; i++) {
         uint32_t v = dt_points_vertex(&l->t->points, l->ids.v[i]);
         *same = !has_changed(l, v);

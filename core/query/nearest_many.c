@@ -135,6 +135,16 @@ static enum dt_status append_nearest(struct search *s, uint32_t nearest, bool ti
 
 /* ---- now ---- */
 
+static enum dt_status nearest_fixed(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                    struct dt_stop *work, struct dt_ids *out)
+{
+    size_t n = out->n;
+    enum dt_status st = dt_nearest_fixed(t, q, k, work, out);
+    for (size_t i = n; st == DT_OK && i < out->n; i++)
+        out->v[i] = t->points.id[out->v[i]];
+    return st;
+}
+
 enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
                                       struct dt_stop *work, struct dt_ids *out)
 {
@@ -142,6 +152,8 @@ enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place 
     k = k < t->mesh.vertices ? k : t->mesh.vertices;
     if (st != DT_OK || k == 0)
         return st;
+    if (t->mesh.fixed != NULL && !dt_mesh_is_line(&t->mesh))
+        return nearest_fixed(t, q, k, work, out);
     bool tie;
     uint32_t v;
     st = dt_nearest_vertex(t, q, work, &v, &tie);
@@ -188,6 +200,26 @@ static enum dt_status descend(struct search *s, uint32_t *id)
     return st;
 }
 
+/* Where rings do not lead to the nearest points: a look at every row. */
+static enum dt_status nearest_of_rows(struct search *s, struct dt_ids *out)
+{
+    struct dt_view_ids ids = dt_view_ids_begin(s->t, s->then, 0);
+    enum dt_status st = DT_OK;
+    uint32_t steps = 0;
+    for (uint32_t id = 0; st == DT_OK && (id = dt_view_ids_next(&ids, id)) != DT_NONE; id++) {
+        if (dt_view_representative(s->t, s->then, id) == id) {
+            struct dt_seen c = look_at(s, id);
+            st = c.d > s->near.limit ? DT_OK : dt_near_push(&s->near, c, s->work);
+        }
+        if (st == DT_OK && (++steps & DT_WORK_MASK) == 0)
+            st = dt_work(s->work, DT_WORK_BLOCK);
+    }
+    for (; st == DT_OK && s->near.wanted > 0 && s->near.n > 0; s->near.wanted--)
+        out->v[out->n++] = dt_near_pop(&s->near).key;
+    dt_near_clear(&s->near);
+    return st;
+}
+
 enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
                                uint32_t from, uint32_t k, struct dt_stop *work,
                                struct dt_neighbours *around, struct dt_ids *out)
@@ -197,6 +229,8 @@ enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, stru
     struct search s = {
         .t = t, .then = v, .around = around, .work = work, .near = dt_near_of(q, NULL, k)};
     enum dt_status st = dt_ids_reserve(out, k);
+    if (st == DT_OK && v->constrained)
+        return nearest_of_rows(&s, out);
     if (st == DT_OK)
         st = descend(&s, &from);
     return st == DT_OK ? append_nearest(&s, from, true, out) : st;

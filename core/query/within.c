@@ -1,12 +1,13 @@
 /* within.c - the points in a closed box or disc, and the triangles that meet a box.
  *
- * A flood goes from triangle to triangle, ghosts included, across every edge that meets the region. It names a vertex at
- * the triangle around it that leaving[] has, so it needs to know of triangles only which ones it has reached. The
- * vertices in a disc are connected by edges (nearest.h); it starts at one that is nearest to the centre. Those in a box
- * need not be. But box and hull are convex, so what they share is connected, and so are, across edges that meet the box,
- * the triangles that meet it; whether an edge does with no end in it is decided exactly. A first triangle: one that
- * holds a corner of the box; if all four corners are outside, the box meets the hull only if it meets a hull edge. Where
- * all points are on one line, a walk along it finds the first edge that meets the box.
+ * A flood goes from triangle to triangle, ghosts included, across every edge that meets the region. It names a vertex
+ * at the triangle around it that leaving[] has, so it needs to know of triangles only which ones it has reached. The
+ * vertices in a disc are connected by edges (nearest.h), unless there are fixed edges; it starts at one that is
+ * nearest to the centre. Those in a box need not be. But box and hull are convex, so what they share is connected, and
+ * so are, across edges that meet the box, the triangles that meet it; whether an edge does with no end in it is
+ * decided exactly. A first triangle: one that holds a corner of the box; if all four corners are outside, the box
+ * meets the hull only if it meets a hull edge. Where all points are on one line, a walk along it finds the first edge
+ * that meets the box.
  *
  * Where the region turns out to hold a large share of the set, a scan of all vertices replaces the flood. */
 #include "core/control/stop.h"
@@ -97,13 +98,20 @@ static inline struct corner corner(const struct flood *f, uint32_t v)
     return c;
 }
 
+/* Whether an edge with no end in the region meets it; where edges between vertices lead to all in a disc: not needed. */
+static inline bool edge_meets(const struct flood *f, struct dt_point p, struct dt_point q)
+{
+    if (!f->in.disc)
+        return meets(&f->in.box, p, q);
+    return f->t->mesh.fixed != NULL && dt_edge_least(f->in.centre, p, q) <= f->in.outside;
+}
+
 /* The triangle beyond the half edge h from p to q, if the edge meets the region. */
 static inline enum dt_status cross(struct flood *f, uint32_t h, const struct corner *p,
                                    const struct corner *q)
 {
     bool meet =
-        p->in || q->in ||
-        (!f->in.disc && p->v != DT_NONE && q->v != DT_NONE && meets(&f->in.box, p->at, q->at));
+        p->in || q->in || (p->v != DT_NONE && q->v != DT_NONE && edge_meets(f, p->at, q->at));
     return meet ? reach(f, dt_twin(&f->t->mesh, h)) : DT_OK;
 }
 
@@ -210,6 +218,15 @@ static enum dt_status first_on_line(const struct flood *f, uint32_t *half)
     return s;
 }
 
+static enum dt_status nearest_one(const struct flood *f, const struct dt_place *q, uint32_t *v)
+{
+    struct dt_ids one = {0};
+    enum dt_status s = dt_nearest_fixed(f->t, q, 1, f->work, &one);
+    *v = s == DT_OK ? one.v[0] : DT_NONE;
+    free(one.v);
+    return s;
+}
+
 static enum dt_status begin(struct flood *f)
 {
     const struct dt_mesh *m = &f->t->mesh;
@@ -218,7 +235,10 @@ static enum dt_status begin(struct flood *f)
     enum dt_status s;
     if (f->in.disc) {
         struct dt_place centre = {f->in.centre, DT_NONE};
-        s = dt_nearest_vertex(f->t, &centre, f->work, &v, &tie);
+        if (m->fixed == NULL || dt_mesh_is_line(m))
+            s = dt_nearest_vertex(f->t, &centre, f->work, &v, &tie);
+        else
+            s = nearest_one(f, &centre, &v);
         if (s == DT_OK && contains(&f->in, f->t->points.xy[v]))
             h = m->leaving[v];
     } else {

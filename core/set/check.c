@@ -11,6 +11,7 @@
  * itself, so this is a triangulation of the hull with all points as vertices; locally Delaunay
  * everywhere is Delaunay [Delaunay 1934; Lawson 1977], and with ties broken there is just one. */
 #include "core/exact/predicates.h"
+#include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 #include "core/set/set.h"
 
@@ -186,7 +187,7 @@ static void check_delaunay(struct check *c, uint32_t h)
     expect(c, dt_orient2d(a, b, d) > 0, "a triangle is not counterclockwise");
     for (uint32_t k = h; k < h + 3; k++) {
         uint32_t w = dt_twin(m, k);
-        if (k < w && !dt_is_ghost(m, w))
+        if (k < w && !dt_is_ghost(m, w) && !dt_is_fixed(m, k))
             expect(c, dt_incircle_perturbed(a, b, d, c->xy[dt_apex_of(m, w)]) < 0,
                    "an edge is not Delaunay");
     }
@@ -198,6 +199,60 @@ static void check_geometry(struct check *c)
     for (uint32_t i = 0; i < c->m->tri_end && go_on(c, i, c->m->tri_end, 60, 30); i++)
         if (!dt_is_dead(c->m, 8 * i) && !dt_is_ghost(c->m, 8 * i))
             check_delaunay(c, 8 * i);
+}
+
+/* The number of constraints that cover edges, one for each edge. Every edge is as fixed as its twin. */
+static uint64_t count_covers(struct check *c)
+{
+    uint64_t covers = 0;
+    for (uint32_t i = 0; i < c->m->tri_end && go_on(c, i, c->m->tri_end, 90, 0); i++)
+        for (uint32_t h = 8 * i; h < 8 * i + 3 && !dt_is_dead(c->m, 8 * i); h++) {
+            uint32_t w = dt_twin(c->m, h);
+            expect(c, dt_is_fixed(c->m, h) == dt_is_fixed(c->m, w),
+                   "an edge is constrained on one side only");
+            covers += h < w ? dt_fixed_count(c->m, h) : 0;
+        }
+    return covers;
+}
+
+/* How many edges the constraint between v and w covers. */
+static uint32_t chain_length(struct check *c, uint32_t v, uint32_t w)
+{
+    uint32_t n = 0, near = c->m->leaving[v];
+    while (v != w) {
+        uint32_t h = dt_chain_next(c->m, c->xy, near, c->xy[w]);
+        if (h == DT_NONE) {
+            expect(c, false, "a constraint is not a chain of edges");
+            return n;
+        }
+        near = dt_twin(c->m, h);
+        v = dt_origin(c->m, near);
+        n++;
+    }
+    return n;
+}
+
+/* Edges are fixed if and as often as constraints cover them: none is covered less often than constraints say, and the
+ * sums are equal. */
+static void check_constraints(struct check *c)
+{
+    if (!dt_is_constrained(c->t)) {
+        expect(c, c->m->fixed == NULL, "edges are constrained without constraints");
+        return;
+    }
+    const struct dt_declared *d = &c->t->constraints->declared;
+    const struct dt_points *p = &c->t->points;
+    uint64_t covers = count_covers(c);
+    for (uint32_t i = 0; i < d->end && go_on(c, i, d->end, 90, 0); i++) {
+        if (!dt_declared_is_live(d, i))
+            continue;
+        uint32_t v = dt_points_vertex(p, d->row[i].end[0]);
+        uint32_t w = dt_points_vertex(p, d->row[i].end[1]);
+        expect(c, v != DT_NONE && w != DT_NONE, "a constraint has lost an end");
+        if (c->fault == NULL)
+            covers -= chain_length(c, v, w);
+    }
+    expect(c, c->cancelled || covers == 0, "the counts of constraints on edges are wrong");
 }
 
 /* Ids, aliases and vertices refer to one another. */
@@ -247,8 +302,8 @@ enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const 
     if (s != DT_OK)
         return s;
     struct check c = {.t = t, .m = &t->mesh, .xy = t->points.xy, .opt = opt};
-    void (*const step[])(struct check *) = {check_records, check_rings, check_geometry, check_ids,
-                                            check_hints};
+    void (*const step[])(struct check *) = {check_records, check_rings, check_geometry,
+                                            check_ids,     check_hints, check_constraints};
     for (size_t i = 0; i < sizeof step / sizeof *step && c.fault == NULL && !c.cancelled; i++)
         step[i](&c);
     if (c.cancelled)

@@ -32,6 +32,7 @@ void dt_free(struct dt *t)
     dt_cavity_clear(&t->scratch);
     dt_views_clear(&t->views);
     dt_touched_clear(&t->touched);
+    dt_constraints_free(t->constraints);
     free(t);
 }
 
@@ -44,6 +45,8 @@ enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt,
     enum dt_status status = dt_points_copy(&t->points, &c->points, &stop);
     if (status == DT_OK)
         status = dt_fields_copy(&t->fields, &c->fields, &stop);
+    if (status == DT_OK && t->constraints != NULL)
+        status = dt_constraints_copy(t->constraints, &c->constraints);
     if (status == DT_OK)
         status = dt_stop_status(&stop);
     if (status != DT_OK) {
@@ -91,7 +94,7 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_fields_memory(&t->fields) +
                   dt_mesh_memory(&t->mesh) + dt_hints_memory(&t->hints) +
                   dt_cavity_memory(&t->scratch) + dt_views_memory(&t->views) +
-                  dt_touched_memory(&t->touched),
+                  dt_touched_memory(&t->touched) + dt_constraints_memory(t->constraints),
     };
     if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);

@@ -2,6 +2,7 @@
 #ifndef DT_SET_H
 #define DT_SET_H
 
+#include "core/constraints/constraints.h"
 #include "core/fields/fields.h"
 #include "core/grid/hints.h"
 #include "core/mesh/cavity.h"
@@ -50,6 +51,7 @@ struct dt {
     struct dt_fields fields;   /* values of the points */
     struct dt_touched touched; /* what edits have touched, if somebody follows the set */
     struct dt_views views;     /* readers of earlier moments, and what has been saved for them */
+    struct dt_constraints *constraints; /* owns; NULL: none have been declared */
 };
 
 /* Whether it is triangulated, and no rebuild is pending: queries see the triangulation, and edits change it
@@ -57,6 +59,20 @@ struct dt {
 static inline bool dt_is_live(const struct dt *t)
 {
     return t->triangulated && t->current;
+}
+
+/* Whether it has constraints. */
+static inline bool dt_is_constrained(const struct dt *t)
+{
+    return t->constraints != NULL && t->constraints->declared.rows > 0;
+}
+
+/* DT_OK if the triangulation can be read and is that of Delaunay. */
+static inline enum dt_status dt_readable_delaunay(const struct dt *t)
+{
+    if (!dt_is_live(t))
+        return DT_UNTRIANGULATED;
+    return dt_is_constrained(t) ? DT_NOTDELAUNAY : DT_OK;
 }
 
 /* Whether it has no grid for searches and no attempt was made to build one (renew.c). */

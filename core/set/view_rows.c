@@ -21,13 +21,22 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings)
     if (v == NULL)
         return NULL;
     v->with_rings = rings && dt_is_live(t);
+    v->constrained = v->with_rings && t->mesh.fixed != NULL;
     v->line = v->with_rings && dt_mesh_is_line(&t->mesh);
     v->on_hull = v->with_rings ? some_hull_point(t) : DT_NONE;
+    v->constraints = t->constraints == NULL ? 0 : dt_history_now(&t->constraints->history);
     v->next_id = t->points.next_id;
     dt_summary(t, &v->sum);
     v->sum.memory = 0;
     dt_views_open(&t->views, v);
     return v;
+}
+
+enum dt_status dt_view_readable_delaunay(const struct dt *t, const struct dt_view *v)
+{
+    bool constrained = v == NULL ? t->mesh.fixed != NULL : v->constrained;
+    enum dt_status s = dt_view_readable(t, v, true);
+    return s == DT_OK && constrained ? DT_NOTDELAUNAY : s;
 }
 
 enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings)

@@ -8,6 +8,9 @@
 /* DT_OK if the view can be read, with its triangulation if rings. */
 enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings);
 
+/* DT_OK if the triangulation can be read, and has no constraints: DT_NOTDELAUNAY. */
+enum dt_status dt_view_readable_delaunay(const struct dt *t, const struct dt_view *v);
+
 /* v, or NULL if all that it reads is as it is now. */
 const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v);
 

@@ -70,7 +70,7 @@ void dt_alpha_free(struct dt_alpha *a)
 enum dt_status dt_alpha_begin(const struct dt *t, const struct dt_view *v, double radius,
                               struct dt_alpha **out)
 {
-    enum dt_status s = dt_view_readable(t, v, true);
+    enum dt_status s = dt_view_readable_delaunay(t, v);
     *out = NULL;
     if (s != DT_OK)
         return s;

@@ -42,16 +42,16 @@ void dt_surface_end(struct dt_surface *s)
     s->pages = 0;
 }
 
+static bool is_natural(const struct dt_valuer *v)
+{
+    return v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
+}
+
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               const struct dt_options *opt)
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE};
-    return dt_readable(t);
-}
-
-static bool is_natural(const struct dt_valuer *v)
-{
-    return v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
+    return is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
 }
 
 enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n)

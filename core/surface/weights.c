@@ -310,7 +310,7 @@ enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_i
 {
     uint32_t half;
     struct dt_stop work = dt_stop_of(opt);
-    enum dt_status s = dt_readable(t);
+    enum dt_status s = how == DT_LINEAR ? dt_readable(t) : dt_readable_delaunay(t);
     *out = NULL;
     if (s != DT_OK)
         return s;

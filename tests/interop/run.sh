@@ -133,6 +133,10 @@ compare_surfaces() {
     count "clean stop after a restart" stops_cleanly
 }
 
+constrained_sets() {
+    timeout 300 "$build/interop/constrained" 10000 2000 "$(date +%s)"
+}
+
 many_small_sets() {
     timeout 120 "$build/interop/small_sets" 20000 "$(date +%s)"
 }
@@ -151,6 +155,7 @@ compare_with_cgal
 netcat_conversations
 count "redis-cli" redis_cli_converses
 count "redis-benchmark" redis_benchmark_finishes
+count "constrained sets" constrained_sets
 count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
 compare_surfaces

@@ -1,0 +1,23 @@
+/* constraints.h - what a set has if it has constraints: those declared, and scratch memory of edits. */
+#ifndef DT_CONSTRAINTS_H
+#define DT_CONSTRAINTS_H
+
+#include "core/constraints/declared.h"
+#include "core/constraints/enforce.h"
+#include "core/constraints/history.h"
+
+struct dt_constraints {
+    struct dt_declared declared;
+    struct dt_enforcer enforcer;
+    struct dt_history history; /* of those declared, for views */
+    struct dt_crossed crossed; /* see dt_crossed */
+};
+
+/* NULL is allowed, also as what is copied. */
+void dt_constraints_free(struct dt_constraints *c);
+size_t dt_constraints_memory(const struct dt_constraints *c);
+
+/* What is declared, into a new *copy. */
+enum dt_status dt_constraints_copy(const struct dt_constraints *c, struct dt_constraints **copy);
+
+#endif

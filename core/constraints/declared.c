@@ -1,0 +1,215 @@
+/* declared.c - see declared.h. */
+#include "core/constraints/declared.h"
+
+#include <string.h>
+
+#include "core/memory/memory.h"
+
+void dt_declared_clear(struct dt_declared *d)
+{
+    dt_array_free(d->row);
+    dt_array_free(d->table);
+    dt_idmap_clear(&d->first);
+    *d = (struct dt_declared){0};
+}
+
+size_t dt_declared_memory(const struct dt_declared *d)
+{
+    return d->cap * sizeof *d->row + d->places * sizeof *d->table + dt_idmap_memory(&d->first);
+}
+
+enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared *copy)
+{
+    struct dt_declared c = {.rows = d->rows, .end = d->end, .free_list = d->free_list};
+    if (d->rows == 0) {
+        *copy = (struct dt_declared){0};
+        return DT_OK;
+    }
+    c.row = dt_array_new(d->end, sizeof *c.row);
+    c.table = dt_array_new(d->places, sizeof *c.table);
+    if (c.row == NULL || c.table == NULL || dt_idmap_copy(&d->first, &c.first, NULL) != DT_OK) {
+        dt_declared_clear(&c);
+        return DT_NOMEM;
+    }
+    memcpy(c.row, d->row, d->end * sizeof *c.row);
+    memcpy(c.table, d->table, d->places * sizeof *c.table);
+    c.cap = d->end;
+    c.places = d->places;
+    *copy = c;
+    return DT_OK;
+}
+
+/* ---- the table ---- */
+
+/* The place, of so many, at which the search for a row begins. */
+static uint32_t home(const struct dt_declared_row *r, uint32_t places)
+{
+    uint64_t key = ((uint64_t)r->end[0] << 32 | r->end[1]) * 0x9e3779b97f4a7c15u;
+    key = (key ^ key >> 32 ^ (uint64_t)r->what << 16) * 0xd6e8feb86659fd93u;
+    return (uint32_t)((key >> 32) * places >> 32);
+}
+
+static uint32_t following(const struct dt_declared *d, uint32_t place)
+{
+    return place + 1 < d->places ? place + 1 : 0;
+}
+
+static bool equal(const struct dt_declared_row *a, const struct dt_declared_row *b)
+{
+    return a->end[0] == b->end[0] && a->end[1] == b->end[1] && a->what == b->what;
+}
+
+/* Where the row is, or a free place where it could be. */
+static uint32_t place_of(const struct dt_declared *d, const struct dt_declared_row *r)
+{
+    uint32_t i = home(r, d->places);
+    while (d->table[i] != DT_NONE && !equal(&d->row[d->table[i]], r))
+        i = following(d, i);
+    return i;
+}
+
+static enum dt_status grow_table(struct dt_declared *d, size_t rows)
+{
+    size_t places = rows + rows / 3 + 16;
+    if (places <= d->places)
+        return DT_OK;
+    uint32_t *table = dt_array_new(places, sizeof *table);
+    if (table == NULL)
+        return DT_NOMEM;
+    dt_array_free(d->table);
+    d->table = table;
+    d->places = (uint32_t)places;
+    for (size_t i = 0; i < places; i++)
+        table[i] = DT_NONE;
+    for (uint32_t i = 0; i < d->end; i++)
+        if (dt_declared_is_live(d, i))
+            table[place_of(d, &d->row[i])] = i;
+    return DT_OK;
+}
+
+enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n)
+{
+    size_t rows = d->rows + n, end = n + d->rows > d->end ? n + d->rows : d->end;
+    if (rows > DT_MAX_CONSTRAINTS)
+        return DT_TOOBIG;
+    if (end > d->cap) {
+        size_t cap = n > d->rows / 2 ? end : dt_array_room(d->cap, end, DT_MAX_CONSTRAINTS);
+        struct dt_declared_row *row = dt_array_grow(d->row, d->end, cap, sizeof *row);
+        if (row == NULL)
+            return DT_NOMEM;
+        d->row = row;
+        d->cap = (uint32_t)cap;
+    }
+    size_t room = d->places - d->places / 4;
+    return rows + 12 <= room ? DT_OK : grow_table(d, n > d->rows / 2 ? rows : rows + rows / 2);
+}
+
+static struct dt_declared_row row_of(const struct dt_constraint *c)
+{
+    return (struct dt_declared_row){.end = {c->a < c->b ? c->a : c->b, c->a < c->b ? c->b : c->a},
+                                    .what = c->number << 1 | c->border};
+}
+
+uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constraint *c)
+{
+    struct dt_declared_row r = row_of(c);
+    return d->rows == 0 ? DT_NONE : d->table[place_of(d, &r)];
+}
+
+/* Frees a place, and moves rows after it that would no longer be found [Knuth, TAOCP 3, sec. 6.4, algorithm R]. */
+static void leave_table(struct dt_declared *d, uint32_t hole)
+{
+    uint32_t i = hole, n = d->places;
+    for (;;) {
+        d->table[hole] = DT_NONE;
+        uint32_t from;
+        do {
+            i = following(d, i);
+            if (d->table[i] == DT_NONE)
+                return;
+            from = home(&d->row[d->table[i]], n);
+        } while ((i + n - from) % n < (i + n - hole) % n);
+        d->table[hole] = d->table[i];
+        hole = i;
+    }
+}
+
+/* ---- the lists ---- */
+
+static void enter_list(struct dt_declared *d, uint32_t row, int which)
+{
+    struct dt_declared_row *r = &d->row[row];
+    uint32_t next = dt_idmap_get(&d->first, r->end[which]);
+    r->prev[which] = DT_NONE;
+    r->next[which] = next;
+    if (next != DT_NONE)
+        d->row[next].prev[d->row[next].end[0] != r->end[which]] = row;
+    dt_idmap_set(&d->first, r->end[which], row);
+}
+
+static void leave_list(struct dt_declared *d, uint32_t row, int which)
+{
+    struct dt_declared_row *r = &d->row[row];
+    uint32_t id = r->end[which], next = r->next[which], prev = r->prev[which];
+    if (next != DT_NONE)
+        d->row[next].prev[d->row[next].end[0] != id] = prev;
+    if (prev != DT_NONE)
+        d->row[prev].next[d->row[prev].end[0] != id] = next;
+    else if (next != DT_NONE)
+        dt_idmap_set(&d->first, id, next);
+    else
+        dt_idmap_unset(&d->first, id);
+}
+
+enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint *c, uint32_t *row)
+{
+    struct dt_declared_row r = row_of(c);
+    if (dt_idmap_reserve(&d->first, r.end[0], 1) != DT_OK ||
+        dt_idmap_reserve(&d->first, r.end[1], 1) != DT_OK)
+        return DT_NOMEM;
+    bool reused = d->rows < d->end;
+    *row = reused ? d->free_list : d->end++;
+    if (reused)
+        d->free_list = d->row[*row].next[0];
+    d->row[*row] = r;
+    d->table[place_of(d, &r)] = *row;
+    d->rows++;
+    enter_list(d, *row, 0);
+    enter_list(d, *row, 1);
+    return DT_OK;
+}
+
+void dt_declared_remove(struct dt_declared *d, uint32_t row)
+{
+    struct dt_declared_row *r = &d->row[row];
+    leave_table(d, place_of(d, r));
+    leave_list(d, row, 0);
+    leave_list(d, row, 1);
+    r->end[0] = DT_NONE;
+    r->next[0] = d->free_list;
+    d->free_list = row;
+    if (--d->rows == 0)
+        dt_declared_clear(d);
+    else
+        dt_idmap_trim(&d->first);
+}
+
+/* ---- what rows are ---- */
+
+struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row)
+{
+    const struct dt_declared_row *r = &d->row[row];
+    return (struct dt_constraint){r->end[0], r->end[1], (r->what & 1) != 0, r->what >> 1};
+}
+
+int dt_constraint_compare(const void *p, const void *q)
+{
+    const struct dt_constraint *a = p, *b = q;
+    if (a->a != b->a)
+        return a->a < b->a ? -1 : 1;
+    if (a->b != b->b)
+        return a->b < b->b ? -1 : 1;
+    if (a->border != b->border)
+        return a->border ? 1 : -1;
+    return (a->number > b->number) - (a->number < b->number);
+}

@@ -1,0 +1,71 @@
+/* declared.h - the constraints that have been declared: pairs of ids with a kind and a number.
+ *
+ * A row is in a list at each of its ends, and a hash table finds it by what it is:
+ *
+ *      first: id -> a row          row    next[end], prev[end]: the rows before and after it in the list of that end
+ *      table: what it is -> row
+ *
+ * In memory: 28 bytes a row, up to 8 of the table, and 4 for each id that is an end. Knows nothing of meshes. */
+#ifndef DT_DECLARED_H
+#define DT_DECLARED_H
+
+#include "core/control/stop.h"
+#include "core/delaunay_constraints.h"
+#include "core/points/idmap.h"
+
+struct dt_declared_row {
+    uint32_t end[2]; /* ids, ascending; end[0] == DT_NONE: free, and next[0] is the next free row */
+    uint32_t what;   /* number << 1 | border */
+    uint32_t next[2], prev[2]; /* DT_NONE: none */
+};
+
+/* Start with {0}. */
+struct dt_declared {
+    struct dt_declared_row *row; /* owns `cap` */
+    uint32_t rows, end, cap;     /* live rows; rows 0 .. end - 1 are live or free */
+    uint32_t free_list;          /* with free rows */
+    uint32_t *table;             /* owns `places`: rows, DT_NONE if free; linear probing */
+    uint32_t places;
+    struct dt_idmap first; /* id -> a row at that end */
+};
+
+void dt_declared_clear(struct dt_declared *d);
+enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared *copy);
+size_t dt_declared_memory(const struct dt_declared *d);
+
+/* Makes room for n rows more. */
+enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n);
+
+/* The row, DT_NONE if there is none. The ids of c are in any order. */
+uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constraint *c);
+
+/* Adds a row that is not there and for which there is room. *row: its number. DT_NOMEM: unchanged. */
+enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint *c, uint32_t *row);
+
+/* Removes a live row. */
+void dt_declared_remove(struct dt_declared *d, uint32_t row);
+
+/* What a row is. */
+struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row);
+
+/* The rows at an end, one after the other, DT_NONE at the end. */
+static inline uint32_t dt_declared_first(const struct dt_declared *d, uint32_t id)
+{
+    return d->rows == 0 ? DT_NONE : dt_idmap_get(&d->first, id);
+}
+
+static inline uint32_t dt_declared_next(const struct dt_declared *d, uint32_t row, uint32_t id)
+{
+    const struct dt_declared_row *r = &d->row[row];
+    return r->next[r->end[0] != id];
+}
+
+static inline bool dt_declared_is_live(const struct dt_declared *d, uint32_t row)
+{
+    return d->row[row].end[0] != DT_NONE;
+}
+
+/* < 0 if a is before b in the order of dt_constraints; ends ascending. */
+int dt_constraint_compare(const void *a, const void *b);
+
+#endif

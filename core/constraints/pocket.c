@@ -1,0 +1,121 @@
+/* pocket.c - see pocket.h. */
+#include "core/constraints/pocket.h"
+
+#include <stdlib.h>
+
+#include "core/exact/predicates.h"
+#include "core/mesh/fixed.h"
+#include "core/mesh/hull.h"
+
+void dt_pocket_clear(struct dt_pocket *p)
+{
+    free(p->side);
+    *p = (struct dt_pocket){0};
+}
+
+enum dt_status dt_pocket_reserve(struct dt_pocket *p, size_t n)
+{
+    if (n <= p->cap)
+        return DT_OK;
+    size_t cap = n < 64 ? 64 : n + n / 2;
+    struct dt_side *side = realloc(p->side, cap * sizeof *side);
+    if (side == NULL || cap > UINT32_MAX)
+        return DT_NOMEM;
+    p->side = side;
+    p->cap = (uint32_t)cap;
+    return DT_OK;
+}
+
+/* A filling under way. */
+struct fill {
+    struct dt_side *side;
+    struct dt_mesh *m;
+    const struct dt_point *xy;
+    const struct dt_point *centre;
+    bool closed;
+    uint32_t first, last, left; /* corners */
+};
+
+static struct dt_point place(const struct fill *f, uint32_t i)
+{
+    return f->xy[f->side[i].origin];
+}
+
+static bool is_ear(const struct fill *f, uint32_t i)
+{
+    if (!f->closed && (i == f->first || i == f->last))
+        return false;
+    struct dt_point a = place(f, f->side[i].prev), c = place(f, f->side[i].next);
+    return dt_orient2d(a, place(f, i), c) > 0 &&
+           (f->centre == NULL || f->left == 3 || dt_orient2d(a, c, *f->centre) >= 0);
+}
+
+/* Joins half edge h, new, with what is beyond the side. */
+static void join(struct fill *f, uint32_t h, const struct dt_side *s)
+{
+    bool inner = (s->half & DT_SIDE_INNER) != 0;
+    uint32_t own = s->half & ~DT_SIDE_INNER, beyond = inner ? dt_twin(f->m, own) : own;
+    dt_link(f->m, h, beyond);
+    dt_fixed_mark(f->m, h, dt_is_fixed(f->m, beyond));
+    dt_hull_keep(f->m, s->origin, h);
+}
+
+/* The ear i becomes the triangle t. Its third half edge is what is beyond the side that replaces two. */
+static void cut(struct fill *f, uint32_t i, uint32_t t)
+{
+    struct dt_side *a = &f->side[f->side[i].prev], *b = &f->side[i];
+    dt_set_corners(f->m, t, a->origin, b->origin, f->side[b->next].origin);
+    f->m->half[t + 3] = 0;
+    join(f, t, a);
+    join(f, t + 1, b);
+    a->half = t + 2;
+    a->next = b->next;
+    f->side[b->next].prev = b->prev;
+    f->left--;
+}
+
+static void link_ring(struct dt_pocket *p)
+{
+    for (uint32_t i = 0; i < p->n; i++) {
+        p->side[i].prev = i > 0 ? i - 1 : p->n - 1;
+        p->side[i].next = i + 1 < p->n ? i + 1 : 0;
+    }
+}
+
+/* Of three corners left in a closed polygon: the last triangle. */
+static void close(struct fill *f, uint32_t i, uint32_t t)
+{
+    struct dt_side *s = &f->side[f->side[i].next];
+    cut(f, i, t);
+    join(f, t + 2, s);
+}
+
+uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_point *xy,
+                        bool closed, const struct dt_point *centre, const uint32_t *spare,
+                        uint32_t *spares, struct dt_suspects *suspects)
+{
+    struct fill f = {p->side, m, xy, centre, closed, 0, p->n - 1, p->n};
+    link_ring(p);
+    if (!closed && p->n == 2) {
+        uint32_t half = p->side[0].half;
+        return (half & DT_SIDE_INNER) != 0 ? dt_twin(m, half & ~DT_SIDE_INNER) : half;
+    }
+    uint32_t i = closed ? 0 : 1, t = 0, least = closed ? 3 : 2;
+    while (f.left > least) {
+        if (!is_ear(&f, i)) {
+            i = p->side[i].next;
+            continue;
+        }
+        t = spare[--*spares];
+        cut(&f, i, t);
+        dt_suspect(suspects, t + 2);
+        i = p->side[i].prev;
+    }
+    if (!closed) {
+        suspects->n -= suspects->n > 0; /* the closing edge is the caller's */
+        dt_hull_keep(m, p->side[f.last].origin, t + 2);
+        return t + 2;
+    }
+    close(&f, i, spare[--*spares]);
+    return 0;
+}

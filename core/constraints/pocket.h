@@ -1,0 +1,55 @@
+/* pocket.h - fills a polygon with triangles, ear by ear.
+ *
+ *         P3 ------ P2              A polygon P[0], ..., P[n - 1], counterclockwise, without vertices inside. It is open: the
+ *        /  '.        \             edge from the last corner to the first is only made by the filling; or closed: that edge
+ *      P4     '.       P1           is there as the others are. Corners may be the same vertex, where an edge sticks out
+ *        \      '.    /             into the polygon and has it on both sides.
+ *         P5 ----- P0
+ *                                   An ear is a corner that turns left and from whose triangle the rest of the polygon stays
+ * away. That is easy to see where every corner is visible from one vertex v, or from the closing edge, for then nothing can lie
+ * between a corner and there: a corner that turns left is an ear, unless v is in its triangle. There is one as long as
+ * the polygon is no triangle, since every triangulation of it has two. */
+#ifndef DT_POCKET_H
+#define DT_POCKET_H
+
+#include "core/constraints/mend.h"
+#include "core/mesh/mesh.h"
+
+/* The edge from this corner to the next one. */
+struct dt_side {
+    uint32_t origin; /* the corner */
+    uint32_t
+        half; /* the half edge beyond; with DT_SIDE_INNER: a half edge on the inside, of a triangle that is
+                        going to be replaced: what is beyond is its twin, when the triangle here is made */
+    uint32_t prev, next;
+};
+
+#define DT_SIDE_INNER 4u
+
+/* Start with {0}. */
+struct dt_pocket {
+    struct dt_side *side; /* owns `cap` */
+    uint32_t n, cap;
+};
+
+void dt_pocket_clear(struct dt_pocket *p);
+
+/* Makes room for n sides. */
+enum dt_status dt_pocket_reserve(struct dt_pocket *p, size_t n);
+
+/* Adds a side; there must be room. */
+static inline void dt_pocket_add(struct dt_pocket *p, uint32_t origin, uint32_t half)
+{
+    p->side[p->n++] = (struct dt_side){.origin = origin, .half = half};
+}
+
+/* Fills the polygon with triangles in the records spare[], of which it takes n - 2 from the end; *spares is how many
+ * are left. Fixed edges stay fixed; the new ones are not, and are suspect. Vertices leave by the new triangles
+ * (leaving[], hull.h). centre: v, or NULL, where the corners are visible from the closing edge. Returns the half edge
+ * from the last corner to the first that the filling has made, 0 if it is closed. An open polygon of two corners has
+ * no triangle: then it returns what is beyond its only side. Cost: linear where few corners must be tried again. */
+uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_point *xy,
+                        bool closed, const struct dt_point *centre, const uint32_t *spare,
+                        uint32_t *spares, struct dt_suspects *suspects);
+
+#endif

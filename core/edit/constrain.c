@@ -1,0 +1,464 @@
+/* constrain.c - declares and releases constraints; see core/delaunay_constraints.h.
+ *
+ * Of a live set, each constraint first becomes a chain of edges, and is declared when that has succeeded. If one fails,
+ * those before it are released again: the triangulation is canonical, so this restores the previous one. */
+#include "core/edit/constrain.h"
+
+#include <stdlib.h>
+
+#include "core/constraints/march.h"
+#include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
+
+/* ---- one constraint and the mesh ---- */
+
+static struct dt_enforcer *enforcer(struct dt *t)
+{
+    struct dt_enforcer *e = &t->constraints->enforcer;
+    e->mesh = &t->mesh;
+    e->xy = t->points.xy;
+    e->changes = t->scratch.changes;
+    return e;
+}
+
+static bool have_opposite_sides(struct dt_point a, struct dt_point b, struct dt_point p,
+                                struct dt_point q)
+{
+    return dt_orient2d(a, b, p) * dt_orient2d(a, b, q) < 0;
+}
+
+/* Whether the constraint between p and q covers one of the edges that the way from a to b crosses. */
+static bool covers_crossed(const struct dt *t, struct dt_point p, struct dt_point q)
+{
+    const struct dt_ids *crossed = &t->constraints->enforcer.crossed;
+    for (size_t i = 0; i < crossed->n; i++) {
+        struct dt_point u = t->points.xy[dt_origin(&t->mesh, crossed->v[i])];
+        struct dt_point w = t->points.xy[dt_dest(&t->mesh, crossed->v[i])];
+        if (dt_orient2d(p, q, u) == 0 && dt_orient2d(p, q, w) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Whether a declared constraint crosses the way between a and b that was just found. */
+static bool crosses(const struct dt *t, const struct dt_constraint *c, struct dt_point a,
+                    struct dt_point b)
+{
+    uint32_t v = dt_points_vertex(&t->points, c->a), w = dt_points_vertex(&t->points, c->b);
+    struct dt_point p = t->points.xy[v], q = t->points.xy[w];
+    return v != w && have_opposite_sides(a, b, p, q) && have_opposite_sides(p, q, a, b) &&
+           covers_crossed(t, p, q);
+}
+
+/* Finds the least constraint that the way of c crosses. Cost: the number of constraints. */
+static void report_crossing(struct dt *t, const struct dt_constraint *c, struct dt_point a,
+                            struct dt_point b)
+{
+    const struct dt_declared *d = &t->constraints->declared;
+    struct dt_crossed *out = &t->constraints->crossed;
+    bool found = false;
+    out->one = *c;
+    for (uint32_t i = 0; i < d->end; i++) {
+        if (!dt_declared_is_live(d, i))
+            continue;
+        struct dt_constraint other = dt_declared_get(d, i);
+        if ((found && dt_constraint_compare(&other, &out->other) >= 0) || !crosses(t, &other, a, b))
+            continue;
+        out->other = other;
+        found = true;
+    }
+}
+
+/* c, ends ascending, becomes a chain of edges of the live mesh. */
+static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struct dt_stop *work)
+{
+    uint32_t a = dt_points_vertex(&t->points, c->a), b = dt_points_vertex(&t->points, c->b);
+    if (a == b)
+        return dt_work(work, 1);
+    struct dt_enforcer *e = enforcer(t);
+    enum dt_status status = dt_enforce_look(e, a, b, work);
+    if (status == DT_OK && e->crossed.n > 0) {
+        report_crossing(t, c, t->points.xy[a], t->points.xy[b]);
+        status = DT_CROSSES;
+    }
+    if (status == DT_OK)
+        status = dt_enforce(e);
+    if (status == DT_OK)
+        dt_enforce_mend(e);
+    return status;
+}
+
+enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work)
+{
+    struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
+    return enforce(t, &c, work);
+}
+
+void dt_release_row(struct dt *t, uint32_t row)
+{
+    struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
+    uint32_t a = dt_points_vertex(&t->points, c.a), b = dt_points_vertex(&t->points, c.b);
+    if (a == b)
+        return;
+    struct dt_enforcer *e = enforcer(t);
+    dt_enforce_release(e, a, b);
+    dt_enforce_mend(e);
+}
+
+/* ---- all of a mesh that was just built ---- */
+
+static enum dt_status constrain_sorted(struct dt *t, struct dt_stop *stop)
+{
+    struct dt_constraint *c;
+    size_t n;
+    enum dt_status status = dt_constraints(t, NULL, DT_NONE, &c, &n);
+    dt_fixed_end(&t->mesh);
+    if (status == DT_OK)
+        status = dt_fixed_begin(&t->mesh);
+    for (size_t i = 0; i < n && status == DT_OK; i++)
+        status = enforce(t, &c[i], stop);
+    free(c);
+    return status;
+}
+
+/* The rows whose first end is id. */
+static enum dt_status constrain_at(struct dt *t, uint32_t id, struct dt_stop *stop)
+{
+    const struct dt_declared *d = &t->constraints->declared;
+    enum dt_status status = DT_OK;
+    uint32_t row = dt_declared_first(d, id);
+    for (; row != DT_NONE && status == DT_OK; row = dt_declared_next(d, row, id))
+        if (d->row[row].end[0] == id)
+            status = dt_constrain_row(t, row, stop);
+    return status;
+}
+
+static void fetch_ahead(const struct dt *t, uint32_t v)
+{
+    enum { FAR = 24, NEAR = 12 };
+    const struct dt_declared *d = &t->constraints->declared;
+    const struct dt_points *p = &t->points;
+    if (v + FAR >= p->end || p->id[v + FAR] == DT_NONE || p->id[v + NEAR] == DT_NONE)
+        return;
+    dt_idmap_fetch(&d->first, p->id[v + FAR]);
+    uint32_t row = dt_idmap_get(&d->first, p->id[v + NEAR]);
+    if (row != DT_NONE)
+        dt_fetch(&d->row[row]);
+}
+
+/* In the order of memory; aliases last. */
+static enum dt_status constrain_in_order(struct dt *t, struct dt_stop *stop)
+{
+    const struct dt_points *p = &t->points;
+    const struct dt_declared *d = &t->constraints->declared;
+    enum dt_status status = dt_fixed_begin(&t->mesh);
+    for (uint32_t v = 0; v < p->end && status == DT_OK; v++) {
+        fetch_ahead(t, v);
+        if (p->id[v] != DT_NONE)
+            status = constrain_at(t, p->id[v], stop);
+    }
+    for (uint32_t i = 0; i < d->end && p->aliases.count > 0 && status == DT_OK; i++)
+        if (dt_declared_is_live(d, i) && dt_points_is_alias(p, d->row[i].end[0]))
+            status = dt_constrain_row(t, i, stop);
+    return status;
+}
+
+enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop)
+{
+    t->scratch.enforcer = &t->constraints->enforcer;
+    enum dt_status status = constrain_in_order(t, stop);
+    return status == DT_CROSSES ? constrain_sorted(t, stop) : status;
+}
+
+/* ---- declaring ---- */
+
+static enum dt_status check_declarable(const struct dt *t, const struct dt_constraint *c, size_t n,
+                                       uint32_t *missing)
+{
+    for (size_t i = 0; i < n; i++) {
+        bool has_a = dt_points_vertex(&t->points, c[i].a) != DT_NONE;
+        if (!has_a || dt_points_vertex(&t->points, c[i].b) == DT_NONE) {
+            *missing = has_a ? c[i].b : c[i].a;
+            return DT_NOPOINT;
+        }
+        if (c[i].a == c[i].b) {
+            *missing = c[i].a;
+            return DT_NOEDGE;
+        }
+        if (c[i].number > DT_MAX_NUMBER)
+            return DT_RANGE;
+    }
+    return DT_OK;
+}
+
+static struct dt_constraint ascending(struct dt_constraint c)
+{
+    uint32_t a = c.a;
+    if (c.a > c.b) {
+        c.a = c.b;
+        c.b = a;
+    }
+    return c;
+}
+
+void dt_constraints_tidy(struct dt *t)
+{
+    if (t->constraints == NULL || t->constraints->declared.rows > 0)
+        return;
+    struct dt_crossed crossed = t->constraints->crossed;
+    dt_declared_clear(&t->constraints->declared);
+    dt_enforcer_clear(&t->constraints->enforcer);
+    dt_fixed_end(&t->mesh);
+    t->scratch.enforcer = NULL;
+    t->constraints->crossed = crossed; /* may still be asked for */
+}
+
+/* An edit of n constraints begins: what no view reads any more is forgotten. */
+static enum dt_status prepare_history(struct dt *t, size_t n)
+{
+    struct dt_history *h = &t->constraints->history;
+    dt_views_edit_begin(t);
+    const struct dt_view *oldest = t->views.oldest;
+    dt_history_trim(h, oldest == NULL ? UINT64_MAX : oldest->constraints);
+    return oldest == NULL ? DT_OK : dt_history_reserve(h, n);
+}
+
+static void note(struct dt *t, uint32_t row, bool added)
+{
+    if (t->views.oldest != NULL)
+        dt_history_note(&t->constraints->history, dt_declared_get(&t->constraints->declared, row),
+                        added);
+}
+
+/* Room for n constraints more. */
+static enum dt_status prepare(struct dt *t, size_t n)
+{
+    if (t->constraints == NULL)
+        t->constraints = calloc(1, sizeof *t->constraints);
+    if (t->constraints == NULL)
+        return DT_NOMEM;
+    enum dt_status status = dt_declared_reserve(&t->constraints->declared, n);
+    if (status == DT_OK)
+        status = prepare_history(t, 2 * n); /* and to undo them */
+    if (status == DT_OK && dt_is_live(t))
+        status = dt_fixed_begin(&t->mesh);
+    t->scratch.enforcer = &t->constraints->enforcer;
+    return status;
+}
+
+static enum dt_status declare(struct dt *t, struct dt_constraint c, struct dt_stop *work,
+                              uint32_t *row)
+{
+    struct dt_declared *d = &t->constraints->declared;
+    enum dt_status status = dt_work(work, 1);
+    *row = DT_NONE;
+    if (status != DT_OK || dt_declared_find(d, &c) != DT_NONE)
+        return status;
+    status = dt_is_live(t) ? enforce(t, &c, work) : DT_OK;
+    if (status != DT_OK)
+        return status;
+    status = dt_declared_add(d, &c, row);
+    if (status == DT_OK)
+        note(t, *row, true);
+    if (status != DT_OK && dt_is_live(t)) {
+        struct dt_enforcer *e = enforcer(t);
+        uint32_t a = dt_points_vertex(&t->points, c.a), b = dt_points_vertex(&t->points, c.b);
+        if (a != b)
+            dt_enforce_release(e, a, b);
+        dt_enforce_mend(e);
+    }
+    return status;
+}
+
+static void undeclare(struct dt *t, uint32_t row)
+{
+    if (dt_is_live(t))
+        dt_release_row(t, row);
+    note(t, row, false);
+    dt_declared_remove(&t->constraints->declared, row);
+}
+
+/* Declares them one by one, those that are new into row[]. */
+static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, size_t n,
+                                  struct dt_stop *work, uint32_t *row, size_t *added)
+{
+    enum dt_status status = DT_OK;
+    size_t k = 0;
+    for (size_t i = 0; i < n && status == DT_OK; i++) {
+        status = declare(t, ascending(c[i]), work, &row[k]);
+        k += status == DT_OK && row[k] != DT_NONE;
+    }
+    *added = k;
+    while (status != DT_OK && k > 0)
+        undeclare(t, row[--k]);
+    return status;
+}
+
+enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t n,
+                            const struct dt_options *opt, size_t *added, uint32_t *missing)
+{
+    struct dt_stop work = dt_stop_of(opt);
+    enum dt_status status = check_declarable(t, c, n, missing);
+    *added = 0;
+    if (status == DT_OK)
+        status = dt_refresh(t, opt);
+    if (status != DT_OK || n == 0)
+        return status;
+    uint32_t one = 0, *row = n == 1 ? &one : dt_array_new(n, sizeof *row);
+    if (row == NULL)
+        return DT_NOMEM;
+    status = prepare(t, n);
+    if (status == DT_OK)
+        status = declare_all(t, c, n, &work, row, added);
+    if (status != DT_OK)
+        *added = 0;
+    dt_constraints_tidy(t);
+    if (row != &one)
+        dt_array_free(row);
+    return status;
+}
+
+/* ---- releasing ---- */
+
+static int compare_rows(const void *a, const void *b)
+{
+    const uint32_t *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* Finds the rows, each once. */
+static enum dt_status find_rows(const struct dt *t, const struct dt_constraint *c, size_t n,
+                                uint32_t *row, size_t *distinct, size_t *missing)
+{
+    for (size_t i = 0; i < n; i++) {
+        bool declared = dt_is_constrained(t) && c[i].number <= DT_MAX_NUMBER;
+        row[i] = declared ? dt_declared_find(&t->constraints->declared, &c[i]) : DT_NONE;
+        if (row[i] == DT_NONE) {
+            *missing = i;
+            return DT_NOCONSTRAINT;
+        }
+    }
+    if (n > 1)
+        qsort(row, n, sizeof *row, compare_rows);
+    *distinct = 0;
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || row[i] != row[i - 1])
+            row[(*distinct)++] = row[i];
+    return DT_OK;
+}
+
+enum dt_status dt_release(struct dt *t, const struct dt_constraint *c, size_t n,
+                          const struct dt_options *opt, size_t *released, size_t *missing)
+{
+    struct dt_stop work = dt_stop_of(opt);
+    uint32_t one = 0, *row = n <= 1 ? &one : dt_array_new(n, sizeof *row);
+    *released = 0;
+    if (row == NULL)
+        return DT_NOMEM;
+    size_t k = 0;
+    enum dt_status status = find_rows(t, c, n, row, &k, missing);
+    if (status == DT_OK)
+        status = dt_work(&work, k);
+    if (status == DT_OK && k > 0)
+        status = prepare_history(t, k);
+    if (status == DT_OK) {
+        for (size_t i = 0; i < k; i++)
+            undeclare(t, row[i]);
+        dt_constraints_tidy(t);
+        *released = k;
+    }
+    if (row != &one)
+        dt_array_free(row);
+    return status;
+}
+
+/* ---- reading ---- */
+
+uint32_t dt_constraints_count(const struct dt *t)
+{
+    return t->constraints == NULL ? 0 : t->constraints->declared.rows;
+}
+
+void dt_crossed(const struct dt *t, struct dt_crossed *out)
+{
+    *out = t->constraints == NULL ? (struct dt_crossed){{0, 0, false, 0}, {0, 0, false, 0}}
+                                  : t->constraints->crossed;
+}
+
+/* Those now, sorted. */
+static struct dt_constraint *rows_now(const struct dt *t, uint32_t id, size_t *n)
+{
+    size_t count = dt_constraints_count(t), k = 0;
+    struct dt_constraint *c = malloc((count + 1) * sizeof *c);
+    const struct dt_declared *d = c == NULL || count == 0 ? NULL : &t->constraints->declared;
+    if (id == DT_NONE) {
+        for (uint32_t i = 0; d != NULL && i < d->end; i++)
+            if (dt_declared_is_live(d, i))
+                c[k++] = dt_declared_get(d, i);
+    } else if (d != NULL) {
+        for (uint32_t i = dt_declared_first(d, id); i != DT_NONE; i = dt_declared_next(d, i, id))
+            c[k++] = dt_declared_get(d, i);
+    }
+    if (k > 1)
+        qsort(c, k, sizeof *c, dt_constraint_compare);
+    *n = k;
+    return c;
+}
+
+static size_t keep_those_at(struct dt_constraint *c, size_t n, uint32_t id)
+{
+    size_t k = 0;
+    for (size_t i = 0; i < n; i++)
+        if (c[i].a == id || c[i].b == id)
+            c[k++] = c[i];
+    return k;
+}
+
+enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint32_t id,
+                              struct dt_constraint **rows, size_t *n)
+{
+    bool then = v != NULL && t->constraints != NULL;
+    *rows = rows_now(t, then ? DT_NONE : id, n);
+    enum dt_status status = *rows == NULL ? DT_NOMEM : DT_OK;
+    if (then && status == DT_OK)
+        status = dt_history_undo(&t->constraints->history, v->constraints, rows, n);
+    if (then && status == DT_OK && id != DT_NONE)
+        *n = keep_those_at(*rows, *n, id);
+    if (status == DT_OK)
+        return DT_OK;
+    free(*rows);
+    *rows = NULL;
+    *n = 0;
+    return status;
+}
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const uint32_t *p = a, *q = b;
+    if (p[0] != q[0])
+        return p[0] < q[0] ? -1 : 1;
+    return (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+enum dt_status dt_constrained_edges(const struct dt *t, struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    enum dt_status status = dt_readable(t);
+    size_t from = out->n;
+    for (uint32_t h = 0; status == DT_OK && m->fixed != NULL && h < 8 * m->tri_end;
+         h = (h & 7) == 2 ? h + 6 : h + 1) {
+        if (dt_is_dead(m, h) || h > dt_twin(m, h) || !dt_is_fixed(m, h))
+            continue;
+        uint32_t a = t->points.id[dt_origin(m, h)], b = t->points.id[dt_dest(m, h)];
+        status = dt_ids_reserve(out, 2);
+        if (status != DT_OK)
+            break;
+        out->v[out->n++] = a < b ? a : b;
+        out->v[out->n++] = a < b ? b : a;
+    }
+    if (status == DT_OK && out->n > from)
+        qsort(out->v + from, (out->n - from) / 2, 2 * sizeof *out->v, compare_pairs);
+    else
+        out->n = from;
+    return status;
+}

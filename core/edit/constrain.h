@@ -1,0 +1,31 @@
+/* constrain.h - constraints and the mesh: what the edits of a set with constraints share. */
+#ifndef DT_CONSTRAIN_H
+#define DT_CONSTRAIN_H
+
+#include "core/set/set.h"
+
+/* Makes the mesh of t, which has just been built, that of its constraints. DT_CROSSES: dt_crossed names the first, in
+ * their order, that crosses one before it, and the least of these. After a failure the mesh is to be built again. */
+enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop);
+
+/* The constraint of the row becomes a chain of edges, or is released; the mesh is current. */
+enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work);
+void dt_release_row(struct dt *t, uint32_t row);
+
+/* Whether id is an end of a constraint. */
+static inline bool dt_is_end(const struct dt *t, uint32_t id)
+{
+    return t->constraints != NULL && dt_declared_first(&t->constraints->declared, id) != DT_NONE;
+}
+
+/* To be called after constraints have been removed: without any the set is as if there had been none. */
+void dt_constraints_tidy(struct dt *t);
+
+/* dt_update_delete and dt_update_move of a set with constraints that is triangulated; the ids of the former are no
+ * ends. */
+enum dt_status dt_constrained_delete(struct dt *t, const uint32_t *ids, size_t n,
+                                     const struct dt_options *opt);
+enum dt_status dt_constrained_move(struct dt *t, uint32_t id, struct dt_point to,
+                                   const struct dt_options *opt);
+
+#endif

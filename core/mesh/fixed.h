@@ -1,0 +1,40 @@
+/* fixed.h - the edges of a mesh that must stay: those that constraints cover.
+ *
+ * The fourth word of a triangle's record (mesh.h) has a bit for each of its half edges: bit k is set if half edge 8t +
+ * k is fixed, and then its twin's is, too. A mesh without fixed edges has m->fixed == NULL; these words mean nothing
+ * then, so that builds and edits need not write them.
+ *
+ * Several constraints may cover an edge. An edge that is fixed is covered once, unless the table says how many times
+ * more. */
+#ifndef DT_FIXED_H
+#define DT_FIXED_H
+
+#include "core/mesh/mesh.h"
+
+/* Fixed edges may follow: clears the bits of all triangles. Nothing if m->fixed is there. Cost: linear. */
+enum dt_status dt_fixed_begin(struct dt_mesh *m);
+
+/* Whether the edge of h is fixed. */
+static inline bool dt_is_fixed(const struct dt_mesh *m, uint32_t h)
+{
+    return m->fixed != NULL && (m->half[h | 3] >> (h & 3) & 1) != 0;
+}
+
+/* Sets or clears the bit of h alone. */
+static inline void dt_fixed_mark(struct dt_mesh *m, uint32_t h, bool fixed)
+{
+    uint32_t bit = 1u << (h & 3), *word = &m->half[h | 3];
+    *word = fixed ? *word | bit : *word & ~bit;
+}
+
+/* How many constraints cover the edge of h. */
+uint32_t dt_fixed_count(const struct dt_mesh *m, uint32_t h);
+
+/* Makes room so that n calls of dt_fix cannot fail. */
+enum dt_status dt_fixed_reserve(struct dt_mesh *m, size_t n);
+
+/* n constraints more, or fewer, cover the edge of h, both sides; n > 0. For more there must be room. */
+void dt_fix(struct dt_mesh *m, uint32_t h, uint32_t n);
+void dt_unfix(struct dt_mesh *m, uint32_t h, uint32_t n);
+
+#endif

@@ -1,0 +1,150 @@
+/* nearest_fixed.c - the nearest k vertices in a mesh with fixed edges, where a vertex none of whose neighbours is
+ * nearer need not be a nearest one.
+ *
+ * Triangles are visited in the order of the edge across which they are reached: of a lower bound of its distance from
+ * q. A disc around q and the hull are convex; so triangles that meet both are connected across edges that meet the
+ * disc. A vertex is therefore next if it is nearer than all edges that wait: any vertex that is as near would be in a
+ * triangle that has been visited. */
+#include "core/query/locate.h"
+#include "core/query/near.h"
+#include "core/query/nearest.h"
+#include "core/query/visited.h"
+
+#include <stdlib.h>
+
+enum { FEW = 64 };
+
+/* A triangle that waits, and the bound. */
+struct waiting {
+    double least;
+    uint32_t h;
+};
+
+struct search {
+    const struct dt *t;
+    struct dt_stop *work;
+    struct dt_visited triangles, vertices;
+    struct dt_near near;
+    struct waiting *heap; /* few or owned: the least on top */
+    size_t n, cap;
+    struct waiting few[FEW];
+};
+
+static enum dt_status make_room(struct search *s)
+{
+    if (s->n < s->cap)
+        return DT_OK;
+    bool first = s->heap == s->few;
+    struct waiting *heap = realloc(first ? NULL : s->heap, 2 * s->cap * sizeof *heap);
+    if (heap == NULL)
+        return DT_NOMEM;
+    for (size_t i = 0; first && i < s->n; i++)
+        heap[i] = s->few[i];
+    s->heap = heap;
+    s->cap *= 2;
+    return DT_OK;
+}
+
+/* The triangle of h, unless it is a ghost. It may be waiting already, with a larger bound. */
+static enum dt_status push(struct search *s, uint32_t h, double least)
+{
+    if (dt_is_ghost(&s->t->mesh, h) || least > s->near.limit)
+        return DT_OK;
+    if (make_room(s) != DT_OK)
+        return DT_NOMEM;
+    size_t i = s->n++;
+    for (; i > 0 && least < s->heap[(i - 1) / 2].least; i = (i - 1) / 2)
+        s->heap[i] = s->heap[(i - 1) / 2];
+    s->heap[i] = (struct waiting){least, h};
+    return DT_OK;
+}
+
+static uint32_t pop(struct search *s)
+{
+    uint32_t top = s->heap[0].h;
+    struct waiting last = s->heap[--s->n];
+    size_t i = 0;
+    for (size_t child; (child = 2 * i + 1) < s->n; i = child) {
+        child += child + 1 < s->n && s->heap[child + 1].least < s->heap[child].least;
+        if (last.least <= s->heap[child].least)
+            break;
+        s->heap[i] = s->heap[child];
+    }
+    s->heap[i] = last;
+    return top;
+}
+
+static enum dt_status see_vertex(struct search *s, uint32_t v)
+{
+    bool fresh;
+    enum dt_status st = dt_visited_add(&s->vertices, v, &fresh);
+    if (st != DT_OK || !fresh)
+        return st;
+    struct dt_seen c = dt_near_see(&s->near, s->t->points.xy[v], v);
+    return c.d > s->near.limit ? DT_OK : dt_near_push(&s->near, c, s->work);
+}
+
+static enum dt_status visit(struct search *s, uint32_t h)
+{
+    const struct dt_mesh *m = &s->t->mesh;
+    const struct dt_point *xy = s->t->points.xy;
+    bool fresh;
+    uint32_t base = dt_base(h);
+    enum dt_status st = dt_visited_add(&s->triangles, h >> 3, &fresh);
+    if (st != DT_OK || !fresh)
+        return st;
+    st = dt_work(s->work, 1);
+    for (uint32_t k = base; k < base + 3 && st == DT_OK; k++)
+        st = see_vertex(s, dt_origin(m, k));
+    for (uint32_t k = base; k < base + 3 && st == DT_OK; k++)
+        if (k != h)
+            st = push(s, dt_twin(m, k),
+                      dt_edge_least(s->near.q, xy[dt_origin(m, k)], xy[dt_dest(m, k)]));
+    return st;
+}
+
+/* Whether the nearest vertex seen is nearer than all that wait. */
+static bool is_next(const struct search *s)
+{
+    return s->near.n > 0 &&
+           (s->n == 0 || s->near.heap[0].d * (1 + 4 * DT_DISTANCE_BOUND) < s->heap[0].least);
+}
+
+static enum dt_status search_on(struct search *s, const struct dt_place *q, struct dt_ids *out)
+{
+    uint32_t h;
+    if (dt_find(s->t, q, &h) == DT_OUTSIDE)
+        h = dt_twin(&s->t->mesh, dt_base(h));
+    enum dt_status st = push(s, h | 3, 0); /* across none of its edges */
+    while (st == DT_OK && s->near.wanted > 0 && s->near.n + s->n > 0) {
+        if (is_next(s)) {
+            out->v[out->n++] = dt_near_pop(&s->near).key;
+            s->near.wanted--;
+        } else {
+            st = visit(s, pop(s));
+        }
+    }
+    return st;
+}
+
+enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                struct dt_stop *work, struct dt_ids *out)
+{
+    struct search s = {
+        .t = t, .work = work, .cap = FEW, .near = dt_near_of(q->at, t->points.id, k)};
+    size_t n = out->n;
+    s.heap = s.few;
+    dt_visited_init(&s.triangles, 5 * (size_t)k);
+    dt_visited_init(&s.vertices, 5 * (size_t)k);
+    enum dt_status st = dt_ids_reserve(out, k);
+    if (st == DT_OK)
+        st = search_on(&s, q, out);
+    dt_visited_clear(&s.triangles);
+    dt_visited_clear(&s.vertices);
+    dt_near_clear(&s.near);
+    if (s.heap != s.few)
+        free(s.heap);
+    if (st != DT_OK)
+        out->n = n;
+    return st;
+}
