@@ -1,7 +1,7 @@
 # delaunayd - see README.md. Needs a C compiler and make; targets that need more report what is missing.
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
-#   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
+#   make test       all base tests; make test T=grid runs those whose name or file contains "grid"; REACTORS=4: with four reactors
 #   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg and cells.svg into build/
 #   make view       the same places on a live page in the browser; make test_web tests that page in Chromium
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
@@ -95,7 +95,15 @@ view: all
 demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg $(O)/cells.svg
 
-# Tests find the daemon and the client through DELAUNAYD and DELAUNAY.
+# Tests find the daemon and the client through DELAUNAYD and DELAUNAY. With REACTORS=4 it is a daemon that has four reactors on
+# any machine, unless --reactors says otherwise.
+TESTED := $(if $(REACTORS),$(O)/tests/delaunayd_$(REACTORS),$(O)/delaunayd)
+$(O)/tests/delaunayd_%: $(O)/tests/config_%.o $(filter-out $(O)/server/ops/config.o,$(SERVER)) $(CORE) $(PROTO)
+	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+$(O)/tests/config_%.o: server/ops/config.c
+	@mkdir -p $(@D)
+	$(COMPILE) -DDEFAULT_REACTORS=$* -c -o $@ $<
+
 # Libraries that are loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that records operations.
 DISK_SHIM := $(O)/tests/faults/disk_shim.so
 SYSCALL_SHIM := $(O)/tests/faults/syscall_shim.so
@@ -115,13 +123,13 @@ test: test_binaries
 	  useless=1; cat $(O)/tests/selected; done; exit $$useless
 	@$(MAKE) -k --no-print-directory OF_ANY_SUITE=-a $(SUITES:%=test_%)
 
-test_server test_clients: all $(SHIMS)
+test_server test_clients: all $(SHIMS) $(TESTED)
 $(SUITES:%=test_%): test_%: $(O)/tests/%_tests
-	@echo "== $*"; DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(OF_ANY_SUITE) $(T)
+	@echo "== $*"; DELAUNAYD=$(TESTED) DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(OF_ANY_SUITE) $(T)
 
 # Random tests with many more rounds, and tests with thousands of clients.
-faults: all $(O)/tests/server_tests $(SHIMS)
-	KILL_ROUNDS=200 POWER_LIVES=8 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test power_ \
+faults: all $(O)/tests/server_tests $(SHIMS) $(TESTED)
+	KILL_ROUNDS=200 POWER_LIVES=8 FAULTS=1 DELAUNAYD=$(TESTED) $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test power_ \
 	  thousand_readers ten_thousand
 
 asan tsan:

@@ -46,8 +46,8 @@ enum {
 
 /* One daemon is one process; the callbacks below find it here. */
 static struct {
-    struct loop loop;
     struct server server;
+    struct loop *loop; /* borrows; of the first reactor */
     struct clients clients;
     struct source tcp, local, signals, workers, durable, owner;
     int handed;  /* a listening socket from the service manager; -1: none */
@@ -73,9 +73,9 @@ static void watch_listeners(bool watch)
     uint32_t events = watch ? EPOLLIN : 0;
     d.paused = !watch;
     if (d.tcp.fd >= 0)
-        loop_change(&d.loop, &d.tcp, events);
+        loop_change(d.loop, &d.tcp, events);
     if (d.local.fd >= 0)
-        loop_change(&d.loop, &d.local, events);
+        loop_change(d.loop, &d.local, events);
 }
 
 static void refill_reserve(void)
@@ -89,7 +89,7 @@ static void refill_reserve(void)
 static void drop_temporary(struct task *task)
 {
     if (expire_temporary(&d.server))
-        loop_yield(&d.loop, task);
+        loop_yield(d.loop, task);
 }
 
 static void on_client_closed(struct session *s)
@@ -97,19 +97,20 @@ static void on_client_closed(struct session *s)
     static struct task drops = {.run = drop_temporary};
     notice_client(s, NOTICE_DEBUG, "disconnected");
     clients_remove(&d.clients, s);
+    s->reactor->sessions--;
     d.evicted -= s->evicted;
     if (!list_is_empty(&d.server.temporary))
-        loop_yield(&d.loop, &drops);
+        loop_yield(d.loop, &drops);
     refill_reserve();
     if (d.stopping && d.clients.n == 0)
-        loop_stop(&d.loop);
+        loop_stop(d.loop);
 }
 
 static void count_refusal(const char *why)
 {
     uint64_t more;
     d.server.count.refused++;
-    if (notice_rarely(&d.refusals, d.loop.now_ms, &more))
+    if (notice_rarely(&d.refusals, d.loop->now_ms, &more))
         notice(NOTICE_WARNING, "a client was refused: %s (%" PRIu64 " more since the last time)",
                why, more);
 }
@@ -138,6 +139,16 @@ static bool has_room(void)
     return true;
 }
 
+/* The reactor with the fewest connections. */
+static struct reactor *idlest(void)
+{
+    struct reactor *least = d.server.reactor;
+    for (struct reactor *r = least + 1; r < d.server.reactor + d.server.reactors; r++)
+        if (r->sessions < least->sessions)
+            least = r;
+    return least;
+}
+
 static void welcome(int fd, const struct sock_peer *peer)
 {
     if (!has_room()) {
@@ -148,7 +159,8 @@ static void welcome(int fd, const struct sock_peer *peer)
         refuse(fd, "ERR BUSY not enough memory for another client\n");
         return;
     }
-    struct session *s = session_new(&d.server, &d.loop, fd, peer, on_client_closed);
+    struct reactor *r = idlest();
+    struct session *s = session_new(&d.server, r, fd, peer, on_client_closed);
     if (s == NULL) {
         refuse(fd, "ERR NOMEM out of memory\n");
     } else if (!clients_add(&d.clients, s)) {
@@ -156,6 +168,7 @@ static void welcome(int fd, const struct sock_peer *peer)
         conn_close(&s->conn);
     } else {
         d.server.count.connections++;
+        r->sessions++;
         notice_client(s, NOTICE_DEBUG, "connected");
     }
 }
@@ -259,7 +272,7 @@ static void on_durable(struct source *source, uint32_t events)
     (void)source, (void)events;
     if (!upkeep_on_durable_event(&d.server)) {
         d.failed = true;
-        loop_stop(&d.loop);
+        loop_stop(d.loop);
         return;
     }
     if (durable_is_complete(&d.server))
@@ -286,7 +299,7 @@ static void close_listeners(void)
     struct source *listener[] = {&d.tcp, &d.local};
     for (int i = 0; i < 2; i++) {
         if (listener[i]->fd >= 0) {
-            loop_forget(&d.loop, listener[i]);
+            loop_forget(d.loop, listener[i]);
             close(listener[i]->fd);
             listener[i]->fd = -1;
         }
@@ -305,7 +318,7 @@ static void break_off(struct session *s)
 static void on_reply_grace(struct timer *t)
 {
     clients_each(&d.clients, break_off);
-    loop_at(&d.loop, t, d.loop.now_ms + BREAK_MS);
+    loop_at(d.loop, t, d.loop->now_ms + BREAK_MS);
 }
 
 static void drain_client(struct session *s)
@@ -320,16 +333,16 @@ static void stop(void)
         systemd_notify("STOPPING=1");
     }
     if (d.stopping || d.clients.n == 0) {
-        loop_stop(&d.loop); /* the second signal, or there are no clients */
+        loop_stop(d.loop); /* the second signal, or there are no clients */
         return;
     }
     d.stopping = true;
-    d.stop_ms = d.loop.awake_ms;
+    d.stop_ms = d.loop->awake_ms;
     close_listeners();
     server_drain(&d.server);
     clients_each(&d.clients, drain_client);
     d.reply_grace.run = on_reply_grace;
-    loop_at(&d.loop, &d.reply_grace, d.loop.now_ms + REPLY_GRACE_MS);
+    loop_at(d.loop, &d.reply_grace, d.loop->now_ms + REPLY_GRACE_MS);
 }
 
 static void on_signal(struct source *source, uint32_t events)
@@ -349,7 +362,7 @@ static void on_owner(struct source *source, uint32_t events)
 {
     (void)events;
     if (private_owner_is_gone(source->fd))
-        loop_stop(&d.loop);
+        loop_stop(d.loop);
 }
 
 /* ---- once a second ---- */
@@ -364,7 +377,7 @@ static void send_progress(void)
     for (const struct job *j = job_first(&d.server), *next; j != NULL; j = next) {
         next = job_next(&d.server, j);
         struct session *s = clients_find(&d.clients, j->owner);
-        if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
+        if (d.loop->now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
             continue;
         if (s != NULL)
             session_progress(s, j);
@@ -410,8 +423,8 @@ static int take_signals(void)
 
 static bool watch(struct source *source, int fd, void (*ready)(struct source *, uint32_t))
 {
-    *source = (struct source){fd, ready};
-    return fd >= 0 && loop_watch(&d.loop, source, EPOLLIN);
+    *source = (struct source){.fd = fd, .ready = ready};
+    return fd >= 0 && loop_watch(d.loop, source, EPOLLIN);
 }
 
 /* The socket comes from a service manager; the rules of --bind apply to it. */
@@ -467,21 +480,23 @@ static bool start(struct config *config)
     notice_set_level(config->log_level);
     if (systemd_sockets(&d.handed, 1) == 0)
         d.handed = -1;
-    if (!loop_init(&d.loop) || !watch(&d.signals, signals, on_signal)) {
+    if (!server_init(&d.server, config))
+        return false;
+    d.loop = &d.server.reactor->loop;
+    d.loop->tick = on_tick;
+    for (unsigned i = 0; i < d.server.reactors; i++)
+        d.server.reactor[i].loop.turn_end = on_turn_end;
+    if (!watch(&d.signals, signals, on_signal) ||
+        !watch(&d.workers, workers_event(d.server.workers), on_workers)) {
         notice(NOTICE_ERROR, "%s", strerror(errno));
         return false;
     }
-    d.loop.tick = on_tick;
-    d.loop.turn_end = on_turn_end;
-    if (!server_init(&d.server, config) ||
-        !watch(&d.workers, workers_event(d.server.workers), on_workers))
-        return false;
     d.server.clients = &d.clients;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
-    if (!follower_prepare(&d.server, &d.loop))
+    if (!follower_prepare(&d.server, d.loop))
         return false;
-    if (config->data != NULL && (!leader_start(&d.server, &d.loop) || !durable_start(&d.server) ||
+    if (config->data != NULL && (!leader_start(&d.server, d.loop) || !durable_start(&d.server) ||
                                  !watch(&d.durable, durable_event(&d.server), on_durable)))
         return false;
     refill_reserve();
@@ -493,17 +508,58 @@ static void close_client(struct session *s)
     conn_close(&s->conn);
 }
 
+/* ---- the reactors ---- */
+
+static void *run_reactor(void *arg)
+{
+    struct reactor *r = arg;
+    priority_prompt();
+    loop_run(&r->loop);
+    loop_leave(&r->loop);
+    return NULL;
+}
+
+/* Begins the threads of all reactors but the first, which wait until the first one is no longer alone. */
+static bool begin_reactors(void)
+{
+    for (unsigned i = 1; i < d.server.reactors; i++) {
+        struct reactor *r = &d.server.reactor[i];
+        int error = pthread_create(&r->thread, NULL, run_reactor, r);
+        if (error != 0) {
+            notice(NOTICE_ERROR, "cannot start a thread: %s", strerror(error));
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Afterwards there is only this thread. */
+static void end_reactors(void)
+{
+    loop_enter(d.loop);
+    loop_alone(d.loop);
+    for (unsigned i = 1; i < d.server.reactors; i++)
+        loop_stop(&d.server.reactor[i].loop);
+    loop_leave(d.loop);
+    for (unsigned i = 1; i < d.server.reactors; i++)
+        pthread_join(d.server.reactor[i].thread, NULL);
+    loop_enter(d.loop);
+    loop_alone(d.loop);
+}
+
 int daemon_run(struct config *config)
 {
-    if (!start(config))
+    if (!start(config) || !begin_reactors())
         return 1;
     priority_prompt(); /* not before the other threads have started, which would inherit it */
     announce_if_ready();
     notify_systemd();
-    loop_run(&d.loop);
+    loop_run(d.loop);
+    end_reactors();
     close_listeners();
     clients_each(&d.clients, close_client);
-    loop_clear(&d.loop);
+    for (unsigned i = 0; i < d.server.reactors; i++)
+        loop_clear(&d.server.reactor[i].loop);
     server_clear(&d.server);
     clients_clear(&d.clients);
     outlet_flush(&ready_line, READY_MS);

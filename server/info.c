@@ -23,6 +23,7 @@ static void add_server(const struct server *s, struct facts *f)
     facts_add(f, "pid", (uint64_t)getpid());
     facts_add(f, "uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000);
     facts_add(f, "threads", s->config->threads);
+    facts_add(f, "reactors", s->reactors);
 }
 
 static void add_clients(const struct server *s, struct facts *f)
@@ -62,8 +63,9 @@ static void add_stats(const struct server *s, struct facts *f)
     uint64_t running = 0;
     for (const struct job *j = job_first(s); j != NULL; j = job_next(s, j))
         running++;
-    facts_add(f, "commands", s->count.commands);
-    facts_add(f, "errors", s->count.errors);
+    struct request_counts requests = server_requests(s);
+    facts_add(f, "commands", requests.commands);
+    facts_add(f, "errors", requests.errors);
     facts_add(f, "jobs", s->count.jobs);
     facts_add(f, "jobs_running", running);
     facts_add(f, "jobs_waiting", s->workers != NULL ? workers_backlog(s->workers) : 0);
@@ -130,9 +132,10 @@ static void add_command(struct facts *f, const char *name, const struct command_
 
 static void add_commands(const struct server *s, struct facts *f)
 {
+    struct command_stats sum;
     for (size_t i = 0; i < s->command_count; i++)
-        add_command(f, s->commands[i].name, &s->stats.of[i]);
-    add_command(f, "OTHER", &s->stats.of[STATS_OTHER]);
+        add_command(f, s->commands[i].name, server_stats(s, i, &sum));
+    add_command(f, "OTHER", server_stats(s, STATS_OTHER, &sum));
 }
 
 static const struct section {

@@ -21,6 +21,48 @@ static void discard(void *ctx, struct dt *dt)
     job_discard(ctx, dt);
 }
 
+static bool start_reactor(struct server *s, unsigned i)
+{
+    struct reactor *r = &s->reactor[i];
+    r->number = i;
+    r->ahead = calloc(1, sizeof *r->ahead);
+    return r->ahead != NULL && stats_init(&r->stats) && loop_init(&r->loop, s->world, i);
+}
+
+static bool start_reactors(struct server *s, unsigned n)
+{
+    s->reactor = calloc(n, sizeof *s->reactor);
+    s->world = n > 1 ? aligned_alloc(GATE_LINE, sizeof *s->world) : NULL;
+    if (s->reactor == NULL || (n > 1 && (s->world == NULL || !gate_init(s->world, n))))
+        return false;
+    while (s->reactors < n)
+        if (!start_reactor(s, s->reactors++))
+            return false;
+    loop_enter(&s->reactor->loop);
+    loop_alone(&s->reactor->loop);
+    return true;
+}
+
+static void end_reactor(struct reactor *r)
+{
+    loop_clear(&r->loop);
+    request_free(&r->request);
+    free(r->ahead);
+    buf_free(&r->lines);
+    stats_clear(&r->stats);
+    free(r->scratch.v);
+}
+
+static void end_reactors(struct server *s)
+{
+    for (unsigned i = 0; i < s->reactors; i++)
+        end_reactor(&s->reactor[i]);
+    free(s->reactor);
+    if (s->world != NULL)
+        gate_clear(s->world);
+    free(s->world);
+}
+
 bool server_init(struct server *s, struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
@@ -33,7 +75,6 @@ bool server_init(struct server *s, struct config *config)
     registry_begin_life_in_memory(&s->sets); /* with --data until that has been read */
     s->sets.memory = server_reservation(s, BUDGET_SETS);
     s->queued = server_reservation(s, BUDGET_LOG);
-    s->ahead = calloc(1, sizeof *s->ahead);
     s->sets.pages = s->pages;
     s->sets.discard = discard;
     s->sets.discard_ctx = s;
@@ -41,7 +82,7 @@ bool server_init(struct server *s, struct config *config)
     s->sets.dropped = watch_dropped;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;
-    if (s->pages == NULL || s->ahead == NULL || !stats_init(&s->stats) ||
+    if (s->pages == NULL || !start_reactors(s, config->reactors) ||
         !slowlog_init(&s->slowlog, config->slowlog_len)) {
         notice(NOTICE_ERROR, "out of memory");
         return false;
@@ -117,10 +158,6 @@ void server_clear(struct server *s)
     watch_clear(s);
     dt_pages_free(s->pages);
     auth_clear(&s->auth);
-    request_free(&s->request);
-    free(s->ahead);
-    buf_free(&s->lines);
-    stats_clear(&s->stats);
     slowlog_clear(&s->slowlog);
-    free(s->scratch.v);
+    end_reactors(s);
 }

@@ -44,13 +44,14 @@ static void on_ready(struct source *source, uint32_t events);
 bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events,
                const struct reservation *memory)
 {
-    *c = (struct conn){.source = {fd, on_ready},
+    *c = (struct conn){.source = {fd, on_ready, .shares = true},
                        .loop = loop,
                        .events = events,
                        .memory = *memory,
                        .owner_bytes = memory->bytes,
                        .interest = EPOLLIN};
-    c->turn.run = run_turn;
+    c->turn = (struct task){.run = run_turn, .shares = true};
+    c->hold.reactor = loop->lane;
     c->disposal.run = run_disposal;
     c->progress_ms = c->heard_ms = loop->awake_ms;
     return loop_watch(loop, &c->source, c->interest);
@@ -275,6 +276,14 @@ static void settle(struct conn *c)
     }
 }
 
+void conn_flush(struct conn *c)
+{
+    if (c->closed)
+        return;
+    send_output(c);
+    conn_again(c);
+}
+
 void conn_turn(struct conn *c)
 {
     if (c->closed)
@@ -288,6 +297,7 @@ void conn_turn(struct conn *c)
     if (!c->closed && !c->finishing && !conn_full(c)) {
         borrow(&c->out, &c->loop->spare_out);
         c->events->data(c);
+        loop_share(c->loop);
         if (!c->closed)
             send_output(c);
     }

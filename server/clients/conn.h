@@ -6,6 +6,9 @@
  * no buffers while it is idle. Its buffers count as memory of clients; when memory is short, it reads
  * and produces only as much as fits into small ones.
  *
+ * What it does by itself, it does while its loop shares the world (loop.h). `data` and `room` are called in that state, `closed` when
+ * the loop is alone.
+ *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
  * Only an error, a hang-up or a failed write means that the client has disconnected. */
 #ifndef SERVER_CONN_H
@@ -77,7 +80,11 @@ size_t conn_receive(struct conn *c, char *bytes, size_t n);
  * some of it is sent later, or never: out of memory, or disconnected. */
 bool conn_write(struct conn *c, const void *bytes, size_t n);
 
-/* Runs a turn now: for an owner that has appended to c->out outside of `data`. */
+/* For an owner that has appended to c->out outside of `data`: sends at once what the socket takes; the rest of the turn
+ * follows. The calling thread may be that of another loop, which is alone. */
+void conn_flush(struct conn *c);
+
+/* A turn: sends, has `data` called, and sends. Only the connection's own loop runs it. */
 void conn_turn(struct conn *c);
 
 /* Sends what is in c->out, then closes. Input that still arrives is read and dropped for a while,

@@ -18,6 +18,7 @@ enum session_state {
 struct session {
     struct conn conn; /* first: the connection's view */
     struct server *server;
+    struct reactor *reactor;   /* that serves it */
     struct list_link stranger; /* in clients.strangers */
     uint64_t id;
     enum role role;
@@ -60,6 +61,7 @@ struct session {
     struct list temporary; /* its temporary sets (dataset.fellow) */
     struct load *load; /* owns: the body that is being received, or that of the current request */
     bool late;         /* the loop's turn is long: only a quick request is carried out in it */
+    bool again;        /* the current request has to be carried out by a reactor that is alone */
     bool refused;      /* the request whose body is being received has already been refused */
     bool resp;         /* the current request came in RESP framing (proto/resp.h) */
     bool typed;        /* replies in RESP are typed, since HELLO 3 (server/replies/resp3.h) */

@@ -23,7 +23,7 @@ static size_t open_words(const struct request *q)
 /* Copies the words of the request: from the note if it has paused, else from the request itself. */
 static void quote(const struct session *s, char *text)
 {
-    const struct request *q = &s->server->request;
+    const struct request *q = &s->reactor->request;
     if (s->noted)
         memcpy(text, s->note, sizeof s->note);
     else
@@ -38,6 +38,7 @@ static void note_slow(struct session *s, const struct stats_outcome *took)
                          .client = s->id,
                          .peer = s->peer};
     quote(s, entry.text);
+    loop_alone(s->conn.loop);
     slowlog_add(&s->server->slowlog, &entry);
     s->server->count.slow++;
 }
@@ -48,10 +49,10 @@ void account_end(struct session *s, const struct answer *a, bool error)
     int64_t limit_us = server->config->slowlog_us;
     bool quick = a->command != NULL && (a->command->flags & CMD_QUICK) != 0;
     struct stats_outcome took =
-        stats_end(&server->stats, &s->pause, command_number(server, a->command), quick, error);
+        stats_end(&s->reactor->stats, &s->pause, command_number(server, a->command), quick, error);
     s->requests++;
-    server->count.commands++;
-    server->count.errors += error;
+    s->reactor->commands++;
+    s->reactor->errors += error;
     if (limit_us > 0 && took.work_ns + took.wait_ns >= limit_us * 1000)
         note_slow(s, &took);
     s->noted = false;
@@ -59,7 +60,7 @@ void account_end(struct session *s, const struct answer *a, bool error)
 
 void account_pause(struct session *s, const struct answer *a)
 {
-    stats_pause(&s->server->stats, &s->pause, a->next == ANSWER_WAIT && a->wait_for != WAIT_JOB);
+    stats_pause(&s->reactor->stats, &s->pause, a->next == ANSWER_WAIT && a->wait_for != WAIT_JOB);
     if (!s->noted)
         quote(s, s->note);
     s->noted = true;
@@ -67,10 +68,10 @@ void account_pause(struct session *s, const struct answer *a)
 
 void account_load(struct session *s)
 {
-    stats_look(&s->server->stats);
+    stats_look(&s->reactor->stats);
     if (s->pause.since_ns == 0)
-        s->pause = (struct stats_pause){.began_ns = s->server->stats.mark_ns};
-    stats_resume(&s->server->stats, &s->pause);
+        s->pause = (struct stats_pause){.began_ns = s->reactor->stats.mark_ns};
+    stats_resume(&s->reactor->stats, &s->pause);
 }
 
 void account_job(struct session *s, const struct job *j)

@@ -34,7 +34,7 @@ static size_t next_request(const char *bytes, size_t n, struct request *q)
 }
 
 /* Whether the request is about the same set as the others, and the set may be read now. */
-static bool is_ours(struct server *s, struct questions *all, const struct word *name)
+static bool is_ours(const struct server *s, struct questions *all, const struct word *name)
 {
     if (all->set != NULL)
         return all->set->name_len == name->len &&
@@ -65,7 +65,7 @@ static void take_id(struct questions *all, const struct ahead_request *r)
 }
 
 /* Notes what is to be prefetched for the request. */
-static void take_question(struct server *s, struct questions *all, struct ahead_request *r)
+static void take_question(const struct server *s, struct questions *all, struct ahead_request *r)
 {
     enum command_ahead ahead = r->command != NULL ? r->command->ahead : AHEAD_NOTHING;
     size_t words = ahead == AHEAD_PLACE ? 4 : 3;
@@ -93,64 +93,64 @@ static void fetch(struct questions *all)
 }
 
 /* Appends a request that has been parsed; NULL: it is too long, or a body follows it. */
-static struct ahead_request *keep(struct server *s, const char *text, size_t len,
-                                  const struct request *q)
+static struct ahead_request *keep(const struct server *s, struct reactor *r, const char *text,
+                                  size_t len)
 {
-    struct ahead *a = s->ahead;
-    const struct command *c = q->n > 1 ? command_find_again(s, &q->word[0]) : NULL;
+    struct ahead *a = r->ahead;
+    const struct request *q = &r->request;
+    const struct command *c = q->n > 1 ? command_find_again(s, r, &q->word[0]) : NULL;
     if (q->n > AHEAD_WORDS || (c != NULL && c->body.rows != LOAD_NOTHING))
         return NULL;
-    struct ahead_request *r = &a->of[a->n++];
-    r->text = text;
-    r->len = len;
-    r->n = q->n;
-    r->command = c;
-    r->placed = false;
+    struct ahead_request *kept = &a->of[a->n++];
+    kept->text = text;
+    kept->len = len;
+    kept->n = q->n;
+    kept->command = c;
+    kept->placed = false;
     for (size_t i = 0; i < q->n; i++)
-        r->word[i] = q->word[i];
-    return r;
+        kept->word[i] = q->word[i];
+    return kept;
 }
 
 /* Parses the requests at the front of bytes[n], and prefetches for them. */
-static void look(struct server *s, const char *bytes, size_t n)
+static void look(const struct server *s, struct reactor *r, const char *bytes, size_t n)
 {
-    struct ahead *a = s->ahead;
-    struct request *q = &s->request;
+    struct ahead *a = r->ahead;
     struct questions all;
     all.set = NULL;
     all.places = all.ids = 0;
     all.edits = false;
     ahead_forget(a);
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
-        struct ahead_request *r;
-        took = next_request(bytes + at, n - at, q);
-        if (took == 0 || (r = keep(s, bytes + at, took, q)) == NULL)
+        struct ahead_request *kept;
+        took = next_request(bytes + at, n - at, &r->request);
+        if (took == 0 || (kept = keep(s, r, bytes + at, took)) == NULL)
             break;
-        take_question(s, &all, r);
+        take_question(s, &all, kept);
     }
     fetch(&all);
 }
 
-size_t ahead_take(struct server *s, const char *bytes, size_t n)
+size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, size_t n)
 {
-    struct ahead *a = s->ahead;
+    struct ahead *a = r->ahead;
     if (a->next == a->n || a->of[a->next].text != bytes)
-        look(s, bytes, n);
+        look(s, r, bytes, n);
     if (a->n == 0)
         return 0;
-    const struct ahead_request *r = &a->of[a->next++];
-    if (!request_set(&s->request, r->word, r->n))
+    const struct ahead_request *next = &a->of[a->next++];
+    if (!request_set(&r->request, next->word, next->n))
         return 0;
-    a->place = r->placed ? &r->place : NULL;
-    if (r->command != NULL)
-        s->command = r->command;
-    return r->len;
+    a->place = next->placed ? &next->place : NULL;
+    if (next->command != NULL)
+        r->command = next->command;
+    return next->len;
 }
 
-bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
+bool read_place(struct answer *a, const struct request *q, struct dt_place *p)
 {
-    if (s->ahead->place != NULL) {
-        *p = *s->ahead->place;
+    if (a->reactor->ahead->place != NULL) {
+        *p = *a->reactor->ahead->place;
         return true;
     }
     p->near = UINT32_MAX;

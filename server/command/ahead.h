@@ -11,6 +11,7 @@
 #include "proto/request.h"
 
 struct server;
+struct reactor;
 struct command;
 struct answer;
 
@@ -45,13 +46,13 @@ static inline bool ahead_has_more(const struct ahead *a)
     return a->next < a->n;
 }
 
-/* Moves the request at the front of bytes[n] into s->request and returns its length; 0, with the words undefined,
+/* Moves the request at the front of bytes[n] into r->request and returns its length; 0, with the words undefined,
  * if it cannot be parsed here. Between two calls without ahead_forget the input may only lose bytes at its
  * front. Cost: amortised linear in the request. */
-size_t ahead_take(struct server *s, const char *bytes, size_t n);
+size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, size_t n);
 
 /* Reads the place in the third and fourth word of the current request, with a hint if it has been prefetched. False: the ERR line
  * has been written. */
-bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
+bool read_place(struct answer *a, const struct request *q, struct dt_place *p);
 
 #endif

@@ -55,6 +55,7 @@ void client_row(struct buf *out, const struct session *s)
     reply_key_u64(out, "in", buf_len(&c->in));
     reply_key_u64(out, "out", buf_len(&c->out));
     reply_key_u64(out, "watching", s->watches);
+    reply_key_u64(out, "reactor", s->reactor->number);
     reply_key_u64(out, "requests", s->requests);
     reply_key_text(out, "command",
                    s->command != NULL ? s->command->name

@@ -139,7 +139,8 @@ void cmd_locate(struct server *s, struct dataset *set, const struct request *q, 
         [DT_OUTSIDE] = 0, [DT_ON_VERTEX] = 1, [DT_ON_EDGE] = 2, [DT_INSIDE] = 3};
     struct dt_location at;
     struct dt_place p;
-    if (!read_place(s, a, q, &p))
+    (void)s;
+    if (!read_place(a, q, &p))
         return;
     enum dt_status status = dt_locate_place(set->current->dt, &p, &at);
     if (status != DT_OK) {
@@ -156,7 +157,7 @@ void cmd_locate(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_nearest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = QUERY_NEAREST, .k = 1};
-    if (!read_place(s, a, q, &query.place))
+    if (!read_place(a, q, &query.place))
         return;
     if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
         return;

@@ -34,7 +34,7 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
     if (q->n > 4 && (!method || query.how == DT_CLOSEST))
         answer_usage(a);
-    else if (read_place(s, a, q, &query.place))
+    else if (read_place(a, q, &query.place))
         query_answer(s, a, set, &query);
 }
 

@@ -91,6 +91,8 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
         return false;
     }
     *set = registry_find(&s->sets, &q->word[1]);
+    if (*set != NULL && expire_is_due(*set) && !world_alone(a))
+        return false;
     if (*set != NULL && expire_drop_if_due(s, *set))
         *set = NULL;
     /* Only commands for writing see a set whose creation has not succeeded yet. */
@@ -176,25 +178,32 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
 
 /* ---- running ---- */
 
-const struct command *command_find_again(struct server *s, const struct word *name)
+const struct command *command_find_again(const struct server *s, struct reactor *r,
+                                         const struct word *name)
 {
-    if (s->command == NULL || !word_is(name, s->command->name))
-        s->command = command_find(s, name);
-    return s->command;
+    if (r->command == NULL || !word_is(name, r->command->name))
+        r->command = command_find(s, name);
+    return r->command;
 }
 
-bool command_is_quick(struct server *s, const struct request *q)
+bool command_is_quick(const struct server *s, struct reactor *r, const struct request *q)
 {
-    const struct command *c = command_find_again(s, &q->word[0]);
+    const struct command *c = command_find_again(s, r, &q->word[0]);
     return c == NULL || (c->flags & CMD_QUICK) != 0;
+}
+
+bool command_shares(const struct server *s, struct reactor *r, const struct request *q)
+{
+    const struct command *c = command_find_again(s, r, &q->word[0]);
+    return c != NULL && (c->flags & CMD_SHARES) != 0;
 }
 
 static void dispatch(struct server *s, const struct request *q, struct answer *a)
 {
-    const struct command *c = command_find_again(s, &q->word[0]);
+    const struct command *c = command_find_again(s, a->reactor, &q->word[0]);
     struct dataset *set;
     a->command = c;
-    stats_begin(&s->stats, command_number(s, c));
+    stats_begin(&a->reactor->stats, command_number(s, c));
     if (c == NULL) {
         answer_err(a, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
         command_skip_body(s, q, a);
@@ -253,8 +262,12 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
         a->broken = true;
         return;
     }
+    if (a->reactor == NULL)
+        a->reactor = s->reactor;
     dispatch(s, q, a);
-    if (a->out->failed)
+    if (a->next == ANSWER_WAIT)
+        buf_rewind(a->out, mark);
+    else if (a->out->failed)
         command_out_of_memory(s, a, mark);
 }
 
@@ -268,8 +281,9 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
     if (l->refused || load_refuse(s, l, a))
         return;
     a->body = l;
-    if (request_split(&s->request, buf_head(&l->line), buf_len(&l->line)))
-        command_run(s, &s->request, a);
+    struct request *q = &reactor_of(s, a)->request;
+    if (request_split(q, buf_head(&l->line), buf_len(&l->line)))
+        command_run(s, q, a);
     else
         command_out_of_memory(s, a, mark);
 }

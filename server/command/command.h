@@ -26,7 +26,8 @@ enum {
     CMD_OPEN = 128,    /* allowed before AUTH */
     CMD_ADMIN = 256,   /* it is about other clients: not for those who may only read */
     CMD_PAIRS = 512,   /* the words after the first `least` come in pairs */
-    CMD_QUICK = 1024   /* so quick that looking at the clock for each would be felt */
+    CMD_QUICK = 1024,  /* so quick that looking at the clock for each would be felt */
+    CMD_SHARES = 2048  /* reactors carry it out beside each other (command_shares) */
 };
 
 /* Reads the change that a request asks for: *c is one of its kind and its set. False: the ERR line has been written. */
@@ -63,7 +64,8 @@ static inline bool command_needs_set(const struct command *c)
 const struct command *command_find(const struct server *s, const struct word *name);
 
 /* The same, but tries the last command first: pipelines often repeat a command. */
-const struct command *command_find_again(struct server *s, const struct word *name);
+const struct command *command_find_again(const struct server *s, struct reactor *r,
+                                         const struct word *name);
 
 /* Its index in the table, which is that of its statistics; NULL: an unknown command. */
 static inline unsigned command_number(const struct server *s, const struct command *c)
@@ -72,7 +74,10 @@ static inline unsigned command_number(const struct server *s, const struct comma
 }
 
 /* Whether the request is one that even a turn of the loop that is already long can carry out: PING and the like. */
-bool command_is_quick(struct server *s, const struct request *q);
+bool command_is_quick(const struct server *s, struct reactor *r, const struct request *q);
+
+/* Whether a reactor can carry out the request while others are at work: it reads, unless it calls world_alone. */
+bool command_shares(const struct server *s, struct reactor *r, const struct request *q);
 
 /* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
  * more than 0; without one 0, and the request is as it was. */

@@ -210,13 +210,23 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
     return true;
 }
 
-/* Reports the memory that adding and triangulating the received points will take, beside that of the points as they
- * were received. */
-static void expect(struct load *l)
+/* The memory that adding and triangulating the received points will take, beside that of the points as they were
+ * received. */
+static size_t bytes_to_expect(const struct load *l)
 {
-    size_t expected = l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;
-    if (expected == l->expected)
-        return;
+    return l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;
+}
+
+bool load_has_changed(const struct load *l)
+{
+    enum { SHARE = 8 };
+    size_t bytes = bytes_to_expect(l);
+    return bytes < l->expected || bytes > l->expected + l->expected / SHARE;
+}
+
+void load_expect(struct load *l)
+{
+    size_t expected = bytes_to_expect(l);
     keep_expect(l->server, expected, l->expected);
     l->expected = expected;
 }
@@ -227,7 +237,6 @@ static void advance(struct load *l, size_t n)
     l->came += n;
     if (l->body.fault != BODY_GOOD)
         reservation_set(&l->memory, 0);
-    expect(l);
 }
 
 ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last)

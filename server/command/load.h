@@ -49,6 +49,11 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a);
 /* Feeds bytes to the body (body_feed). Beyond --max-memory the body fails. */
 ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last);
 
+/* Whether the memory that its points will take is no longer what is expected (keep.h): load_expect changes that, and so the
+ * server. */
+bool load_has_changed(const struct load *l);
+void load_expect(struct load *l);
+
 /* Where the next bytes of the body can be received: *n at most (body_room). NULL: they have to be fed. */
 char *load_room(struct load *l, size_t *n);
 

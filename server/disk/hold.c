@@ -15,7 +15,7 @@ static void add(struct holders *in, struct hold *h, struct hold_group g)
         h->group[h->groups++] = g;
     }
     if (!list_holds(&h->link))
-        list_append(&in->holds, &h->link);
+        list_append(&in->holds[h->reactor], &h->link);
 }
 
 void hold_acknowledgement(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
@@ -61,9 +61,11 @@ static void look_again(struct holders *in)
     if (durable == in->durable)
         return;
     in->durable = durable;
-    for (struct hold *h = list_first(&in->holds), *next; h != NULL; h = next) {
-        next = list_next(&in->holds, h);
-        release(in, h);
+    for (unsigned i = 0; i < HOLD_REACTORS; i++) {
+        for (struct hold *h = list_first(&in->holds[i]), *next; h != NULL; h = next) {
+            next = list_next(&in->holds[i], h);
+            release(in, h);
+        }
     }
 }
 
@@ -91,11 +93,13 @@ void holders_follow_none(struct holders *in)
 void holders_fail(struct holders *in, enum hold_cause cause)
 {
     in->failing |= cause;
-    for (struct hold *h = list_first(&in->holds), *next; h != NULL; h = next) {
-        next = list_next(&in->holds, h);
-        release(in, h);
-        if (h->groups > 0)
-            in->not_saved(h);
+    for (unsigned i = 0; i < HOLD_REACTORS; i++) {
+        for (struct hold *h = list_first(&in->holds[i]), *next; h != NULL; h = next) {
+            next = list_next(&in->holds[i], h);
+            release(in, h);
+            if (h->groups > 0)
+                in->not_saved(h);
+        }
     }
 }
 

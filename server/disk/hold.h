@@ -21,8 +21,11 @@
 
 #include <stdint.h>
 
+enum { HOLD_REACTORS = 64 };
+
 struct hold {
     struct list_link link; /* first */
+    unsigned reactor;      /* of the connection */
     unsigned groups;       /* 0: nothing is held */
     struct hold_group {
         uint64_t lsn, from;
@@ -30,9 +33,10 @@ struct hold {
     } group[2];
 };
 
-/* All holds that wait, in no particular order. */
+/* All holds that wait, in no particular order; those of a reactor in a list of its own, to which it adds while it shares the
+ * world (loop.h). */
 struct holders {
-    struct list holds;
+    struct list holds[HOLD_REACTORS];
     uint64_t
         durable; /* replies about changes up to this lsn may be sent: the lesser of the next two */
     uint64_t saved;       /* changes up to this lsn are durable here, */

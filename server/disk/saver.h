@@ -13,11 +13,11 @@
 #ifndef SERVER_SAVER_H
 #define SERVER_SAVER_H
 
+#include "server/disk/backoff.h"
 #include "server/disk/hold.h"
 #include "server/disk/log.h"
 #include "server/disk/snapshot.h"
 #include "server/sets/dataset.h"
-#include "server/system/backoff.h"
 
 enum saver_state { SAVER_IDLE, SAVER_ROTATING, SAVER_WRITING, SAVER_MENDING, SAVER_RESUMING };
 

@@ -48,7 +48,7 @@ static void resume(struct apply *p)
 
 bool follower_watch(struct follower *f)
 {
-    f->source = (struct source){eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), on_event};
+    f->source = (struct source){.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), .ready = on_event};
     f->task.run = on_task;
     apply_init(&f->apply, f->server, resume);
     return f->source.fd >= 0 && loop_watch(f->loop, &f->source, EPOLLIN);

@@ -267,7 +267,7 @@ bool leader_start(struct server *s, struct loop *loop)
         free(l);
         return false;
     }
-    l->source = (struct source){event, on_event};
+    l->source = (struct source){.fd = event, .ready = on_event};
     l->server = s;
     l->loop = loop;
     l->timer.run = on_timer;

@@ -1,7 +1,17 @@
 /* answer.c - see answer.h. */
 #include "server/jobs/answer.h"
 
+#include "server/jobs/reactor.h"
+
 #include <stdarg.h>
+
+bool world_alone(struct answer *a)
+{
+    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop))
+        return true;
+    answer_again(a);
+    return false;
+}
 
 void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
 {

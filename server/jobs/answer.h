@@ -14,6 +14,7 @@ struct job;
 struct dataset;
 struct load;
 struct command;
+struct reactor;
 
 enum answer_next {
     ANSWER_DONE,  /* nothing: the reply is complete */
@@ -32,7 +33,8 @@ enum answer_wait {
 };
 
 struct answer {
-    struct buf *out;  /* borrows; the reply is appended */
+    struct reactor *reactor; /* that carries out the request; NULL: it is alone in the world */
+    struct buf *out;         /* borrows; the reply is appended */
     uint64_t mark;    /* the number of the reply's first byte in the output of the connection */
     uint64_t lsn;     /* the change that the reply acknowledges (hold.h); 0: none */
     uint64_t shown;   /* the last change that it shows (hold.h); 0: none */
@@ -104,9 +106,15 @@ static inline void answer_changed(struct answer *a, uint64_t version)
     answer_version(a, version);
 }
 
+/* To be called before the world (reactor.h) is changed. False: the reactor shares it with others, and will carry out the request
+ * again when it is alone; what the caller has written is void. */
+bool world_alone(struct answer *a);
+
 /* The request waits in the queue. */
 static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
 {
+    if (!world_alone(a))
+        return;
     a->next = ANSWER_WAIT;
     a->wait_for = WAIT_QUEUE;
     a->wait = q;
@@ -121,7 +129,7 @@ static inline void answer_wait_job(struct answer *a, struct job *j)
     a->job = j;
 }
 
-/* That job has ended. */
+/* The request is carried out again, now. */
 static inline void answer_again(struct answer *a)
 {
     a->next = ANSWER_WAIT;

@@ -1,6 +1,27 @@
 /* server.c - see server.h. */
 #include "server/jobs/server.h"
 
+const struct command_stats *server_stats(const struct server *s, size_t command,
+                                         struct command_stats *sum)
+{
+    if (s->reactors == 1)
+        return &s->reactor->stats.of[command];
+    *sum = (struct command_stats){0};
+    for (unsigned i = 0; i < s->reactors; i++)
+        command_stats_join(sum, &s->reactor[i].stats.of[command]);
+    return sum;
+}
+
+struct request_counts server_requests(const struct server *s)
+{
+    struct request_counts all = {0};
+    for (unsigned i = 0; i < s->reactors; i++) {
+        all.commands += s->reactor[i].commands;
+        all.errors += s->reactor[i].errors;
+    }
+    return all;
+}
+
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)
 {
     bool first = wait_is_first(&s->memory, a->turn);

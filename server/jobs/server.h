@@ -1,15 +1,15 @@
 /* server.h - the state that commands work on, apart from connections: a command gets a server, a request and an
- * answer, and is tested without sockets. Only the I/O thread uses it. */
+ * answer, and is tested without sockets. It is part of the world (loop.h): only a reactor that is alone changes it. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
 #include "server/disk/hold.h"
 #include "server/jobs/answer.h"
+#include "server/jobs/reactor.h"
 #include "server/ops/auth.h"
 #include "server/ops/auth_delay.h"
 #include "server/ops/config.h"
 #include "server/ops/slowlog.h"
-#include "server/ops/stats.h"
 #include "server/sets/budget.h"
 #include "server/sets/dataset.h"
 #include "server/sets/worker.h"
@@ -17,8 +17,6 @@
 struct counters {
     uint64_t connections; /* accepted since the start */
     uint64_t refused;     /* connections: too many clients, no descriptors */
-    uint64_t commands;    /* carried out, successfully or not */
-    uint64_t errors;      /* of these, with an ERR reply */
     uint64_t jobs;        /* submitted to the workers */
     uint64_t shared;      /* requests that got the result of another request's job */
     uint64_t slow;        /* requests in the slow log */
@@ -44,7 +42,10 @@ struct loading {
 struct facts;
 
 struct server {
-    struct config *config; /* borrows; CONFIG SET changes it */
+    struct config *config;   /* borrows; CONFIG SET changes it */
+    struct gate *world;      /* owns; what the reactors share; NULL: there is one reactor */
+    struct reactor *reactor; /* owns `reactors` */
+    unsigned reactors;
     struct budget budget;
     struct wait_queue memory;  /* of requests that wait for the memory of a job */
     struct wait_queue log;     /* of changes that wait because the log's queue is full */
@@ -71,23 +72,17 @@ struct server {
     struct dt_pages *pages;   /* owns; the page cache for large arrays (keep.h) */
     uint64_t uses;            /* of the cache, at the last tick */
     unsigned idle_ticks;      /* ticks in a row without a use */
-    bool excess;              /* the cache exceeds its limit (keep_turn_end) */
+    atomic_bool excess;       /* the cache exceeds its limit (keep_turn_end) */
     bool releasing;           /* a job is returning pages */
     bool preparing;           /* a job is prefaulting pages */
     size_t expected;          /* bytes to prefault for points that are being received */
-    struct dt_ids scratch;    /* owns; the result of a query that is answered at once */
-    struct request request;   /* owns; the words of the current request */
-    struct ahead *ahead;      /* owns; the requests after it in the connection's input */
     const struct command *commands; /* borrows; the table, server/commands.c */
     size_t command_count;
     /* Appends the facts of a section of INFO (server/info.h), for Redis's clients. */
     void (*info)(const struct server *s, const char *section, struct facts *f);
-    const struct command *command; /* of the last request, often that of the next; NULL: none */
-    struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;
     struct auth_delay auth_delay;
     struct counters count;
-    struct stats stats;
     struct slowlog slowlog;
     struct clients *clients; /* borrows; NULL: none (tests) */
     bool draining;           /* it is stopping, and finishes replies */
@@ -95,11 +90,26 @@ struct server {
     int64_t started_ms;
 };
 
+/* The reactor of a request; the first one, if the answer has none. */
+static inline struct reactor *reactor_of(const struct server *s, const struct answer *a)
+{
+    return a->reactor != NULL ? a->reactor : s->reactor;
+}
+
 /* An empty reservation of that kind. */
 static inline struct reservation server_reservation(struct server *s, enum budget_kind kind)
 {
     return (struct reservation){.budget = &s->budget, .kind = kind};
 }
+
+/* What all reactors have counted of a command (by index in the table of commands): its own, or the sum in *sum. */
+const struct command_stats *server_stats(const struct server *s, size_t command,
+                                         struct command_stats *sum);
+
+/* The requests that all reactors have carried out, and those with an ERR reply. */
+struct request_counts {
+    uint64_t commands, errors;
+} server_requests(const struct server *s);
 
 /* Resizes a reservation for a job. False: the request waits in the queue, if jobs that are under way will free
  * memory; otherwise the ERR line has been written. */

@@ -26,9 +26,12 @@ static void end_refresh(struct server *s, struct job *j, struct answer *a)
 bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
 {
     if (!version_is_stale(set->current)) {
-        set->current->asked = true;
+        if (!atomic_load_explicit(&set->current->asked, memory_order_relaxed))
+            atomic_store_explicit(&set->current->asked, true, memory_order_relaxed);
         return true;
     }
+    if (!world_alone(a))
+        return false;
     if (!dataset_admits(set, true, a->turn)) {
         answer_wait(a, &set->queue, true);
         return false;
@@ -95,11 +98,15 @@ static bool begin_grid(struct server *s, struct dataset *set)
     return set->writer != NULL;
 }
 
-static bool has_grid(struct server *s, struct dataset *set)
+static bool has_grid(const struct version *v)
+{
+    return v->sum.searchable || !v->sum.triangulated;
+}
+
+/* Makes the grid, or begins to. Whether searches can go on. */
+static bool give_grid(struct server *s, struct dataset *set)
 {
     struct version *v = set->current;
-    if (v->sum.searchable || !v->sum.triangulated)
-        return true;
     if (set->writer != NULL)
         return false;
     bool later = s->workers != NULL && !s->stopping && !cost_at_once(COST_GRID, v->sum.points);
@@ -113,7 +120,11 @@ static bool has_grid(struct server *s, struct dataset *set)
 
 bool upkeep_prepare(struct server *s, struct answer *a, struct dataset *set)
 {
-    if (has_grid(s, set))
+    if (has_grid(set->current))
+        return true;
+    if (!world_alone(a))
+        return false;
+    if (give_grid(s, set))
         return true;
     answer_wait(a, &set->queue, true);
     return false;

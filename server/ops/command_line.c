@@ -38,6 +38,7 @@ static const char usage[] =
     "  --repair DIR        repair it: put aside what is damaged, and exit\n"
     "  --auth-file FILE    lines `ro TOKEN` and `rw TOKEN`: clients must AUTH with one of these\n"
     "  --insecure          allow an address beyond loopback without --auth-file\n"
+    "  --reactors N        threads that serve connections (default: half of the processors)\n"
     "  --threads N         threads that work on heavy requests (default: one per processor)\n"
     "  --max-clients N     connections at once (default 10000, or what descriptors allow)\n"
     "  --idle-timeout S    close connections of clients that have sent nothing for S seconds "

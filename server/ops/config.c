@@ -12,6 +12,17 @@ static unsigned threads_here(void)
     return n < CONFIG_MOST_THREADS ? n : CONFIG_MOST_THREADS;
 }
 
+/* One on up to two processors, otherwise half of them: workers need the rest. Tests have their own number. */
+static unsigned reactors_here(void)
+{
+#ifdef DEFAULT_REACTORS
+    unsigned n = DEFAULT_REACTORS;
+#else
+    unsigned n = machine_processors() / 2;
+#endif
+    return n < 1 ? 1 : n < CONFIG_MOST_REACTORS ? n : CONFIG_MOST_REACTORS;
+}
+
 unsigned config_affordable_clients(unsigned most)
 {
     unsigned n = machine_descriptors();
@@ -26,6 +37,7 @@ void config_init(struct config *c)
         .bind_address = "127.0.0.1",
         .port = DEFAULT_PORT,
         .threads = threads_here(),
+        .reactors = reactors_here(),
         .max_clients = config_affordable_clients(MOST_CLIENTS),
         .load_timeout_s = 60,
         .max_points = DT_MAX_POINTS,

@@ -11,7 +11,7 @@
 #define PROTOCOL_VERSION 1
 #define DEFAULT_PORT 6374 /* M-E-S-H on a telephone keypad */
 
-enum { CONFIG_MOST_THREADS = 256 };
+enum { CONFIG_MOST_THREADS = 256, CONFIG_MOST_REACTORS = 64 };
 
 /* When a change counts as durable and is acknowledged: after it has been synced (LOG_ALWAYS), or after it
  * has been written, with a sync every second (LOG_EVERYSEC) or none (LOG_NO). */
@@ -35,7 +35,8 @@ struct config {
     const char *unix_path; /* NULL: no Unix socket */
     bool private; /* --private: serves the process at the other end of standard input (private.h) */
     const char *auth_file; /* NULL: every client may do everything */
-    unsigned threads;      /* of workers, which a job may use; without the I/O thread */
+    unsigned threads;      /* of workers, which a job may use; without those of reactors */
+    unsigned reactors;     /* threads that serve connections */
     unsigned max_clients;
     unsigned idle_timeout_s;     /* after which an idle client is disconnected; 0: never */
     unsigned load_timeout_s;     /* after which a stalled load is abandoned; 0: never */

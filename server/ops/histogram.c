@@ -32,6 +32,14 @@ void histogram_add(struct histogram *h, uint64_t ns, uint64_t times)
         h->max = ns;
 }
 
+void histogram_join(struct histogram *h, const struct histogram *other)
+{
+    for (size_t i = 0; i < HISTOGRAM_BUCKETS; i++)
+        h->count[i] += other->count[i];
+    h->total += other->total;
+    h->max = other->max > h->max ? other->max : h->max;
+}
+
 uint64_t histogram_quantile(const struct histogram *h, double q)
 {
     double want = q * (double)h->total;

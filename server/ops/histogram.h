@@ -17,6 +17,9 @@ struct histogram {
 /* Counts `times` durations of ns each. Cost: O(1). */
 void histogram_add(struct histogram *h, uint64_t ns, uint64_t times);
 
+/* Adds the counts of another one. Cost: O(HISTOGRAM_BUCKETS). */
+void histogram_join(struct histogram *h, const struct histogram *other);
+
 /* The value in ns that the share q (0 to 1) of all counts does not exceed; 0 if there are none.
  * Cost: O(HISTOGRAM_BUCKETS). */
 uint64_t histogram_quantile(const struct histogram *h, double q);

@@ -37,6 +37,8 @@ const struct setting settings[] = {
     {"keep-log", "repl-backlog-size", SETTING_BYTES, LIVE, AT(keep_log), 1, 0, bytes_wanted},
     {"auth-file", NULL, SETTING_TEXT, FIXED, AT(auth_file), 0, 0, NULL},
     {"insecure", NULL, SETTING_SWITCH, FIXED, AT(insecure), 0, 0, NULL},
+    {"reactors", NULL, SETTING_NUMBER, FIXED, AT(reactors), 1, CONFIG_MOST_REACTORS,
+     "from 1 to 64"},
     {"threads", NULL, SETTING_NUMBER, FIXED, AT(threads), 1, CONFIG_MOST_THREADS, "from 1 to 256"},
     {"max-clients", "maxclients", SETTING_NUMBER, LIVE, AT(max_clients), 1, 1000000,
      "from 1 to 1000000"},

@@ -17,6 +17,14 @@ void stats_clear(struct stats *st)
     *st = (struct stats){0};
 }
 
+void command_stats_join(struct command_stats *of, const struct command_stats *other)
+{
+    of->calls += other->calls;
+    of->errors += other->errors;
+    histogram_join(&of->work, &other->work);
+    histogram_join(&of->wait, &other->wait);
+}
+
 int64_t stats_look(struct stats *st)
 {
     int64_t now = clock_ns();

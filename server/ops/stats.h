@@ -38,6 +38,9 @@ struct stats_pause {
     int64_t waited_ns;
 };
 
+/* Adds what another one has counted. */
+void command_stats_join(struct command_stats *of, const struct command_stats *other);
+
 /* What became of a request. */
 struct stats_outcome {
     int64_t work_ns, wait_ns;

@@ -18,7 +18,7 @@ static const char type_name[] = "pointset"; /* as modules of Redis have types of
 bool redis_sees_sets(struct server *s, struct answer *a)
 {
     struct buf *out = a->out;
-    a->out = &s->lines; /* of the error, which is converted to RESP */
+    a->out = &a->reactor->lines; /* of the error, which is converted to RESP */
     if (!durable_loaded(s, a))
         return false;
     a->out = out;

@@ -335,7 +335,7 @@ static const struct row *choose(struct server *s, const struct request *q, const
     static const struct row unknown = {.handler = redis_unknown};
     static const struct row queued = {.handler = redis_queue};
     const struct row *row = find(q, a);
-    if (row == NULL && command_find_again(s, &q->word[0]) == NULL)
+    if (row == NULL && command_find_again(s, a->reactor, &q->word[0]) == NULL)
         return &unknown;
     return a->multi && !redis_ends_multi(&q->word[0]) ? &queued : row;
 }
@@ -363,10 +363,12 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     const struct row *row = choose(s, q, a);
     if (row == NULL)
         return false;
+    if (!world_alone(a))
+        return true;
     struct buf *out = a->out;
     size_t mark = buf_len(out);
     a->command = command_find(s, &q->word[0]);
-    stats_begin(&s->stats, command_number(s, a->command));
+    stats_begin(&a->reactor->stats, command_number(s, a->command));
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
         a->broken = true;
         return true;

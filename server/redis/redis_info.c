@@ -73,10 +73,11 @@ static void add_persistence(struct server *s, struct buf *out)
 
 static void add_stats(struct server *s, struct buf *out)
 {
+    struct request_counts requests = server_requests(s);
     add(out, "total_connections_received", s->count.connections);
-    add(out, "total_commands_processed", s->count.commands);
+    add(out, "total_commands_processed", requests.commands);
     add(out, "rejected_connections", s->count.refused);
-    add(out, "total_error_replies", s->count.errors);
+    add(out, "total_error_replies", requests.errors);
 }
 
 /* The two halves of the leader's address. */
@@ -137,9 +138,12 @@ static void add_calls(struct buf *out, const char *name, const struct command_st
 
 static void add_commandstats(struct server *s, struct buf *out)
 {
-    for (size_t i = 0; i < s->command_count; i++)
-        if (s->stats.of[i].calls > 0)
-            add_calls(out, s->commands[i].name, &s->stats.of[i]);
+    struct command_stats sum;
+    for (size_t i = 0; i < s->command_count; i++) {
+        const struct command_stats *of = server_stats(s, i, &sum);
+        if (of->calls > 0)
+            add_calls(out, s->commands[i].name, of);
+    }
 }
 
 static void add_cluster(struct server *s, struct buf *out)

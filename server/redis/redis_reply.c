@@ -59,11 +59,12 @@ void redis_null(struct answer *a)
 bool redis_run(struct server *s, const struct request *q, struct answer *a)
 {
     struct buf *out = a->out;
-    a->out = &s->lines;
+    struct buf *lines = &a->reactor->lines;
+    a->out = lines;
     command_run(s, q, a);
     if (a->next != ANSWER_DONE || a->refused || a->broken)
         return false;
-    buf_rewind(&s->lines, 0);
+    buf_rewind(lines, 0);
     a->out = out;
     return true;
 }

@@ -65,6 +65,10 @@ static bool begin_view(struct rows *rows)
 static void begin_stream(struct server *s, struct answer *a, struct rows *rows,
                          const struct places *places)
 {
+    if (!world_alone(a)) {
+        rows_clear(rows);
+        return;
+    }
     if (!begin_view(rows))
         answer_out_of_memory(a);
     else if (row_stream_begin(s, a, rows, is_heavy(rows), places))
@@ -130,6 +134,10 @@ static void begin_table(struct server *s, struct answer *a, struct rows *made)
     struct version *v = rows.version;
     enum dt_table table = rows.cursor.table;
     bool cw = rows.cw, binary = rows.binary;
+    if (table_work(v, table) > AT_ONCE && !world_alone(a)) {
+        rows_clear(&rows);
+        return;
+    }
     if (table_work(v, table) > AT_ONCE) {
         rows.view = dt_view_begin(v->dt, reads_rings(&rows));
         if (rows.view == NULL) {

@@ -353,6 +353,10 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
 {
     struct version *v = set->current;
     bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
+    if (!world_alone(a)) {
+        free(q->ids.v);
+        return;
+    }
     struct query_job *j = job_new(sizeof *j, run_job, end_job);
     if (j != NULL && !sweeps)
         j->keeps = dt_view_begin(v->dt, true);
@@ -374,20 +378,21 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
 void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q)
 {
     struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
+    struct dt_ids *scratch = &a->reactor->scratch;
     bool borrows = q->ids.v == NULL;
     if (!set->current->sum.triangulated) {
         answer_by_job(s, a, set, q);
         return;
     }
     if (borrows) {
-        q->ids = s->scratch;
+        q->ids = *scratch;
         q->ids.n = 0;
-        s->scratch = (struct dt_ids){0};
+        *scratch = (struct dt_ids){0};
     }
     enum dt_status status = search(set->current->dt, q, &opt);
     if (status == DT_TOOLONG) {
         if (borrows) {
-            s->scratch = q->ids;
+            *scratch = q->ids;
             q->ids = (struct dt_ids){0};
         }
         answer_by_job(s, a, set, q);
@@ -400,7 +405,7 @@ void query_answer(struct server *s, struct answer *a, struct dataset *set, struc
         answer_status(a, status);
     }
     if (borrows)
-        s->scratch = q->ids; /* empty if they have moved to a stream */
+        *scratch = q->ids; /* empty if they have moved to a stream */
     else
         free(q->ids.v);
 }

@@ -34,6 +34,7 @@ struct row_stream {
     struct past past;    /* owns: the copy, if there is one */
     size_t past_bytes;   /* of the copy */
     bool heavy;          /* workers make the pieces */
+    bool converted;      /* the rows become RESP */
 };
 
 /* ---- life ---- */
@@ -260,7 +261,7 @@ static enum dt_status send_text(const struct server *s, const struct row_stream 
 {
     enum { CONVERTED = 3 }; /* times the rows: in lines and in RESP */
     size_t n = buf_len(&p->text), room = most - buf_len(out);
-    bool whole = out == &s->lines && !st->rows.binary;
+    bool whole = st->converted && !st->rows.binary;
     if (whole && n > 2 * PIECE && !budget_fits(&s->budget, BUDGET_REPLIES, CONVERTED * n))
         return DT_NOMEM;
     n = whole || n <= PIECE || n < room ? n : room;
@@ -359,6 +360,7 @@ static bool refill(struct server *s, struct stream *stream, struct answer *a)
     struct row_stream *st = (struct row_stream *)stream;
     enum dt_status status;
     bool done;
+    st->converted = a->out == &a->reactor->lines;
     if (may_fill(st)) {
         fill(s, st, a->out);
         st->passed = st->rows.surface.passed;

@@ -77,7 +77,7 @@ void session_set_deadline(struct session *s)
  * may take long, and events of other clients come first. */
 static bool leave_for_later(struct session *s, const struct request *q)
 {
-    if (!s->late || s->waiter.called || command_is_quick(s->server, q))
+    if (!s->late || s->waiter.called || command_is_quick(s->server, s->reactor, q))
         return false;
     s->held = 0;
     conn_yield(&s->conn);
@@ -89,6 +89,19 @@ static void take_timeout(struct session *s, struct request *q)
 {
     command_take_timeout(q, &s->limit_ms);
     session_set_deadline(s);
+}
+
+/* Shares the world with other reactors, if there are any, or is alone in it, as the request requires. False: the session has been ended
+ * meanwhile. */
+static inline bool enter_world(struct session *s, const struct request *q)
+{
+    if (s->conn.loop->world == NULL)
+        return true;
+    if (!s->again && s->waiter.queue == NULL && command_shares(s->server, s->reactor, q))
+        loop_share(s->conn.loop);
+    else
+        loop_alone(s->conn.loop);
+    return !s->conn.closed && !s->conn.finishing;
 }
 
 /* ---- steps: each carries out one request, or a piece of one; true: continue ---- */
@@ -110,7 +123,7 @@ bool session_wait_for_input(struct session *s)
 /* The request is a line; http: it looks like the first line of an HTTP request. */
 static bool carry_out(struct session *s, bool http)
 {
-    struct request *q = &s->server->request;
+    struct request *q = &s->reactor->request;
     if (q->n == 0) {
         session_consume(s);
         return true;
@@ -128,6 +141,8 @@ static bool carry_out(struct session *s, bool http)
     if (leave_for_later(s, q))
         return false;
     take_timeout(s, q);
+    if (!enter_world(s, q))
+        return false;
     struct answer a;
     session_answer(s, &a);
     command_run(s->server, q, &a);
@@ -143,7 +158,7 @@ static bool step_line(struct session *s)
         return session_refuse_line(s, line.fault);
     if (took > 0) {
         s->held = (size_t)took;
-        if (!request_split(&s->server->request, line.text, line.len))
+        if (!request_split(&s->reactor->request, line.text, line.len))
             return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
         return carry_out(s, !s->greeted && line_is_http(line.text, line.len));
     }
@@ -156,7 +171,7 @@ static bool step_line(struct session *s)
 
 static bool carry_out_resp(struct session *s, const struct resp *resp)
 {
-    struct request *q = &s->server->request;
+    struct request *q = &s->reactor->request;
     s->greeted = true;
     if (q->n == 0) {
         session_consume(s);
@@ -167,11 +182,13 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     if (leave_for_later(s, q))
         return false;
     take_timeout(s, q);
+    if (!enter_world(s, q))
+        return false;
     struct answer a;
     session_answer(s, &a);
     a.out = &s->conn.out;
     if (!redis_answer(s->server, q, &a)) {
-        a.out = &s->server->lines;
+        a.out = &s->reactor->lines;
         command_run(s->server, q, &a);
     }
     s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
@@ -184,7 +201,7 @@ static bool step_resp(struct session *s)
 {
     struct resp resp;
     struct buf *in = &s->conn.in;
-    ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
+    ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->reactor->request, &resp);
     s->need = resp.need;
     if (took == 0 && is_too_much(s, buf_len(in) > s->need ? buf_len(in) : s->need, 0))
         return refuse_stranger(s);
@@ -201,7 +218,7 @@ static bool step_resp(struct session *s)
 
 static bool step_request(struct session *s)
 {
-    stats_resume(&s->server->stats, &s->pause);
+    stats_resume(&s->reactor->stats, &s->pause);
     if (is_late(s))
         return give_up(s);
     struct buf *in = &s->conn.in;
@@ -209,7 +226,7 @@ static bool step_request(struct session *s)
         return session_wait_for_input(s);
     s->resp = buf_head(in)[0] == '*';
     if (s->resp || s->greeted) {
-        size_t took = ahead_take(s->server, buf_head(in), buf_len(in));
+        size_t took = ahead_take(s->server, s->reactor, buf_head(in), buf_len(in));
         if (took > 0) {
             s->held = took;
             s->need = 0;
@@ -239,18 +256,20 @@ static bool step(struct session *s)
  * is lost when the session yields. */
 static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
 {
-    int64_t spent = s->server->stats.mark_ns - start;
+    int64_t spent = s->reactor->stats.mark_ns - start;
     return spent > (late ? LATE_TURN_NS : TURN_NS) &&
-           (spent > BATCH_NS || !ahead_has_more(s->server->ahead));
+           (spent > BATCH_NS || !ahead_has_more(s->reactor->ahead));
 }
 
 static void on_data(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    struct stats *stats = &s->server->stats;
+    struct stats *stats = &s->reactor->stats;
+    if (s->waiter.queue != NULL) /* which may call the next one when this one has been served */
+        loop_alone(c->loop);
     int64_t start = stats_look(stats);
     bool late = loop_is_late(c->loop, start);
-    ahead_forget(s->server->ahead);
+    ahead_forget(s->reactor->ahead);
     s->late = late;
     for (unsigned n = 1; step(s); n++) {
         s->late = false;
@@ -270,6 +289,7 @@ static void on_data(struct conn *c)
 
 static void on_room(struct conn *c)
 {
+    loop_alone(c->loop);
     watch_resume((struct session *)c);
 }
 
@@ -329,7 +349,7 @@ static void pass_deadline(struct timer *t)
     }
 }
 
-struct session *session_new(struct server *server, struct loop *loop, int fd,
+struct session *session_new(struct server *server, struct reactor *reactor, int fd,
                             const struct sock_peer *peer, void (*closed)(struct session *s))
 {
     static const struct conn_events events = {
@@ -338,8 +358,9 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     if (s == NULL)
         return NULL;
     s->server = server;
+    s->reactor = reactor;
     s->role = auth_initial_role(&server->auth);
-    s->since_ms = loop->awake_ms;
+    s->since_ms = reactor->loop.awake_ms;
     s->peer = *peer;
     s->command = NULL;
     s->waiter.wake = on_wake;
@@ -350,7 +371,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->closed = closed;
     struct reservation memory = server_reservation(server, BUDGET_CLIENTS);
     reservation_set(&memory, sizeof *s);
-    if (conn_init(&s->conn, loop, fd, &events, &memory))
+    if (conn_init(&s->conn, &reactor->loop, fd, &events, &memory))
         return s;
     reservation_set(&memory, 0);
     free(s);
@@ -422,7 +443,7 @@ void session_progress(struct session *s, const struct job *j)
     reply_comment(&s->conn.out, "progress %u %s", j->progress, j->what);
     if (s->conn.out.failed)
         buf_free(&s->conn.out);
-    conn_turn(&s->conn);
+    conn_flush(&s->conn);
 }
 
 void session_progress_waiting(const struct job *j)

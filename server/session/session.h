@@ -10,7 +10,7 @@
 
 /* A session on a connected non-blocking socket of *peer. NULL when out of memory or descriptors; then the socket
  * is still the caller's. The session frees itself when its connection has closed. */
-struct session *session_new(struct server *server, struct loop *loop, int fd,
+struct session *session_new(struct server *server, struct reactor *reactor, int fd,
                             const struct sock_peer *peer, void (*closed)(struct session *s));
 
 /* Ends a finished job of this session. */

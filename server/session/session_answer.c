@@ -21,7 +21,7 @@ enum { LINES_KEPT = 512 * 1024 };
 /* Converts the reply to RESP. */
 static bool reframe(struct session *s)
 {
-    struct buf *lines = &s->server->lines, *out = &s->conn.out;
+    struct buf *lines = &s->reactor->lines, *out = &s->conn.out;
     const char *head = buf_head(lines);
     size_t n = buf_len(lines);
     bool ok = s->typed ? reframe_typed(s, head, n) : resp_reframe(&s->reader, head, n, out);
@@ -33,7 +33,7 @@ static bool reframe(struct session *s)
 
 bool session_deliver(struct session *s, const struct answer *a)
 {
-    bool framed = a->out != &s->server->lines || reframe(s);
+    bool framed = a->out != &s->reactor->lines || reframe(s);
     return framed && !a->broken;
 }
 
@@ -157,6 +157,7 @@ bool session_take_over(struct session *s, struct answer *a)
     s->typed = a->typed;
     s->multi = a->multi;
     s->waited = s->waited && a->next == ANSWER_WAIT;
+    s->again = a->next == ANSWER_WAIT;
     enter_state(s, a);
     if (!delivered) {
         conn_close(&s->conn);
@@ -189,6 +190,9 @@ bool session_refuse_line(struct session *s, enum line_fault fault)
 /* A request counts as answered when its stream has begun. */
 bool session_step_stream(struct session *s)
 {
+    loop_alone(s->conn.loop);
+    if (s->conn.closed)
+        return false;
     struct answer a;
     session_answer(s, &a);
     bool begun = s->stream->begun;

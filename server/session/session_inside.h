@@ -14,7 +14,8 @@ static inline void session_answer(struct session *s, struct answer *a)
 {
     static const struct answer empty;
     *a = empty;
-    a->out = s->resp ? &s->server->lines : &s->conn.out;
+    a->reactor = s->reactor;
+    a->out = s->resp ? &s->reactor->lines : &s->conn.out;
     a->mark = conn_out_end(&s->conn);
     a->owner = s->id;
     a->role = s->role;

@@ -79,9 +79,27 @@ static bool end_bulk(struct session *s)
     return true;
 }
 
+/* Only the load's own memory changes, so other reactors go on. */
+static bool take_points(struct session *s)
+{
+    loop_share(s->conn.loop);
+    if (s->conn.closed || s->conn.finishing)
+        return false;
+    bool more = receive_load(s) || feed_load(s);
+    if (load_has_changed(s->load)) {
+        loop_alone(s->conn.loop);
+        if (s->load != NULL)
+            load_expect(s->load);
+    }
+    return more;
+}
+
 bool session_step_load(struct session *s)
 {
     if (!s->load->body.complete)
-        return receive_load(s) || feed_load(s);
+        return take_points(s);
+    loop_alone(s->conn.loop);
+    if (s->conn.closed || s->conn.finishing)
+        return false;
     return s->in_bulk ? end_bulk(s) : carry_out_load(s);
 }

@@ -36,16 +36,16 @@ void session_check_timeouts(struct session *s)
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
         notice_client(s, NOTICE_INFO, "has not authenticated in time: closed");
         session_refuse(s, ERR_TIMEOUT, "not authenticated within 10 seconds");
-        conn_turn(c);
+        conn_flush(c);
     } else if (is_receiving(s) && load_stalls(s->load, now) && !conn_has_input(c)) {
         session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
         load_free(s->server, s->load);
         s->load = NULL;
-        conn_turn(c);
+        conn_flush(c);
     } else if (idle_ms > 0 && is_listening(s) && list_is_empty(&s->watching) &&
                now - c->heard_ms > idle_ms && !conn_has_input(c)) {
         session_refuse(s, ERR_TIMEOUT, "idle for too long");
-        conn_turn(c);
+        conn_flush(c);
     }
 }
 
@@ -104,7 +104,7 @@ void session_evict(struct session *s)
 {
     if (!s->conn.finishing)
         session_refuse(s, ERR_BUSY, "too many clients, and this one has not authenticated");
-    conn_turn(&s->conn);
+    conn_flush(&s->conn);
     conn_close(&s->conn);
 }
 

@@ -29,7 +29,8 @@ struct version {
     struct rwlock lock;    /* of dt, see above */
     struct dt_summary sum; /* of dt after the last completed edit; sum.memory is in the budget */
     uint64_t lsn;          /* of its last change in the log; 0: none, or without --data */
-    bool asked;            /* a request has read its triangulation */
+    atomic_bool
+        asked; /* a request has read its triangulation; reactors that share the world set it */
     bool
         edited; /* a job edits it in place, or has done so and the log does not have the edit yet */
 };

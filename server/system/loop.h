@@ -1,4 +1,4 @@
-/* loop.h - the event loop: epoll, level-triggered, one thread.
+/* loop.h - an event loop: epoll, level-triggered, one thread. A daemon has one loop, or several, which share a world.
  *
  * A turn:
  *     1. run deferred tasks
@@ -8,6 +8,11 @@
  *     5. dispose of closed sources, for a millisecond, too
  * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
  *
+ * The world is everything that loops have in common. A loop either shares the world with the others: then it changes
+ * only what is its own; or it is alone in the world: then no other loop is in it, and it may change everything, what
+ * belongs to other loops included. While a loop waits for events it is outside. One loop without others is always
+ * alone. What runs, runs alone, unless its source or task says that it can share the world.
+ *
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
  * round robin. So turns stay short however many tasks have much work, and tasks with little work run
  * in every turn. */
@@ -15,6 +20,7 @@
 #define SERVER_LOOP_H
 
 #include "proto/buf.h"
+#include "server/system/gate.h"
 #include "server/system/timer.h"
 
 #include <stdbool.h>
@@ -26,12 +32,14 @@ enum { LOOP_TURN_NS = 1000 * 1000 };
 struct source {
     int fd;
     void (*ready)(struct source *source, uint32_t events); /* epoll's events */
+    bool shares; /* `ready` can share the world; else the loop is alone in it */
 };
 
 /* Something to run later; embedded in the object that it works on. */
 struct task {
     struct list_link link; /* first: in a queue of the loop */
     void (*run)(struct task *task);
+    bool shares; /* as in a source */
 };
 
 static inline bool task_is_queued(const struct task *task)
@@ -41,6 +49,13 @@ static inline bool task_is_queued(const struct task *task)
 
 struct loop {
     int epoll;
+    struct gate *world; /* borrows; NULL: there are no other loops */
+    unsigned lane;      /* of this loop */
+    bool inside;        /* it shares the world, or is alone in it */
+    bool alone;         /* it is alone in the world */
+    bool changed;       /* it has been alone in this turn */
+    bool asleep;        /* it waits for events; only changed by who may change the loop */
+    struct source wake; /* an eventfd by which other loops end that */
     bool stopped;
     struct list deferred, yielded, disposals;
     bool in_yielded; /* yielded tasks are running */
@@ -52,17 +67,38 @@ struct loop {
         awake_ms; /* the time without that in which the process was stopped, or had no processor: for limits
                                    of clients, whose input could not be read meanwhile */
     int64_t next_tick_ms;
-    void (*tick)(struct loop *loop);     /* once a second; may be NULL */
-    void (*turn_end)(struct loop *loop); /* at the end of every turn; may be NULL */
+    void (*tick)(struct loop *loop); /* once a second; may be NULL */
+    void (*turn_end)(
+        struct loop *loop); /* at the end of every turn in which the loop was alone; may be NULL */
     struct buf spare_in,
         spare_out; /* large blocks that connections borrow while they have data to process */
 };
 
-/* False, with errno, if there is no epoll descriptor. */
-bool loop_init(struct loop *loop);
+/* world NULL: there is no other loop. False, with errno, if there are no descriptors. */
+bool loop_init(struct loop *loop, struct gate *world, unsigned lane);
+/* Runs the tasks that are left, and frees everything. The other loops have ended. */
 void loop_clear(struct loop *loop);
 
-/* Runs turns until loop_stop. */
+/* Comes into the world, unless it is there already, and shares it; leaves it. For the loop's own thread, while the loop does not
+ * run. */
+void loop_enter(struct loop *loop);
+void loop_leave(struct loop *loop);
+
+/* Is alone in the world from now on: waits until no other loop is in it. Cost: about as long as their current requests; 10 ns
+ * without other loops. This and loop_share do nothing for a loop that is outside: then the thread of another loop, which
+ * is alone, acts for it. */
+void loop_alone(struct loop *loop);
+/* Whether it shares the world now, so that nothing but its own may be changed. */
+static inline bool loop_is_sharing(const struct loop *loop)
+{
+    return loop->inside && !loop->alone;
+}
+
+/* Shares the world from now on. If another loop waits to be alone, it comes first. After a call of either, nothing that
+ * was known about the world needs to hold any more. */
+void loop_share(struct loop *loop);
+
+/* Runs turns until loop_stop. The calling thread is outside of the world, or alone in it. */
 void loop_run(struct loop *loop);
 void loop_stop(struct loop *loop);
 
@@ -87,10 +123,7 @@ static inline bool loop_is_late(const struct loop *loop, int64_t now)
 void loop_dispose(struct loop *loop, struct task *task);
 
 /* Runs the timer when the monotonic clock has reached at_ms; timer_clear cancels it. */
-static inline void loop_at(struct loop *loop, struct timer *t, int64_t at_ms)
-{
-    timers_set(&loop->timers, t, at_ms);
-}
+void loop_at(struct loop *loop, struct timer *t, int64_t at_ms);
 
 /* Milliseconds of the monotonic clock. */
 int64_t clock_ms(void);

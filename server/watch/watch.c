@@ -339,7 +339,7 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
 {
     struct watcher *w = calloc(1, sizeof *w);
     struct watched *k = w == NULL ? NULL : watched_of(s, set);
-    s->watching.loop = who->conn.loop;
+    s->watching.loop = &s->reactor->loop;
     if (k != NULL)
         watch_end(who, set);
     struct feed *f = k == NULL ? NULL : feed_enter(k, scope);

@@ -21,7 +21,6 @@ enum { ROOM = 64 * 1024 };
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static struct {
-    struct loop loop;
     struct server server;
     struct clients clients;
     int fd; /* the client's end */
@@ -39,7 +38,7 @@ static void require(bool condition)
 static void on_closed(struct session *s)
 {
     clients_remove(&f.clients, s);
-    loop_stop(&f.loop);
+    loop_stop(&f.server.reactor->loop);
 }
 
 static void hear(void)
@@ -72,15 +71,15 @@ static void converse(const uint8_t *data, size_t size, size_t cut)
     int pair[2];
     struct sock_peer peer = {.kind = SOCK_UNIX};
     require(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
-    f.loop.stopped = false;
+    f.server.reactor->loop.stopped = false;
     f.fd = pair[0];
     send(f.fd, data, cut, MSG_NOSIGNAL | MSG_DONTWAIT);
     f.rest = data + cut;
     f.left = size - cut;
-    struct session *s = session_new(&f.server, &f.loop, pair[1], &peer, on_closed);
+    struct session *s = session_new(&f.server, f.server.reactor, pair[1], &peer, on_closed);
     require(s != NULL && clients_add(&f.clients, s));
     conn_again(&s->conn); /* so that a turn ends even if nothing was sent first */
-    loop_run(&f.loop);
+    loop_run(&f.server.reactor->loop);
     hear();
     close(f.fd);
 }
@@ -109,9 +108,9 @@ static void start_once(void)
     config.threads = 0;
     config.max_points = 5000; /* otherwise some inputs would take too long */
     notice_set_level(NOTICE_ERROR);
-    require(server_init(&f.server, &config) && loop_init(&f.loop));
+    require(server_init(&f.server, &config));
     f.server.clients = &f.clients;
-    f.loop.turn_end = on_turn_end;
+    f.server.reactor->loop.turn_end = on_turn_end;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -68,8 +68,8 @@ struct answer local_begin(struct local *l, const char *request)
 {
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     buf_consume(&l->out, buf_len(&l->out));
-    CHECK(request_split(&l->server.request, request, strlen(request)));
-    command_run(&l->server, &l->server.request, &a);
+    CHECK(request_split(&l->server.reactor->request, request, strlen(request)));
+    command_run(&l->server, &l->server.reactor->request, &a);
     CHECK(a.next == ANSWER_STREAM);
     return a;
 }
@@ -117,6 +117,7 @@ static size_t load(struct local *l, struct load *load, const char *text, size_t 
     ptrdiff_t took = load->body.complete ? 0 : load_feed(load, text, n, true);
     struct answer a;
     CHECK(took >= 0 && load->body.complete);
+    load_expect(load);
     do {
         a = new_answer(l);
         command_run_body(&l->server, load, &a);
@@ -128,7 +129,7 @@ static size_t load(struct local *l, struct load *load, const char *text, size_t 
 const char *local_ask(struct local *l, const char *lines)
 {
     size_t at = 0, n = strlen(lines);
-    struct request *q = &l->server.request;
+    struct request *q = &l->server.reactor->request;
     buf_consume(&l->out, buf_len(&l->out));
     l->out.failed = false;
     CHECK(buf_reserve(&l->out, 4096) != NULL);

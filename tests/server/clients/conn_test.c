@@ -47,7 +47,8 @@ static void begin(void)
     int fd[2];
     struct reservation memory = {0};
     b = (struct bench){0};
-    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fd) == 0 && loop_init(&b.loop));
+    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fd) == 0 &&
+          loop_init(&b.loop, NULL, 0));
     b.loop.turn_end = end_of_turn;
     b.client = fd[1];
     CHECK(conn_init(&b.conn, &b.loop, fd[0], &events, &memory));

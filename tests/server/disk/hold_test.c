@@ -38,7 +38,7 @@ TEST(bytes_wait_until_their_own_change_is_durable)
     holders_release(&all, 5);
     CHECK(free_of(&hold[0]) == 100 && released[0] == 1);
     holders_release(&all, 6);
-    CHECK(released[0] == 1 && list_is_empty(&all.holds));
+    CHECK(released[0] == 1 && list_is_empty(&all.holds[0]));
 }
 
 TEST(second_group_of_a_connection_waits_for_its_latest_change)
@@ -55,7 +55,7 @@ TEST(second_group_of_a_connection_waits_for_its_latest_change)
     holders_release(&all, 7);
     CHECK(free_of(&hold[0]) == 40 && released[0] == 2);
     holders_release(&all, 8);
-    CHECK(free_of(&hold[0]) == 100 && released[0] == 3 && list_is_empty(&all.holds));
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 3 && list_is_empty(&all.holds[0]));
 }
 
 TEST(one_release_may_end_both_groups)
@@ -63,13 +63,14 @@ TEST(one_release_may_end_both_groups)
     hold_acknowledgement(&all, &hold[0], 5, 10);
     hold_acknowledgement(&all, &hold[0], 6, 20);
     holders_release(&all, 6);
-    CHECK(free_of(&hold[0]) == 100 && released[0] == 1 && list_is_empty(&all.holds));
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 1 && list_is_empty(&all.holds[0]));
 }
 
 static unsigned count_held(void)
 {
     unsigned n = 0;
-    for (const struct hold *h = list_first(&all.holds); h != NULL; h = list_next(&all.holds, h))
+    for (const struct hold *h = list_first(&all.holds[0]); h != NULL;
+         h = list_next(&all.holds[0], h))
         n++;
     return n;
 }
@@ -81,9 +82,9 @@ TEST(connections_that_wait_again_stand_in_line_as_if_for_the_first_time)
     hold_clear(&hold[0]);
     CHECK(count_held() == 2);
     hold_acknowledgement(&all, &hold[0], 2, 0);
-    CHECK(count_held() == 3 && list_last(&all.holds) == &hold[0]);
+    CHECK(count_held() == 3 && list_last(&all.holds[0]) == &hold[0]);
     hold_clear(&hold[0]);
-    CHECK(count_held() == 2 && list_last(&all.holds) == &hold[2]);
+    CHECK(count_held() == 2 && list_last(&all.holds[0]) == &hold[2]);
     hold_clear(&hold[0]); /* twice is once */
     CHECK(count_held() == 2);
 }
@@ -94,7 +95,7 @@ TEST(everybody_who_can_go_is_released_and_nobody_else)
         hold_acknowledgement(&all, &hold[i], i + 1, 0);
     holders_release(&all, 3);
     CHECK(released[0] == 1 && released[1] == 1 && released[2] == 1 && released[3] == 0);
-    CHECK(count_held() == 1 && list_first(&all.holds) == &hold[3]);
+    CHECK(count_held() == 1 && list_first(&all.holds[0]) == &hold[3]);
 }
 
 /* ---- what replies show ---- */
@@ -104,7 +105,7 @@ TEST(nothing_waits_for_what_is_durable_already)
     holders_release(&all, 5);
     hold_acknowledgement(&all, &hold[0], 5, 0);
     hold_view(&all, &hold[1], 4, 0);
-    CHECK(list_is_empty(&all.holds) && free_of(&hold[0]) == 100 && free_of(&hold[1]) == 100);
+    CHECK(list_is_empty(&all.holds[0]) && free_of(&hold[0]) == 100 && free_of(&hold[1]) == 100);
 }
 
 TEST(reply_waits_for_the_latest_change_that_it_shows_or_acknowledges)

@@ -479,8 +479,8 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
 {
     struct local l;
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
-    struct request *q = &l.server.request;
     local_start(&l, 1);
+    struct request *q = &l.server.reactor->request;
     local_ask(&l, "ADD t 0 0  1 1\nADD other 5 5\n");
     struct version *v = version_of(&l, "t");
     CHECK(version_try_read(v)); /* the snapshot's thread reads */

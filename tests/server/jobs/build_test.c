@@ -28,7 +28,7 @@ static void load(struct local *l)
 static struct job *begin(struct local *l)
 {
     static const char line[] = "TRIANGULATE t";
-    struct request *q = &l->server.request;
+    struct request *q = &l->server.reactor->request;
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);

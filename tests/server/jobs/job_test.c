@@ -100,7 +100,7 @@ TEST(set_that_is_about_to_be_created_does_not_exist_for_readers)
 
 static struct load *begin_load(struct local *l, const char *line)
 {
-    struct request *q = &l->server.request;
+    struct request *q = &l->server.reactor->request;
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);

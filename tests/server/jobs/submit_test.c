@@ -50,7 +50,7 @@ static struct dataset *set_t(const struct bench *b)
 static void drop_t(struct waiter *w)
 {
     struct bench *b = (struct bench *)(void *)((char *)w - offsetof(struct bench, dropper));
-    struct request *q = &b->l.server.request;
+    struct request *q = &b->l.server.reactor->request;
     struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = wait_turn(w)};
     CHECK(request_split(q, "DROP t", 6));
     command_run(&b->l.server, q, &a);
@@ -136,7 +136,7 @@ static void begin_with_a_large_set(struct bench *b)
 
 static struct answer run(struct bench *b, const char *request)
 {
-    struct request *q = &b->l.server.request;
+    struct request *q = &b->l.server.reactor->request;
     struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, request, strlen(request)));
     command_run(&b->l.server, q, &a);

@@ -59,8 +59,8 @@ TEST(long_listings_are_made_in_pieces)
     create_sets(&l, SETS);
     struct buf out = {0};
     struct answer a = {.out = &out, .role = ROLE_WRITE};
-    CHECK(request_split(&l.server.request, "SETS", 4));
-    command_run(&l.server, &l.server.request, &a);
+    CHECK(request_split(&l.server.reactor->request, "SETS", 4));
+    command_run(&l.server, &l.server.reactor->request, &a);
     unsigned pieces = 0;
     for (size_t before = 0; a.next == ANSWER_STREAM; before = buf_len(&out), pieces++) {
         CHECK(buf_len(&out) - before <= 66000);
@@ -86,8 +86,8 @@ TEST(sets_that_stay_are_listed_once_while_others_come_and_go)
     }
     struct buf out = {0};
     struct answer a = {.out = &out, .role = ROLE_WRITE};
-    CHECK(request_split(&l.server.request, "SETS", 4));
-    command_run(&l.server, &l.server.request, &a);
+    CHECK(request_split(&l.server.reactor->request, "SETS", 4));
+    command_run(&l.server, &l.server.reactor->request, &a);
     for (unsigned i = 0; a.next == ANSWER_STREAM; i++) {
         stream_refill(&l.server, &a);
         for (unsigned k = 0; k < 300; k++) { /* the table of sets grows meanwhile */

@@ -258,9 +258,9 @@ static bool reads_its_moment(long n, struct text *rows)
     local_ask(&l, text);
     local_ask(&l, "");
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
-    CHECK(request_split(&l.server.request, text, strlen(text)));
+    CHECK(request_split(&l.server.reactor->request, text, strlen(text)));
     test_fail_alloc(n);
-    command_run(&l.server, &l.server.request, &a);
+    command_run(&l.server, &l.server.reactor->request, &a);
     bool failed = test_alloc_failed();
     test_fail_alloc(0);
     CHECK(failed == (n > 0 && a.next != ANSWER_STREAM));

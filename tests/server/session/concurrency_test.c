@@ -364,6 +364,8 @@ TEST_TIMEOUT(heavy_requests_wait_with_progress_comments_until_there_are_too_many
         sprintf(text, i == 0 ? "TRIANGULATE t METHOD shelling\n" : "TRIANGULATE s%d\n", i);
         say(fd[i], text);
         shutdown(fd[i], SHUT_WR);
+        if (i == 0)
+            await_info(&d, "jobs_running", 1);
     }
     for (int i = 0; i < CLIENTS; i++) {
         size_t n;

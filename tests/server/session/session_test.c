@@ -12,7 +12,6 @@
 
 struct bench {
     struct local l;
-    struct loop loop;
     struct session *session;
     int client; /* the other end */
 };
@@ -22,17 +21,16 @@ static void begin(struct bench *b)
     int pair[2];
     struct sock_peer peer = {.kind = SOCK_UNIX};
     local_start(&b->l, 0);
-    CHECK(loop_init(&b->loop));
     CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
     b->client = pair[0];
-    b->session = session_new(&b->l.server, &b->loop, pair[1], &peer, NULL);
+    b->session = session_new(&b->l.server, b->l.server.reactor, pair[1], &peer, NULL);
     CHECK(b->session != NULL);
 }
 
 static void end(struct bench *b)
 {
     conn_close(&b->session->conn);
-    loop_clear(&b->loop);
+    loop_clear(&b->l.server.reactor->loop);
     local_stop(&b->l);
     close(b->client);
 }
@@ -46,7 +44,7 @@ TEST(change_whose_client_was_killed_in_the_same_turn_delays_no_reply)
     session_answer(b.session, &a);
     a.lsn = 1;
     session_take_over(b.session, &a);
-    CHECK(list_is_empty(&b.l.server.held.holds));
+    CHECK(list_is_empty(&b.l.server.held.holds[0]));
     end(&b);
 }
 
@@ -57,7 +55,7 @@ TEST(request_whose_turn_comes_after_its_deadline_is_not_carried_out)
     struct bench b;
     begin(&b);
     struct session *s = b.session;
-    b.loop.now_ms = 1000;
+    b.l.server.reactor->loop.now_ms = 1000;
     s->deadline_ms = 999;
     buf_append(&s->conn.in, "ADD t 1 1\n", 10);
     s->held = 10;

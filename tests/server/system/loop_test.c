@@ -34,7 +34,7 @@ static void count_turn(struct task *t)
 TEST(tasks_with_much_work_alternate_and_delay_no_deferred_task)
 {
     unsigned least = UINT32_MAX, most = 0, all = 0;
-    CHECK(loop_init(&loop));
+    CHECK(loop_init(&loop, NULL, 0));
     for (int i = 0; i < GREEDY; i++) {
         greedy[i].task.run = work;
         loop_yield(&loop, &greedy[i].task);
@@ -58,7 +58,7 @@ static void run_once(struct task *t)
 
 TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
 {
-    CHECK(loop_init(&loop));
+    CHECK(loop_init(&loop, NULL, 0));
     greedy[0].task.run = run_once;
     loop_yield(&loop, &greedy[0].task);
     loop_yield(&loop, &greedy[0].task); /* is queued already */
@@ -86,7 +86,7 @@ static void be_stopped(struct task *t)
 TEST(time_in_which_the_loop_is_stopped_is_not_time_awake)
 {
     struct task stopped = {.run = be_stopped};
-    CHECK(loop_init(&loop));
+    CHECK(loop_init(&loop, NULL, 0));
     int64_t began_ms = loop.now_ms;
     CHECK(loop.awake_ms == began_ms);
     loop_defer(&loop, &stopped);
@@ -118,7 +118,7 @@ static void count_turns_only(struct task *t)
 
 TEST(disposals_that_take_long_share_the_turns_with_deferred_tasks)
 {
-    CHECK(loop_init(&loop));
+    CHECK(loop_init(&loop, NULL, 0));
     for (int i = 0; i < GREEDY; i++) {
         greedy[i].task.run = dispose_slowly;
         loop_dispose(&loop, &greedy[i].task);

@@ -18,7 +18,6 @@ enum { SETS = 60, ROOM = 1 << 16 };
 
 static struct {
     struct local l;
-    struct loop loop;
     struct clients clients;
     struct session *session;
     int client; /* the other end */
@@ -29,10 +28,9 @@ static void begin(void)
     int pair[2];
     struct sock_peer peer = {.kind = SOCK_UNIX};
     local_start(&b.l, 0);
-    CHECK(loop_init(&b.loop));
     CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
     b.client = pair[0];
-    b.session = session_new(&b.l.server, &b.loop, pair[1], &peer, NULL);
+    b.session = session_new(&b.l.server, b.l.server.reactor, pair[1], &peer, NULL);
     CHECK(b.session != NULL && clients_add(&b.clients, b.session));
     b.l.server.clients = &b.clients;
 }
@@ -40,7 +38,7 @@ static void begin(void)
 static void end(void)
 {
     conn_close(&b.session->conn);
-    loop_clear(&b.loop);
+    loop_clear(&b.l.server.reactor->loop);
     clients_clear(&b.clients);
     local_stop(&b.l);
     close(b.client);
@@ -49,7 +47,7 @@ static void end(void)
 /* A turn of the connection, at the beginning of one of the loop. */
 static void turn(void)
 {
-    b.loop.turn_ns = clock_ns();
+    b.l.server.reactor->loop.turn_ns = clock_ns();
     conn_turn(&b.session->conn);
 }
 

@@ -17,7 +17,6 @@ enum { WATCHERS = 200 };
 
 static struct {
     struct local l;
-    struct loop loop;
     struct clients clients;
     struct session *session[WATCHERS];
     int client[WATCHERS]; /* the other ends */
@@ -27,7 +26,7 @@ static void ask(struct session *s, const char *lines)
 {
     buf_append_text(&s->conn.in, lines);
     while (buf_len(&s->conn.in) > 0) {
-        b.loop.turn_ns = clock_ns();
+        b.l.server.reactor->loop.turn_ns = clock_ns();
         conn_turn(&s->conn);
     }
 }
@@ -38,7 +37,6 @@ static void begin(bool same)
     struct sock_peer peer = {.kind = SOCK_UNIX};
     char line[64];
     local_start(&b.l, 0);
-    CHECK(loop_init(&b.loop));
     b.l.server.clients = &b.clients;
     for (int i = 0; i < 10000; i++) {
         snprintf(line, sizeof line, "ADD t %d %d\n", i % 100, i / 100);
@@ -49,7 +47,7 @@ static void begin(bool same)
         int pair[2];
         CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
         b.client[i] = pair[0];
-        b.session[i] = session_new(&b.l.server, &b.loop, pair[1], &peer, NULL);
+        b.session[i] = session_new(&b.l.server, b.l.server.reactor, pair[1], &peer, NULL);
         CHECK(b.session[i] != NULL && clients_add(&b.clients, b.session[i]));
         double x = same ? 50 : 0.4 * i;
         snprintf(line, sizeof line, "WATCH t WITHIN %g 50 %g 51\n", x, x + 1);
@@ -63,7 +61,7 @@ static void end(void)
         conn_close(&b.session[i]->conn);
         close(b.client[i]);
     }
-    loop_clear(&b.loop);
+    loop_clear(&b.l.server.reactor->loop);
     clients_clear(&b.clients);
     local_stop(&b.l);
 }

@@ -1,0 +1,185 @@
+/* gate_test.c - who has closed the gate is alone, and nobody waits for ever; loops that share a world. */
+#include "server/system/gate.h"
+
+#include "server/system/loop.h"
+#include "tests/test.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <unistd.h>
+
+enum { THREADS = 4, ROUNDS = 20000 };
+
+static struct gate gate;
+
+/* Two numbers that are equal whenever nobody is alone: plain memory, so the thread sanitizer sees every access that the gate does
+ * not order. */
+static struct {
+    uint64_t a, b;
+} shared;
+
+struct party {
+    pthread_t thread;
+    unsigned lane;
+    unsigned one_in; /* this share of its rounds closes the gate; 0: none */
+    uint64_t wrong, closings;
+};
+
+static void *take_part(void *arg)
+{
+    struct party *p = arg;
+    for (unsigned i = 0; i < ROUNDS; i++) {
+        if (p->one_in > 0 && i % p->one_in == 0) {
+            gate_close(&gate);
+            shared.a++;
+            if (i % 64 == 0)
+                sched_yield();
+            shared.b++;
+            p->closings++;
+            if (i % 3 == 0) {
+                gate_open_and_enter(&gate, p->lane);
+                p->wrong += shared.a != shared.b;
+                gate_leave(&gate, p->lane);
+            } else {
+                gate_open(&gate);
+            }
+        } else {
+            gate_enter(&gate, p->lane);
+            p->wrong += shared.a != shared.b;
+            gate_leave(&gate, p->lane);
+        }
+    }
+    return NULL;
+}
+
+/* Every thread that closes is alone, and all threads come to an end. */
+static void check(const unsigned one_in[THREADS])
+{
+    struct party party[THREADS];
+    uint64_t closings = 0;
+    shared.a = shared.b = 0;
+    CHECK(gate_init(&gate, THREADS));
+    for (unsigned i = 0; i < THREADS; i++) {
+        party[i] = (struct party){.lane = i, .one_in = one_in[i]};
+        CHECK(pthread_create(&party[i].thread, NULL, take_part, &party[i]) == 0);
+    }
+    for (unsigned i = 0; i < THREADS; i++) {
+        CHECK(pthread_join(party[i].thread, NULL) == 0);
+        CHECK(party[i].wrong == 0);
+        closings += party[i].closings;
+    }
+    CHECK(shared.a == closings && shared.b == closings);
+    gate_clear(&gate);
+}
+
+TEST_TIMEOUT(whoever_has_closed_the_gate_is_alone, 60)
+{
+    check((const unsigned[THREADS]){10, 10, 10, 10});
+    check((const unsigned[THREADS]){1, 0, 0, 0});
+    check((const unsigned[THREADS]){1, 1, 2, 0});
+    check((const unsigned[THREADS]){1000, 0, 0, 0});
+}
+
+/* ---- who closes it often keeps nobody out ---- */
+
+static void *enter_once(void *arg)
+{
+    atomic_uint *entered = arg;
+    gate_enter(&gate, 1);
+    atomic_store(entered, 1);
+    gate_leave(&gate, 1);
+    return NULL;
+}
+
+TEST_TIMEOUT(thread_that_closes_the_gate_again_comes_after_those_that_wait, 60)
+{
+    pthread_t other;
+    atomic_uint entered = 0;
+    CHECK(gate_init(&gate, 2));
+    gate_close(&gate);
+    CHECK(pthread_create(&other, NULL, enter_once, &entered) == 0);
+    while (atomic_load(&gate.next) != atomic_load(&gate.served) + 2) /* it waits */
+        sched_yield();
+    CHECK(atomic_load(&entered) == 0);
+    gate_open(&gate);
+    gate_close(&gate);
+    CHECK(pthread_join(other, NULL) == 0); /* it has been in between, or it would wait for ever */
+    CHECK(atomic_load(&entered) == 1);
+    gate_open(&gate);
+    gate_clear(&gate);
+}
+
+/* ---- loops ---- */
+
+static struct loop loop[2];
+
+struct chore {
+    struct task task; /* first */
+    pthread_t ran_on;
+    bool ran, alone;
+};
+
+static void do_chore(struct task *t)
+{
+    struct chore *c = (struct chore *)t;
+    c->ran_on = pthread_self();
+    c->ran = true;
+    c->alone = loop[1].alone;
+    loop_stop(&loop[1]);
+}
+
+static void *run_second(void *arg)
+{
+    (void)arg;
+    loop_run(&loop[1]);
+    loop_leave(&loop[1]);
+    return NULL;
+}
+
+/* The second loop sleeps; the first one, alone in the world, gives it something to do. */
+static void hand_over(bool shares)
+{
+    static struct chore chore;
+    pthread_t thread;
+    chore = (struct chore){.task = {.run = do_chore, .shares = shares}};
+    CHECK(gate_init(&gate, 2) && loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
+    CHECK(pthread_create(&thread, NULL, run_second, NULL) == 0);
+    for (bool asleep = false; !asleep;) {
+        loop_enter(&loop[0]);
+        loop_alone(&loop[0]);
+        asleep = loop[1].asleep;
+        if (asleep)
+            loop_defer(&loop[1], &chore.task);
+        loop_leave(&loop[0]);
+    }
+    CHECK(pthread_join(thread, NULL) == 0);
+    CHECK(chore.ran && pthread_equal(chore.ran_on, thread) != 0 && chore.alone == !shares);
+    loop_clear(&loop[0]);
+    loop_clear(&loop[1]);
+    gate_clear(&gate);
+}
+
+TEST(task_that_another_loop_is_given_runs_there_at_once)
+{
+    hand_over(false);
+    hand_over(true);
+}
+
+TEST(loop_that_is_outside_is_not_made_alone_by_another_thread)
+{
+    CHECK(gate_init(&gate, 2) && loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
+    loop_enter(&loop[0]);
+    CHECK(loop_is_sharing(&loop[0]));
+    loop_alone(&loop[0]);
+    CHECK(loop[0].alone && !loop_is_sharing(&loop[0]));
+    loop_alone(&loop[1]); /* for a session of the second loop */
+    CHECK(!loop[1].inside && !loop[1].alone && !loop_is_sharing(&loop[1]));
+    loop_share(&loop[1]);
+    CHECK(!loop[1].inside);
+    loop_share(&loop[0]);
+    CHECK(loop_is_sharing(&loop[0]));
+    loop_leave(&loop[0]);
+    loop_clear(&loop[0]);
+    loop_clear(&loop[1]);
+    gate_clear(&gate);
+}
