@@ -86,7 +86,9 @@ def library() -> Any:
                 function.argtypes = arguments
                 function.restype = None if name in _NO_STATUS else c_int
         except AttributeError:
-            raise ImportError("%s is of another version of delaunayd: it lacks %s" % (opened._name, name)) from None
+            raise ImportError(
+                "%s is of another version of delaunayd, it lacks %s: `make lib` or `pip install` again" % (opened._name, name)
+            ) from None
         opened.dt_pages_new.argtypes, opened.dt_pages_new.restype = [c_size_t], c_void_p
         opened.dt_status_text.argtypes, opened.dt_status_text.restype = [c_int], ctypes.c_char_p
         pages = opened.dt_pages_new(_KEPT)
