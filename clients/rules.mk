@@ -111,7 +111,7 @@ npm: all
 WASM_CC      ?= clang-14
 WASM_SOURCES := clients/js/wasm/doors.c core/memory/plain/pages.c \
                 $(filter-out core/memory/pages.c core/arrays/%,$(wildcard core/*/*.c))
-WASM_FLAGS   := --target=wasm32-wasi -O2 -DNDEBUG -msimd128 -mbulk-memory -std=c11 -D_GNU_SOURCE -ffp-contract=off -I. $(filter-out -Wmissing-prototypes,$(WARNINGS))
+WASM_FLAGS   := --target=wasm32-wasi -O2 -DNDEBUG -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -std=c11 -D_GNU_SOURCE -ffp-contract=off -I. $(filter-out -Wmissing-prototypes,$(WARNINGS))
 WASM_LINK    := -mexec-model=reactor -nostartfiles -Wl,--no-entry,--gc-sections,--strip-all,--export=malloc,--export=free \
                 -Wl,--stack-first,-z,stack-size=1048576
 

@@ -38,7 +38,8 @@ static uint32_t *find(uint32_t *slot, uint32_t bits, uint32_t key)
 static enum dt_status grow(struct dt_visited *s)
 {
     uint32_t bits = s->bits + 2;
-    uint32_t *slot = bits > 31 ? NULL : malloc(sizeof *slot << bits);
+    uint32_t *slot =
+        bits > 31 || SIZE_MAX >> bits < sizeof *slot ? NULL : malloc(sizeof *slot << bits);
     if (slot == NULL)
         return DT_NOMEM;
     empty(slot, bits);

@@ -112,7 +112,7 @@ enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more)
     size_t want = ids->n + more;
     want = want < 2 * ids->cap ? 2 * ids->cap : want;
     want = want < 16 ? 16 : want;
-    uint32_t *v = realloc(ids->v, want * sizeof *v);
+    uint32_t *v = want > SIZE_MAX / sizeof *v ? NULL : realloc(ids->v, want * sizeof *v);
     if (v == NULL)
         return DT_NOMEM;
     ids->v = v;
