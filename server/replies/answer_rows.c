@@ -7,15 +7,16 @@
 #include <stdlib.h>
 
 enum {
-    AT_ONCE = 64,      /* rows that are written without a stream */
-    HEAVY_ROWS = 20000 /* more rows, or tables of more points, are made by workers */
+    AT_ONCE = 64,       /* points of a table that is written without a stream, */
+    LIST_AT_ONCE = 256, /* or rows of a list */
+    HEAVY_ROWS = 20000  /* more rows, or tables of more points, are made by workers */
 };
 
 static bool answer_at_once(struct server *s, struct answer *a, struct rows *rows)
 {
     enum { BYTES_AT_ONCE = 16 * 1024 };
     bool heavy = rows->heavy && (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE);
-    if (heavy || rows_count(rows) > AT_ONCE)
+    if (heavy || rows_count(rows) > (rows->table ? AT_ONCE : LIST_AT_ONCE))
         return false;
     struct reservation memory =
         server_reservation(s, BUDGET_REPLIES); /* then it is the connection's */

@@ -20,6 +20,8 @@ static const struct kind {
     {"ping", PLAIN, "PING", "\n", 0},
     {"add", AT_PLACE, "ADD", "\n", 0},
     {"nearest", AT_PLACE, "NEAREST", "\n", 0},
+    {"nearest-32", AT_PLACE, "NEAREST", " 32\n", 0},
+    {"within-100", AT_PLACE, "WITHIN", " 5642\n", 0}, /* of a million points */
     {"locate", AT_PLACE, "LOCATE", "\n", 0},
     {"lists", OF_POINT, "LISTS", "\n", 0},
     {"triangulate", OF_SET, "TRIANGULATE", " METHOD auto\n", 0},
@@ -30,7 +32,8 @@ static const struct kind {
 
 const char *mix_names(void)
 {
-    return "ping add nearest locate lists triangulate redis-ping redis-get beanstalkd-use";
+    return "ping add nearest nearest-32 within-100 locate lists triangulate redis-ping redis-get "
+           "beanstalkd-use";
 }
 
 static const struct kind *find(const char *name, size_t len)

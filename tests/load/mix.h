@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MIX_KINDS = 9, MIX_LINE_LIMIT = 160, MIX_REQUEST_LIMIT = 32 + 4 * MIX_LINE_LIMIT };
+enum { MIX_KINDS = 11, MIX_LINE_LIMIT = 160, MIX_REQUEST_LIMIT = 32 + 4 * MIX_LINE_LIMIT };
 
 struct mix {
     const char *set;            /* the name of the set; borrows */

@@ -26,6 +26,16 @@ load: all
 load-beside: all
 	@tests/load/beside.sh $(O) $(or $(OTHER),$(error OTHER=PROGRAM is missing))
 
+# Throughput by the number of reactors, from 1 to half of the processors; the other half generates the load.
+#
+#   make load-reactors REACTORS_OF="1 2 4 8" GENERATORS=8
+.PHONY: load-reactors
+HALF := $(shell n=$$(getconf _NPROCESSORS_ONLN); echo $$(((n + 1) / 2)))
+GENERATORS ?= $(HALF)
+REACTORS_OF ?= $(shell n=1; while [ $$n -lt $(HALF) ]; do echo $$n; n=$$((2 * n)); done; echo $(HALF))
+load-reactors: all
+	@tests/load/reactors.sh $(O) "$(REACTORS_OF)" $(GENERATORS) | tee $(O)/load-reactors.md
+
 # Mirrors of a set that is edited at random, with kills of the daemon, lost connections and pauses: up to half an hour.
 #
 #   make soak EDITS=1000000 SEEDS=100

@@ -88,6 +88,7 @@ TEST_TIMEOUT(idle_clients_are_counted, 60)
     enum { CLIENTS = 500 };
     struct place p = begin("64m");
     int fd[CLIENTS];
+    await_info(&p.d, "clients", 1);
     uint64_t before = daemon_info(&p.d, "memory_clients");
     for (int i = 0; i < CLIENTS; i++)
         fd[i] = local_connect(&p);

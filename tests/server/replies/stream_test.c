@@ -247,13 +247,13 @@ static struct text rest_of(struct local *l, struct answer *a)
     return t;
 }
 
-/* Requests the rows of 100 points, one of which moves before the rows are read. */
+/* Requests the rows of 100 points, three times each; one of them moves before the rows are read. */
 static bool reads_its_moment(long n, struct text *rows)
 {
     struct local l;
     char text[1000], *to = text + sprintf(text, "GET t");
-    for (int i = 0; i < 100; i++)
-        to += sprintf(to, " %d", i);
+    for (int i = 0; i < 300; i++)
+        to += sprintf(to, " %d", i % 100);
     start_ladder(&l);
     local_ask(&l, text);
     local_ask(&l, "");
