@@ -37,8 +37,8 @@ enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out);
 void dt_arrays_free(struct dt_arrays *a); /* NULL: nothing */
 
-/* Cost: constant. */
-void dt_arrays_counts(const struct dt_arrays *a, struct dt_summary *out);
+/* Those of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
+void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5]);
 
 /* All rows of DT_COINCIDENT, DT_EDGES, DT_HULL or DT_POINTS into out[], which has room for as many as dt_arrays_counts says. */
 enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, uint32_t *out);

@@ -23,9 +23,15 @@ void dt_arrays_release(void *v)
     free(v);
 }
 
-void dt_arrays_counts(const struct dt_arrays *a, struct dt_summary *out)
+void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5])
 {
-    dt_summary(a->t, out);
+    struct dt_summary sum;
+    dt_summary(a->t, &sum);
+    counts[0] = sum.points;
+    counts[1] = sum.coincident;
+    counts[2] = sum.triangles;
+    counts[3] = sum.edges;
+    counts[4] = sum.hull;
 }
 
 static enum dt_status read_table(const struct dt *t, enum dt_table table, uint32_t *out)

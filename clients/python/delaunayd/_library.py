@@ -20,12 +20,10 @@ COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 _NOMEM, _TOOBIG, _RANGE = 1, 2, 3  # enum dt_status
 
 
-class Summary(ctypes.Structure):
-    """struct dt_summary."""
+class Counts(ctypes.Structure):
+    """What dt_arrays_counts writes."""
 
-    _fields_ = [(name, c_uint32) for name in ("points", "coincident", "triangles", "edges", "hull", "fields")] + [
-        (name, ctypes.c_bool) for name in ("triangulated", "current", "searchable")
-    ] + [("memory", c_size_t)]
+    _fields_ = [(name, c_uint32) for name in ("points", "coincident", "triangles", "edges", "hull")]
 
 
 class Ids(ctypes.Structure):
@@ -36,7 +34,7 @@ class Ids(ctypes.Structure):
 
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
-    "dt_arrays_counts": [c_void_p, POINTER(Summary)],
+    "dt_arrays_counts": [c_void_p, POINTER(Counts)],
     "dt_arrays_table": [c_void_p, c_int, c_void_p],
     "dt_arrays_twins": [c_void_p, c_void_p],
     "dt_arrays_locate": [c_void_p, c_void_p, c_size_t, c_double, c_uint, c_void_p],
@@ -109,4 +107,4 @@ def check(status: int, what: str) -> None:
     raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))
 
 
-__all__ = ["COINCIDENT", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "Summary", "byref", "check", "library"]
+__all__ = ["COINCIDENT", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "byref", "check", "library"]

@@ -55,7 +55,7 @@ class Triangulation:
         )
         check(status, _first_bad(points) if status != 0 else "")
         self._handle = handle
-        self.counts = _library.Summary()
+        self.counts = _library.Counts()
         self._library.dt_arrays_counts(handle, byref(self.counts))
         self.simplices: Ints = rows[: self.counts.triangles]
 
