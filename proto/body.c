@@ -262,6 +262,94 @@ static ptrdiff_t feed_lines(struct body *b, const char *bytes, size_t n, bool la
     return (ptrdiff_t)at;
 }
 
+/* Whether a line, without its LF, is `.`. */
+static bool ends_body(const char *line, size_t len)
+{
+    return len > 0 && line[0] == '.' && (len == 1 || (len == 2 && line[1] == '\r'));
+}
+
+typedef signed char lanes __attribute__((vector_size(16)));
+
+static lanes load_lanes(const char *bytes)
+{
+    lanes v;
+    memcpy(&v, bytes, sizeof v);
+    return v;
+}
+
+/* Counts the ends of lines in the first part of bytes[n], 16 bytes at a time, and returns its length; *dot: a line behind one of them begins
+ * with a dot. */
+static size_t count_lines(const char *bytes, size_t n, uint64_t *lines, bool *dot)
+{
+    enum { MOST = 127 }; /* that a lane counts */
+    size_t at = 0;
+    lanes dots = {0};
+    while (at + sizeof(lanes) < n) {
+        size_t left = (n - 1 - at) / sizeof(lanes), steps = left < MOST ? left : MOST;
+        lanes count = {0};
+        for (size_t end = at + steps * sizeof(lanes); at < end; at += sizeof(lanes)) {
+            lanes ends = load_lanes(bytes + at) == '\n';
+            count -= ends;
+            dots |= ends & (load_lanes(bytes + at + 1) == '.');
+        }
+        for (size_t i = 0; i < sizeof count; i++)
+            *lines += (uint64_t)count[i];
+    }
+    *dot = false;
+    for (size_t i = 0; i < sizeof dots; i++)
+        *dot = *dot || dots[i] != 0;
+    return at;
+}
+
+/* The same as body_scan for most of bytes[n], if the body has not ended in it. Returns its length; otherwise 0. */
+static size_t skip_lines(const char *bytes, size_t n, uint64_t most, uint64_t *lines)
+{
+    bool dot;
+    uint64_t count = 0;
+    size_t at = count_lines(bytes, n, &count, &dot);
+    const char *last = at > 0 ? memrchr(bytes, '\n', at) : NULL;
+    if (last == NULL || dot || bytes[0] == '.' || count >= most)
+        return 0;
+    *lines = count;
+    return (size_t)(last - bytes) + 1;
+}
+
+size_t body_scan(const struct body *b, const char *bytes, size_t n, uint64_t most, uint64_t *lines,
+                 bool *ended)
+{
+    const char *lf;
+    *lines = 0;
+    size_t at = skip_lines(bytes, n, most, lines);
+    *ended = false;
+    for (; *lines < most && at < n; ++*lines) {
+        if ((lf = memchr(bytes + at, '\n', n - at)) == NULL)
+            return at;
+        *ended = b->form == BODY_DOT && ends_body(bytes + at, (size_t)(lf - bytes) - at);
+        if (*ended)
+            return at;
+        at = (size_t)(lf - bytes) + 1;
+    }
+    *ended = *lines == most;
+    return at;
+}
+
+bool body_join(struct body *b, const struct body *lines)
+{
+    if (b->fault != BODY_GOOD || lines->fault != BODY_GOOD || !lines->complete ||
+        lines->n > b->limit - b->n)
+        return false;
+    while (b->cap - b->n < lines->n)
+        if (!grow(b))
+            return false;
+    if (lines->n > 0)
+        memcpy(b->xy + b->n * b->width, lines->xy, lines->n * point_bytes(b));
+    b->n += lines->n;
+    b->line += lines->line;
+    if (b->form == BODY_LINES)
+        b->left -= lines->line;
+    return true;
+}
+
 /* ---- binary ---- */
 
 /* Bytes of the points that are still to come. */

@@ -79,6 +79,15 @@ char *body_room(struct body *b, size_t *n);
 /* The first n of these bytes are there, and are parsed. Check b->complete after each call. */
 void body_wrote(struct body *b, size_t n);
 
+/* Counts whole lines at the beginning of bytes[n], at most `most` of them, and not the one that ends a BODY_DOT: *lines. Returns their bytes. *ended:
+ * the body may end with the next line. */
+size_t body_scan(const struct body *b, const char *bytes, size_t n, uint64_t most, uint64_t *lines,
+                 bool *ended);
+
+/* Appends the points of a complete BODY_LINES that has read the next lines of b, which has more. False, and nothing has happened: one
+ * of the two has a fault, or b would; then the lines have to be fed. */
+bool body_join(struct body *b, const struct body *lines);
+
 /* Sets the fault of the body (for instance BODY_NOMEM), unless it has one, and frees the points. */
 void body_fail(struct body *b, enum body_fault fault);
 

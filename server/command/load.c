@@ -11,7 +11,8 @@
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 enum {
-    MANY = 1 << 17, /* points from which on pages are prefaulted */
+    PARSED_FROM = 256 * 1024, /* bytes of a text that are fed before workers parse it */
+    MANY = 1 << 17,           /* points from which on pages are prefaulted */
     BYTES_PER_POINT =
         80, /* for adding them (50) and for what their mesh (68) takes beyond what is then released */
     BYTES_WHILE_ADDING = 28 /* of these, what adding leaves */
@@ -51,6 +52,7 @@ static struct load *new_load(struct server *s, const struct request *q, bool add
     l->server = s;
     l->memory = server_reservation(s, BUDGET_LOADS);
     l->shortage = ERR_NOMEM;
+    l->parsed_from = PARSED_FROM;
     l->adds = adds;
     return l;
 }
@@ -221,11 +223,14 @@ bool load_has_changed(const struct load *l)
 {
     enum { SHARE = 8 };
     size_t bytes = bytes_to_expect(l);
-    return bytes < l->expected || bytes > l->expected + l->expected / SHARE;
+    bool parsed = l->parser != NULL && (parser_is_full(l->parser) || parser_is_done(l->parser));
+    return parsed || bytes < l->expected || bytes > l->expected + l->expected / SHARE;
 }
 
-void load_expect(struct load *l)
+void load_settle(struct load *l)
 {
+    if (l->parser != NULL && parser_is_full(l->parser))
+        parser_submit(l->parser);
     size_t expected = bytes_to_expect(l);
     keep_expect(l->server, expected, l->expected);
     l->expected = expected;
@@ -246,15 +251,56 @@ ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last)
     return took;
 }
 
+void load_notify(struct load *l, void (*ready)(void *ctx), void *ctx)
+{
+    l->ready = ready;
+    l->ctx = ctx;
+}
+
+/* Workers parse a text when so much has come that it may become long. */
+static bool begins_parser(const struct load *l)
+{
+    const struct body *b = &l->body;
+    return l->parser == NULL && l->ready != NULL && l->came >= l->parsed_from &&
+           b->form != BODY_BINARY && b->fault == BODY_GOOD && !b->complete &&
+           l->server->workers != NULL;
+}
+
 char *load_room(struct load *l, size_t *n)
 {
-    return body_room(&l->body, n);
+    if (begins_parser(l))
+        l->parser = parser_new(l->server, &l->body, (size_t)l->came, l->ready, l->ctx);
+    return l->parser != NULL ? parser_room(l->parser, n) : body_room(&l->body, n);
 }
 
 void load_received(struct load *l, size_t n)
 {
-    body_wrote(&l->body, n);
+    if (l->parser != NULL)
+        parser_received(l->parser, n);
+    else
+        body_wrote(&l->body, n);
     advance(l, n);
+}
+
+void load_moved(struct load *l)
+{
+    advance(l, 0);
+}
+
+size_t load_end_parser(struct load *l, struct buf *in)
+{
+    size_t n;
+    const char *rest = parser_rest(l->parser, &n);
+    struct buf all = {0};
+    buf_append(&all, rest, n);
+    buf_append(&all, buf_head(in), buf_len(in));
+    buf_free(in);
+    *in = all;
+    l->came -= n;
+    l->parsed_from = l->came + PARSED_FROM;
+    parser_free(l->parser);
+    l->parser = NULL;
+    return n;
 }
 
 bool load_stalls(struct load *l, int64_t now_ms)
@@ -263,7 +309,8 @@ bool load_stalls(struct load *l, int64_t now_ms)
         SHARE = 1024
     }; /* of its memory has to come: a client cannot hold much by sending little */
     int64_t limit_ms = (int64_t)l->server->config->load_timeout_s * 1000;
-    if (l->seen_ms == 0 || l->came - l->seen > l->memory.bytes / SHARE) {
+    bool busy = l->parser != NULL && parser_is_busy(l->parser);
+    if (busy || l->seen_ms == 0 || l->came - l->seen > l->memory.bytes / SHARE) {
         l->seen = l->came;
         l->seen_ms = now_ms;
     }
@@ -274,6 +321,8 @@ void load_free(struct server *s, struct load *l)
 {
     bool reserved = l->memory.bytes > 0;
     keep_expect(s, 0, l->expected);
+    if (l->parser != NULL)
+        parser_free(l->parser);
     body_free(&l->body);
     reservation_set(&l->memory, 0);
     if (reserved)

@@ -7,6 +7,7 @@
 #include "proto/reply.h"
 #include "proto/request.h"
 #include "server/jobs/answer.h"
+#include "server/jobs/parser.h"
 #include "server/jobs/server.h"
 
 /* The body of a command's requests. */
@@ -22,6 +23,10 @@ struct load_shape {
 
 struct load {
     struct body body;
+    struct parser *parser;    /* owns; NULL: the body is fed */
+    uint64_t parsed_from;     /* bytes received from which on workers parse a text */
+    void (*ready)(void *ctx); /* see load_notify */
+    void *ctx;
     const struct load_shape *shape; /* borrows */
     struct server *server;          /* borrows */
     struct reservation memory;      /* of the points received so far */
@@ -49,16 +54,27 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a);
 /* Feeds bytes to the body (body_feed). Beyond --max-memory the body fails. */
 ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last);
 
-/* Whether the memory that its points will take is no longer what is expected (keep.h): load_expect changes that, and so the
- * server. */
+/* Whether the server is to be changed, by load_settle: the memory that the points will take is no longer what is expected (keep.h), or
+ * the parser has a block for the workers. */
 bool load_has_changed(const struct load *l);
-void load_expect(struct load *l);
+void load_settle(struct load *l);
 
-/* Where the next bytes of the body can be received: *n at most (body_room). NULL: they have to be fed. */
+/* Sets the callback ready(ctx) for when the load can continue: workers have parsed a block. */
+void load_notify(struct load *l, void (*ready)(void *ctx), void *ctx);
+
+/* Where the next bytes of the body can be received: *n at most (body_room, parser_room). NULL: they have to be fed, or, if there is a
+ * parser, nothing is received for now. */
 char *load_room(struct load *l, size_t *n);
 
 /* n bytes have been received there. */
 void load_received(struct load *l, size_t n);
+
+/* The parser has appended points (PARSER_MOVED). */
+void load_moved(struct load *l);
+
+/* The parser is done: what it has received and not parsed goes back into the input, before what is there. Returns the number
+ * of bytes. Without memory for that in->failed is set. */
+size_t load_end_parser(struct load *l, struct buf *in);
 
 /* Whether the body has made too little progress for --load-timeout. To be called once a second while it is being
  * received. */

@@ -121,6 +121,7 @@ static void enter_state(struct session *s, const struct answer *a)
         break;
     case ANSWER_BODY:
         s->load = a->load;
+        load_notify(s->load, on_piece, s);
         break;
     case ANSWER_DONE:
         break;

@@ -6,6 +6,8 @@
 #include "server/command/load.h"
 #include "server/session/session_inside.h"
 
+#include <string.h>
+
 enum { FEED_BYTES = 8 * 1024 }; /* read in one step */
 
 static bool carry_out_load(struct session *s)
@@ -19,16 +21,27 @@ static bool carry_out_load(struct session *s)
     return session_take_over(s, &a);
 }
 
-/* Receives points right into their array; false: there are none yet, or they have to be fed. */
+/* Moves input to bytes[n]. */
+static size_t take_input(struct buf *in, char *bytes, size_t n)
+{
+    n = n < buf_len(in) ? n : buf_len(in);
+    memcpy(bytes, buf_head(in), n);
+    buf_consume(in, n);
+    return n;
+}
+
+/* Receives a piece of the body right where it belongs; false: there is none yet, or it has to be fed. */
 static bool receive_load(struct session *s)
 {
     struct conn *c = &s->conn;
     size_t n = 0;
-    char *to = buf_len(&c->in) == 0 ? load_room(s->load, &n) : NULL;
+    char *to = load_room(s->load, &n);
     if (s->in_bulk && n > s->bulk_left)
         n = s->bulk_left;
-    c->receives = n > 0;
-    size_t got = c->receives ? conn_receive(c, to, n) : 0;
+    c->receives = to != NULL && n > 0;
+    if (!c->receives)
+        return false;
+    size_t got = buf_len(&c->in) > 0 ? take_input(&c->in, to, n) : conn_receive(c, to, n);
     if (got == 0)
         return false;
     load_received(s->load, got);
@@ -36,6 +49,33 @@ static bool receive_load(struct session *s)
         s->bulk_left -= got;
     c->receives = !s->load->body.complete;
     return true;
+}
+
+/* Workers have parsed all lines before the last one. */
+static bool end_parser(struct session *s)
+{
+    size_t rest = load_end_parser(s->load, &s->conn.in);
+    if (s->in_bulk)
+        s->bulk_left += rest;
+    if (s->conn.in.failed)
+        conn_close(&s->conn);
+    return !s->conn.closed;
+}
+
+/* Appends points that workers have parsed, or receives text for them; true: continue. */
+static bool parse_load(struct session *s)
+{
+    struct parser *p = s->load->parser;
+    enum parser_step step = parser_step(p);
+    if (step == PARSER_BROKEN)
+        return session_refuse_line(s, s->load->body.line_fault);
+    if (step == PARSER_MOVED)
+        load_moved(s->load);
+    if (step == PARSER_MOVED || receive_load(s))
+        return true;
+    if (s->conn.eof || (s->in_bulk && s->bulk_left == 0))
+        parser_end(p);
+    return false;
 }
 
 /* Feeds the load; true: continue. */
@@ -79,24 +119,33 @@ static bool end_bulk(struct session *s)
     return true;
 }
 
+/* Changes what the load has changed of the server. */
+static bool settle_load(struct session *s, bool more)
+{
+    load_settle(s->load);
+    if (s->load->parser == NULL || !parser_is_done(s->load->parser))
+        return more;
+    return end_parser(s);
+}
+
 /* Only the load's own memory changes, so other reactors go on. */
 static bool take_points(struct session *s)
 {
     loop_share(s->conn.loop);
     if (s->conn.closed || s->conn.finishing)
         return false;
-    bool more = receive_load(s) || feed_load(s);
-    if (load_has_changed(s->load)) {
-        loop_alone(s->conn.loop);
-        if (s->load != NULL)
-            load_expect(s->load);
-    }
-    return more;
+    bool more = s->load->parser != NULL
+                    ? parse_load(s)
+                    : receive_load(s) || (s->load->parser == NULL && feed_load(s));
+    if (s->load == NULL || !load_has_changed(s->load))
+        return more;
+    loop_alone(s->conn.loop);
+    return s->load != NULL ? settle_load(s, more) : more;
 }
 
 bool session_step_load(struct session *s)
 {
-    if (!s->load->body.complete)
+    if (s->load->parser != NULL || !s->load->body.complete)
         return take_points(s);
     loop_alone(s->conn.loop);
     if (s->conn.closed || s->conn.finishing)

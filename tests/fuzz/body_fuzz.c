@@ -54,6 +54,33 @@ static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const 
     return rest < 0 ? -1 : first + rest;
 }
 
+/* The same body of text, of which the lines before the last one are parsed apart and joined. */
+static void require_joined(const struct body *whole, enum body_form form, uint64_t count,
+                           const uint8_t *data, size_t size)
+{
+    struct body lines, joined;
+    uint64_t n;
+    bool ended;
+    body_init(&joined, form, count, LIMIT, dt_coordinates_ok);
+    body_columns(&joined, whole->coordinates, whole->width - whole->coordinates);
+    if (form == BODY_BINARY || joined.complete)
+        return;
+    size_t at = body_scan(&joined, (const char *)data, size,
+                          form == BODY_LINES ? count - 1 : UINT64_MAX, &n, &ended);
+    body_init(&lines, BODY_LINES, n, LIMIT, dt_coordinates_ok);
+    body_columns(&lines, whole->coordinates, whole->width - whole->coordinates);
+    require(feed(&lines, data, at, false) == (ptrdiff_t)at && (lines.complete || n == 0));
+    if (body_join(&joined, &lines)) {
+        require(feed(&joined, data + at, size - at, true) >= 0 && joined.complete);
+        require(joined.n == whole->n && joined.fault == whole->fault && joined.line == whole->line);
+        require(whole->n == 0 || memcmp(joined.xy, whole->xy, whole->n * whole->width * 8) == 0);
+    } else {
+        require(lines.fault != BODY_GOOD && lines.fault == whole->fault);
+    }
+    body_free(&lines);
+    body_free(&joined);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct body whole, pieces;
@@ -76,6 +103,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         require(whole.n == 0 || memcmp(pieces.xy, whole.xy, whole.n * whole.width * 8) == 0);
         body_free(&pieces);
     }
+    if (took >= 0)
+        require_joined(&whole, (enum body_form)(kind % 3), count, data, size);
     body_free(&whole);
     return 0;
 }

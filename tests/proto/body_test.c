@@ -354,6 +354,59 @@ TEST(body_that_is_written_into_its_array_finds_the_invalid_point_and_the_limit)
     }
 }
 
+/* The bytes before the end of a body of text, line by line. */
+static size_t scan_lines(enum body_form form, const char *text, uint64_t most, uint64_t *lines,
+                         bool *ended)
+{
+    const char *at = text, *lf;
+    *ended = false;
+    for (*lines = 0; *lines < most && (lf = strchr(at, '\n')) != NULL; at = lf + 1, ++*lines)
+        if (form == BODY_DOT && (strncmp(at, ".\n", 2) == 0 || strncmp(at, ".\r\n", 3) == 0)) {
+            *ended = true;
+            break;
+        }
+    *ended = *ended || *lines == most;
+    return (size_t)(at - text);
+}
+
+TEST(body_of_text_is_scanned_for_its_last_line)
+{
+    static const char *const line[] = {"1 2\n",    "\n",     "0.123456789 0.123456789\n",
+                                       ".\n",      ".5 2\n", ".\r\n",
+                                       "1 . 2.\n", "# .\n",  "-1 -2 \r\n"};
+    for (int round = 0; round < 20000; round++) {
+        char text[5000], *to = text;
+        uint32_t n = test_below(round % 100 == 0 ? 180 : 12), kinds = round % 3 == 0 ? 9 : 3;
+        for (uint32_t i = 0; i < n; i++)
+            to = stpcpy(to, line[test_below(kinds)]);
+        strcpy(to, test_below(2) == 0 ? "" : "17");
+        for (int form = BODY_DOT; form <= BODY_LINES; form++) {
+            struct body b;
+            uint64_t most = 1 + test_below(15), lines, want_lines;
+            bool ended, want_ended;
+            body_init(&b, (enum body_form)form, 0, 10, small_enough);
+            size_t want = scan_lines((enum body_form)form, text, most, &want_lines, &want_ended);
+            CHECK(body_scan(&b, text, strlen(text), most, &lines, &ended) == want);
+            CHECK(lines == want_lines && ended == want_ended);
+            want = scan_lines((enum body_form)form, text, UINT64_MAX, &want_lines, &want_ended);
+            CHECK(body_scan(&b, text, strlen(text), UINT64_MAX, &lines, &ended) == want);
+            CHECK(lines == want_lines && ended == want_ended);
+        }
+    }
+}
+
+TEST(body_of_thousands_of_empty_lines_is_scanned)
+{
+    static char text[10000];
+    struct body b;
+    uint64_t lines;
+    bool ended;
+    memset(text, '\n', sizeof text);
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(body_scan(&b, text, sizeof text, UINT64_MAX, &lines, &ended) == sizeof text);
+    CHECK(lines == sizeof text && !ended);
+}
+
 TEST(body_does_not_trust_the_announced_count)
 {
     struct body b;

@@ -117,7 +117,7 @@ static size_t load(struct local *l, struct load *load, const char *text, size_t 
     ptrdiff_t took = load->body.complete ? 0 : load_feed(load, text, n, true);
     struct answer a;
     CHECK(took >= 0 && load->body.complete);
-    load_expect(load);
+    load_settle(load);
     do {
         a = new_answer(l);
         command_run_body(&l->server, load, &a);
