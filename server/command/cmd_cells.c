@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 enum {
-    CELLS_AT_ONCE = 64,  /* cells that the I/O thread looks at itself */
+    CELLS_AT_ONCE = 64,  /* cells that a reactor looks at itself */
     CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time, */
     CELLS_MADE = 4096,   /* or makes */
     HULL_LOCKED = 4096,  /* the same for points of the hull */
@@ -242,7 +242,7 @@ static bool read_sites(struct answer *a, const struct dt *dt, const struct word 
     return true;
 }
 
-/* Whether the I/O thread finds the box and makes the rows itself. */
+/* Whether a reactor finds the box and makes the rows itself. */
 static bool is_light(const struct cells_job *j, const struct version *v)
 {
     uint32_t degrees = 0;

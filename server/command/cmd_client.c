@@ -34,7 +34,7 @@ static const char *state_of(const struct session *s)
     return buf_len(&s->conn.out) > 0 ? "sending" : "idle";
 }
 
-/* Without printf, because there may be ten thousand rows, made on the I/O thread. */
+/* Without printf, because there may be ten thousand rows, made on a reactor. */
 void client_row(struct buf *out, const struct session *s)
 {
     static const char *const role[] = {

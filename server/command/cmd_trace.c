@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-enum { TRACE_AT_ONCE = 50 }; /* points up to which the I/O thread does it */
+enum { TRACE_AT_ONCE = 50 }; /* points up to which a reactor does it */
 
 struct trace {
     struct job job;

@@ -21,7 +21,7 @@ struct datadir {
     int fd;
     const char *path;         /* borrows */
     bool placed;              /* `path` leads to it: it was opened by datadir_open */
-    struct lineage lineage;   /* for new files; the I/O thread's once the log has begun */
+    struct lineage lineage;   /* for new files; a reactor's once the log has begun */
     atomic_uint pins;         /* while there are any, datadir_forget removes nothing */
     _Atomic uint64_t covered; /* its last argument; 0: none */
     atomic_size_t keep_log;   /* bytes of segments that stay although a snapshot covers them */

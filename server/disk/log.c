@@ -1,4 +1,4 @@
-/* log.c - the queue between the I/O thread and the log thread, and the loop of that thread; files are in
+/* log.c - the queue between a reactor and the log thread, and the loop of that thread; files are in
  * log_file.c. One mutex guards the queue and the status; nothing slow is done under it. */
 #include "server/disk/log.h"
 
@@ -47,7 +47,7 @@ struct queue {
 };
 
 struct log {
-    /* the I/O thread's */
+    /* a reactor's */
     struct queue open;   /* appended and not pushed yet */
     uint64_t next;       /* the lsn of the next record */
     bool unmarked;       /* no RECORD_CLOSE at the end */
@@ -73,7 +73,7 @@ struct log {
     pthread_t thread;
 };
 
-/* ---- the I/O thread's side ---- */
+/* ---- a reactor's side ---- */
 
 /* Moves everything to the end of another queue. */
 static void move(struct queue *to, struct queue *from)
@@ -262,7 +262,7 @@ void log_status(struct log *log, struct log_status *status)
 
 static void notify(struct log *log)
 {
-    /* If the counter is full, the I/O thread has a notification that it has not read yet. */
+    /* If the counter is full, a reactor has a notification that it has not read yet. */
     eventfd_write(log->event, 1);
 }
 

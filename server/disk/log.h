@@ -1,4 +1,4 @@
-/* log.h - the log of all changes: appended by the I/O thread, written and synced by a thread of its own, so
+/* log.h - the log of all changes: appended by a reactor, written and synced by a thread of its own, so
  * that only replies that depend on the disk wait for it.
  *
  * Group commit: records that have been appended while the disk was busy are written and synced together.
@@ -51,7 +51,7 @@ void log_free(struct log *log);
 /* Whether log_free appends RECORD_CLOSE; it does unless this says otherwise. */
 void log_close_mark(struct log *log, bool writes);
 
-/* ---- the I/O thread's side ---- */
+/* ---- a reactor's side ---- */
 
 /* Appends a copy of the record with the next lsn, which is returned. Running out of memory counts as a failed
  * write: the state becomes LOG_FAILED. */

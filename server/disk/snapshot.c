@@ -298,7 +298,7 @@ static void *serve(void *arg)
     return NULL;
 }
 
-/* ---- on the I/O thread ---- */
+/* ---- on a reactor ---- */
 
 static void start(struct snapshot *snap)
 {

@@ -1,5 +1,5 @@
 /* apply.h - submits the changes in a leader's log, so that this server writes the same records into its own log.
- * On the I/O thread. */
+ * On a reactor. */
 #ifndef SERVER_APPLY_H
 #define SERVER_APPLY_H
 

@@ -17,7 +17,7 @@ struct dial {
     unsigned port;
     char token[DIAL_TOKEN]; /* empty: none */
     int patience_ms;        /* how long it waits for an answer, and at most 5 s for a connection */
-    int wake;               /* owns; an eventfd, written by the I/O thread */
+    int wake;               /* owns; an eventfd, written by a reactor */
     atomic_bool stop;       /* the thread is to end, */
     atomic_bool again;      /* or to connect again */
 };
@@ -29,13 +29,13 @@ bool dial_read_token(const char *path, char token[DIAL_TOKEN]);
 bool dial_init(struct dial *d);
 void dial_clear(struct dial *d);
 
-/* On the I/O thread: wakes the thread; dial_stop also tells it to end. */
+/* On a reactor: wakes the thread; dial_stop also tells it to end. */
 void dial_wake(struct dial *d);
 void dial_stop(struct dial *d);
 
 /* ---- on the thread ---- */
 
-/* Waits until the socket (-1: none) has one of the events, the I/O thread wakes the thread, or ms have passed. False: the
+/* Waits until the socket (-1: none) has one of the events, a reactor wakes the thread, or ms have passed. False: the
  * thread is to end or to connect again. */
 bool dial_wait(struct dial *d, int fd, short events, int ms);
 

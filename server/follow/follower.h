@@ -1,4 +1,4 @@
-/* follower.h - a daemon that follows another one: how it starts and stops following. On the I/O thread; the connection
+/* follower.h - a daemon that follows another one: how it starts and stops following. On a reactor; the connection
  * is that of a thread (link.h), the records are carried out by apply.h.
  *
  * What it follows is remembered in the data directory (role.h). */

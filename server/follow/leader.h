@@ -1,5 +1,5 @@
 /* leader.h - the followers of this daemon: who they are, how far they are, and what waits for them. Everything but their
- * threads (sender.h) is the I/O thread's. */
+ * threads (sender.h) is a reactor's. */
 #ifndef SERVER_LEADER_H
 #define SERVER_LEADER_H
 

@@ -151,7 +151,7 @@ static bool greet(struct wire *w, const struct position *from)
 
 /* ---- the stream ---- */
 
-/* Passes bytes on to the I/O thread, when there is room. */
+/* Passes bytes on to a reactor, when there is room. */
 static bool pass_on(void *ctx, const char *bytes, size_t n)
 {
     struct wire *w = ctx;
@@ -231,7 +231,7 @@ static bool read_arrival(struct link *l, struct link_arrival *a)
     return !arrived.lacks || fail_transfer(l, no_room);
 }
 
-/* The snapshot is complete: it is read, and then the I/O thread replaces everything by it. */
+/* The snapshot is complete: it is read, and then a reactor replaces everything by it. */
 static bool install(void *ctx, struct aside *aside, const struct segment *header)
 {
     struct wire *w = ctx;
@@ -403,7 +403,7 @@ void link_end(struct link *l)
     free(l);
 }
 
-/* ---- on the I/O thread ---- */
+/* ---- on a reactor ---- */
 
 bool link_wants_position(struct link *l)
 {

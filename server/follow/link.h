@@ -1,5 +1,5 @@
 /* link.h - the follower's side of the connection to its leader: a thread that connects, asks for what comes after a
- * position, and receives it. Records of the log go to the I/O thread in pieces (link_take); a snapshot goes into files in a
+ * position, and receives it. Records of the log go to a reactor in pieces (link_take); a snapshot goes into files in a
  * directory aside, is read from there, and replaces everything at once (link_arrival).
  *
  * The thread connects again whenever the connection ends, after a pause. The pause doubles each time: up to 3 seconds, or
@@ -50,7 +50,7 @@ struct link {
     struct dt_pages *pages;    /* borrows */
     struct budget *budget;     /* borrows */
     char noted[LINK_WHY];      /* the last reason that is on standard error */
-    int event; /* borrows; an eventfd, written when there is something for the I/O thread */
+    int event; /* borrows; an eventfd, written when there is something for a reactor */
     /* shared */
     pthread_mutex_t mutex;
     enum link_state state;
@@ -63,9 +63,9 @@ struct link {
     struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
-    bool works;          /* the I/O thread works on a change: that is to be acknowledged, too */
-    uint64_t leader_lsn; /* the last one that is known of the leader */
-    bool repeats;        /* the connection has ended by a failure that repeats a transfer */
+    bool works;                  /* a reactor works on a change: that is to be acknowledged, too */
+    uint64_t leader_lsn;         /* the last one that is known of the leader */
+    bool repeats;                /* the connection has ended by a failure that repeats a transfer */
     pthread_t thread;
 };
 
@@ -79,7 +79,7 @@ int link_pause(int before, bool repeats, int64_t lasted_ms);
 /* Ends the thread and frees everything. */
 void link_end(struct link *l);
 
-/* ---- on the I/O thread ---- */
+/* ---- on a reactor ---- */
 
 /* Whether the thread wants to know the position from which to continue, and all pieces have been taken. */
 bool link_wants_position(struct link *l);
@@ -98,7 +98,7 @@ void link_installed(struct link *l, uint64_t lsn);
 /* Changes up to lsn are on the disk, and with them this number of bytes of the stream; 0: unknown. */
 void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes);
 
-/* The I/O thread, or a worker, is carrying out what was received: the leader hears that although nothing more is on the
+/* A reactor, or a worker, is carrying out what was received: the leader hears that although nothing more is on the
  * disk. */
 void link_works(struct link *l);
 

@@ -43,10 +43,10 @@ struct sender {
     struct reservation memory; /* of its buffers */
     int64_t since_ms;
     pthread_t thread;
-    /* from the I/O thread */
+    /* from a reactor */
     _Atomic uint64_t durable; /* changes up to this lsn may be sent */
     atomic_bool stop;
-    /* to the I/O thread */
+    /* to a reactor */
     _Atomic uint64_t acked, acked_bytes, sent, sent_bytes;
     _Atomic uint64_t
         wants_snapshot; /* not 0: it waits for a snapshot of changes up to at least this lsn - 1 */
@@ -54,7 +54,7 @@ struct sender {
     /* since when it has acknowledged nothing more of what was sent, in milliseconds; 0: it has everything */
     _Atomic int64_t silent_ms;
     atomic_bool sleeping; /* it is to be woken when `durable` grows */
-    /* the I/O thread's */
+    /* a reactor's */
     int64_t behind_ms; /* since when the follower does not have everything; 0: it does */
 };
 

@@ -1,5 +1,5 @@
 /* durable.h - a server with a data directory: reads the directory at the start, and keeps log and snapshots
- * up to date. This is the I/O thread's side; files are used by the log's thread and by temporary threads, one
+ * up to date. This is a reactor's side; files are used by the log's thread and by temporary threads, one
  * for reading at the start and one for each snapshot. */
 #ifndef SERVER_DURABLE_H
 #define SERVER_DURABLE_H

@@ -111,7 +111,7 @@ static void run_later(struct work *w)
         version_unlock(j->base);
 }
 
-/* ---- on the I/O thread ---- */
+/* ---- on a reactor ---- */
 
 /* Runs the job on this thread. False, with nothing done, if that would block all clients: it takes more steps
  * than this thread may do; or it edits in place while a piece of the set is being read, which takes

@@ -3,7 +3,7 @@
  * A command's job begins with a struct job, followed by its own arguments and results. It has two functions:
  *
  *     run    computes with job->dt and sets job->status. It may run on a worker, so it uses only the job and job->dt.
- *     end    on the I/O thread, once: writes the reply (job_succeeded), and frees the arguments. Without an answer
+ *     end    on a reactor that is alone, once: writes the reply (job_succeeded), and frees the arguments. Without an answer
  *            (NULL) the job was not carried out, and `end` only frees.
  *
  * and reads, changes, or has no set:
@@ -86,7 +86,7 @@ bool job_succeeded(const struct job *j, struct answer *a);
 enum dt_status job_reserve(struct job *j, size_t bytes);
 
 /* Of a job that reads a version and is running: releases the lock, so that edits continue, and takes it again. They do nothing
- * on the I/O thread, which has no lock. */
+ * on a reactor, which has no lock. */
 void job_unlock(const struct job *j);
 void job_lock(const struct job *j);
 

@@ -1,5 +1,5 @@
 /* submit.h - carries out changes (changes/change.h): applies each to its set, appends it to the log, and answers. Commands and
- * followers use it; on the I/O thread. */
+ * followers use it; on a reactor. */
 #ifndef SERVER_SUBMIT_H
 #define SERVER_SUBMIT_H
 

@@ -1,4 +1,4 @@
-/* cost.h - which work the I/O thread does itself. Work that takes longer than about 200 us goes to a worker,
+/* cost.h - which work a reactor does itself. Work that takes longer than about 200 us goes to a worker,
  * because all other clients would wait meanwhile.
  *
  * Where the amount of work is known in advance, it is estimated here, from measurements (tests/bench) with
@@ -26,7 +26,7 @@ enum {
     COST_STEPS_AT_ONCE = 2000 /* of a search or an edit */
 };
 
-/* Whether the I/O thread does n units itself. */
+/* Whether a reactor does n units itself. */
 static inline bool cost_at_once(enum cost_kind kind, size_t n)
 {
     static const unsigned ns[] = {

@@ -1,7 +1,7 @@
 /* stream.h - the rest of a reply, or all of it, which is made while it is sent, at the rate of the socket.
  *
  * There are two kinds: the rows of a set (row_stream.h), and lists of sets, clients or slow requests (listing.h). The
- * structure of a kind begins with a struct stream. All functions are called on the I/O thread. */
+ * structure of a kind begins with a struct stream. All functions are called on a reactor that is alone (loop.h). */
 #ifndef SERVER_STREAM_H
 #define SERVER_STREAM_H
 

@@ -11,7 +11,7 @@
 
 enum {
     IDS_AT_ONCE = 1 << 20, /* ids; their pages are looked at */
-    TEXT_AT_ONCE = 20000   /* numbers that the I/O thread writes as text */
+    TEXT_AT_ONCE = 20000   /* numbers that a reactor writes as text */
 };
 
 void surface_clear(struct surface *q)

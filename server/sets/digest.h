@@ -34,7 +34,7 @@ struct digest {
     uint64_t page;                /* of it, the next one */
 };
 
-/* Begins with the set as it is now. On the I/O thread; no job edits the set in place. The caller ends d->view
+/* Begins with the set as it is now. On a reactor; no job edits the set in place. The caller ends d->view
  * (version_end_view). False: out of memory, with no view. */
 bool digest_begin(struct digest *d, const struct dataset *set);
 

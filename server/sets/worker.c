@@ -179,7 +179,7 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
 
 /* ---- threads ---- */
 
-/* The mutex is held on entry and on return. It is not held while the event is written: that wakes the I/O thread, which
+/* The mutex is held on entry and on return. It is not held while the event is written: that wakes a reactor, which
  * may take this processor at once, and needs the mutex first. */
 static void do_work(struct workers *w, enum work_kind kind, struct work *work)
 {

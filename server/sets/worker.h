@@ -1,4 +1,4 @@
-/* worker.h - threads for work that would block the I/O thread.
+/* worker.h - threads for work that would block a reactor.
  *
  * Work is submitted to a queue and collected from a list; an eventfd signals that the list is not empty.
  * Between workers_submit and workers_collect a piece of work belongs to the workers.

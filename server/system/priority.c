@@ -1,9 +1,9 @@
 /* priority.c - see priority.h. A scheduler that gives each thread a deadline by the length of its slice
- * (EEVDF) lets the thread with the shortest one run first, so the clients of the I/O thread do not
+ * (EEVDF) lets the thread with the shortest one run first, so the clients of a reactor do not
  * wait for the end of a worker's slice of three milliseconds.
  *
- * A short slice for the I/O thread is not enough. Where two workers share a processor, the one that
- * waits falls behind its share, and once its slice is due, the I/O thread is not the next to run: then
+ * A short slice for a reactor is not enough. Where two workers share a processor, the one that
+ * waits falls behind its share, and once its slice is due, a reactor is not the next to run: then
  * the running worker is not interrupted until the next clock tick, which may be four milliseconds
  * later. The slice of a worker is therefore several ticks long, so that it is rarely due so soon. That
  * does not reduce a worker's share of the processor. */

@@ -474,7 +474,7 @@ static void deliver(void *ctx, struct job *j)
     job_finish(&l->server, j, &a);
 }
 
-/* The I/O thread never waits for the snapshot's thread, which may be slow to get a processor. */
+/* A reactor never waits for the snapshot's thread, which may be slow to get a processor. */
 TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
 {
     struct local l;

@@ -1,4 +1,4 @@
-/* fields_job_test.c - FIELDS of a set that is too large for the I/O thread. */
+/* fields_job_test.c - FIELDS of a set that is too large for a reactor. */
 #include "core/delaunay_fields.h"
 #include "tests/server/local.h"
 #include "tests/test.h"

@@ -1,4 +1,4 @@
-/* query_test.c - which searches the I/O thread carries out and which a worker; both find the same. */
+/* query_test.c - which searches a reactor carries out and which a worker; both find the same. */
 #include "server/ops/cost.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
@@ -149,7 +149,7 @@ TEST(places_and_ranges_are_answered_alike_before_and_after_triangulate)
     for (int large = 0; large < 2; large++) {
         struct local l;
         uint64_t jobs;
-        int side = large ? 80 : 40; /* more points than the I/O thread examines, or fewer */
+        int side = large ? 80 : 40; /* more points than a reactor examines, or fewer */
         char *load = malloc(64 + 6400 * 2 * 12), *to = load;
         CHECK(load != NULL);
         to += sprintf(to, "CREATE t TOL 0.25\nLOAD t\n");
