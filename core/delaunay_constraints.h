@@ -50,6 +50,9 @@ enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t 
 enum dt_status dt_release(struct dt *t, const struct dt_constraint *c, size_t n,
                           const struct dt_options *opt, size_t *released, size_t *missing);
 
+/* An upper bound of the bytes that dt_constrain of n constraints touches at its peak beyond dt_summary.memory. */
+size_t dt_constrain_memory(const struct dt *t, size_t n);
+
 /* How many there are. */
 uint32_t dt_constraints_count(const struct dt *t);
 

@@ -134,6 +134,16 @@ bench-clients: all lib $(O)/tests/bench/points
 bench-python: lib
 	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
 
+# ---- bench-constraints: constraints beside CGAL's, in processor time: POINTS=1000000 on paths; ACROSS=200000 points, LONG=1000 across them ----
+
+.PHONY: bench-constraints
+$(O)/tests/bench/constrained.o: CXXCOMPILE += -DNDEBUG
+$(O)/tests/bench/constrained: $(O)/tests/bench/constrained.o $(CORE)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
+bench-constraints: $(O)/tests/bench/constrained
+	$< $(or $(POINTS),1000000) $(or $(ACROSS),200000) $(or $(LONG),1000)
+
 # ---- mutants: N=60 random changes of single lines, which a test must notice; SEED=s draws other ones, M=server/disk selects files.
 # ---- LIST=syncs the entries of that list, LIST=all of all; N=0 checks that every entry applies; see tests/mutants/README.md ----
 

@@ -116,6 +116,15 @@ uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constrain
     return d->rows == 0 ? DT_NONE : d->table[place_of(d, &r)];
 }
 
+void dt_declared_fetch(const struct dt_declared *d, const struct dt_constraint *c)
+{
+    struct dt_declared_row r = row_of(c);
+    if (d->places > 0)
+        dt_fetch(&d->table[home(&r, d->places)]);
+    dt_idmap_fetch(&d->first, c->a);
+    dt_idmap_fetch(&d->first, c->b);
+}
+
 /* Frees a place, and moves rows after it that would no longer be found [Knuth, TAOCP 3, sec. 6.4, algorithm R]. */
 static void leave_table(struct dt_declared *d, uint32_t hole)
 {

@@ -39,6 +39,9 @@ enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n);
 /* The row, DT_NONE if there is none. The ids of c are in any order. */
 uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constraint *c);
 
+/* Fetches what dt_declared_find and dt_declared_add of c will read. */
+void dt_declared_fetch(const struct dt_declared *d, const struct dt_constraint *c);
+
 /* Adds a row that is not there and for which there is room. *row: its number. DT_NOMEM: unchanged. */
 enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint *c, uint32_t *row);
 

@@ -133,17 +133,30 @@ static enum dt_status constrain_at(struct dt *t, uint32_t id, struct dt_stop *st
     return status;
 }
 
+/* The first constraint at vertex v, DT_NONE if there is none. */
+static uint32_t first_row(const struct dt *t, uint32_t v)
+{
+    const struct dt_points *p = &t->points;
+    bool there = v < p->end && p->id[v] != DT_NONE;
+    return there ? dt_idmap_get(&t->constraints->declared.first, p->id[v]) : DT_NONE;
+}
+
+/* Ids are in no order, so every step from a vertex to its constraints, and on to their other ends, waits for memory. */
 static void fetch_ahead(const struct dt *t, uint32_t v)
 {
-    enum { FAR = 24, NEAR = 12 };
+    enum { STEP = 10 };
     const struct dt_declared *d = &t->constraints->declared;
     const struct dt_points *p = &t->points;
-    if (v + FAR >= p->end || p->id[v + FAR] == DT_NONE || p->id[v + NEAR] == DT_NONE)
-        return;
-    dt_idmap_fetch(&d->first, p->id[v + FAR]);
-    uint32_t row = dt_idmap_get(&d->first, p->id[v + NEAR]);
+    if (v + 3 * STEP < p->end)
+        dt_idmap_fetch(&d->first, p->id[v + 3 * STEP]);
+    uint32_t row = first_row(t, v + 2 * STEP);
     if (row != DT_NONE)
         dt_fetch(&d->row[row]);
+    row = first_row(t, v + STEP);
+    if (row != DT_NONE) {
+        dt_idmap_fetch(&p->value, d->row[row].end[0]);
+        dt_idmap_fetch(&p->value, d->row[row].end[1]);
+    }
 }
 
 /* In the order of memory; aliases last. */
@@ -165,9 +178,14 @@ static enum dt_status constrain_in_order(struct dt *t, struct dt_stop *stop)
 
 enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop)
 {
+    const struct dt_changes *changes = t->scratch.changes;
     t->scratch.enforcer = &t->constraints->enforcer;
+    t->scratch.changes = NULL; /* nobody reads the stars of a mesh that is not finished */
     enum dt_status status = constrain_in_order(t, stop);
-    return status == DT_CROSSES ? constrain_sorted(t, stop) : status;
+    if (status == DT_CROSSES)
+        status = constrain_sorted(t, stop);
+    t->scratch.changes = changes;
+    return status;
 }
 
 /* ---- declaring ---- */
@@ -176,6 +194,10 @@ static enum dt_status check_declarable(const struct dt *t, const struct dt_const
                                        uint32_t *missing)
 {
     for (size_t i = 0; i < n; i++) {
+        if (i + DT_AHEAD < n) {
+            dt_idmap_fetch(&t->points.value, c[i + DT_AHEAD].a);
+            dt_idmap_fetch(&t->points.value, c[i + DT_AHEAD].b);
+        }
         bool has_a = dt_points_vertex(&t->points, c[i].a) != DT_NONE;
         if (!has_a || dt_points_vertex(&t->points, c[i].b) == DT_NONE) {
             *missing = has_a ? c[i].b : c[i].a;
@@ -278,6 +300,28 @@ static void undeclare(struct dt *t, uint32_t row)
     dt_declared_remove(&t->constraints->declared, row);
 }
 
+/* Fetches what declaring c[i] and those after it will read, some steps before. */
+static void fetch_constraints(const struct dt *t, const struct dt_constraint *c, size_t i, size_t n)
+{
+    enum { STEP = 8 };
+    const struct dt_points *p = &t->points;
+    if (i + 3 * STEP < n) {
+        dt_declared_fetch(&t->constraints->declared, &c[i + 3 * STEP]);
+        dt_idmap_fetch(&p->value, c[i + 3 * STEP].a);
+        dt_idmap_fetch(&p->value, c[i + 3 * STEP].b);
+    }
+    for (size_t k = 1; dt_is_live(t) && k <= 2 && i + k * STEP < n; k++) {
+        uint32_t v = dt_points_vertex(p, c[i + k * STEP].a);
+        uint32_t w = dt_points_vertex(p, c[i + k * STEP].b);
+        dt_fetch(k == 2 ? (const void *)&t->mesh.leaving[v] : &t->mesh.half[t->mesh.leaving[v]]);
+        dt_fetch(k == 2 ? (const void *)&t->mesh.leaving[w] : &t->mesh.half[t->mesh.leaving[w]]);
+        if (k == 2) {
+            dt_fetch(&p->xy[v]);
+            dt_fetch(&p->xy[w]);
+        }
+    }
+}
+
 /* Declares them one by one, those that are new into row[]. */
 static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, size_t n,
                                   struct dt_stop *work, uint32_t *row, size_t *added)
@@ -285,6 +329,8 @@ static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, s
     enum dt_status status = DT_OK;
     size_t k = 0;
     for (size_t i = 0; i < n && status == DT_OK; i++) {
+        if (n > 1)
+            fetch_constraints(t, c, i, n);
         status = declare(t, ascending(c[i]), work, &row[k]);
         k += status == DT_OK && row[k] != DT_NONE;
     }

@@ -2,6 +2,7 @@
  * by a test (tests/core/edit/demand_test.c). They count memory that is touched: the unused room of a large array
  * costs nothing. */
 #include "core/control/parallel.h"
+#include "core/delaunay_constraints.h"
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/set/set.h"
@@ -20,6 +21,12 @@
 
 /* Bytes per existing point, if these are sorted together with the added ones (arrivals.c). */
 #define SORT_BYTES (size_t)48
+
+/* Bytes per constraint: its row, in the table and in the lists of its ends; while they grow, twice; and during a call. */
+#define CONSTRAINT_BYTES (size_t)112
+
+/* The same for one that a build makes a chain of edges: if others cover its edges, too. */
+#define CHAIN_BYTES (size_t)32
 
 #define THREAD_BYTES ((size_t)512 << 10)    /* for each thread's arena */
 #define ADD_THREAD_BYTES ((size_t)64 << 10) /* the same while points are sorted */
@@ -41,12 +48,19 @@ static size_t more_threads(const struct dt_options *opt, size_t n)
 static size_t build_memory(const struct dt *t, size_t n, const struct dt_options *opt)
 {
     size_t bytes = t->points.free_count > 0 ? BUILD_BYTES + BUILD_DENSE_BYTES : BUILD_BYTES;
-    return n * bytes + more_threads(opt, n) * THREAD_BYTES + slack(n);
+    return n * bytes + more_threads(opt, n) * THREAD_BYTES + slack(n) +
+           dt_constraints_count(t) * CHAIN_BYTES;
 }
 
 size_t dt_build_memory(const struct dt *t, const struct dt_options *opt)
 {
     return build_memory(t, dt_points_vertices(&t->points), opt);
+}
+
+size_t dt_constrain_memory(const struct dt *t, size_t n)
+{
+    size_t rows = dt_constraints_count(t) + n;
+    return rows * CONSTRAINT_BYTES + slack(rows);
 }
 
 size_t dt_prepare_memory(const struct dt *t)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/delaunay.h"
+#include "core/delaunay_constraints.h"
 
 enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096, MOMENTS = 3 };
 
@@ -84,6 +84,16 @@ static uint32_t representative(const struct script *s, uint32_t id)
     return rep;
 }
 
+static void copy_constraints(const struct dt *from, struct dt *to)
+{
+    struct dt_constraint *c;
+    size_t n, added;
+    uint32_t missing;
+    require(dt_constraints(from, NULL, DT_NONE, &c, &n) == DT_OK);
+    require(dt_constrain(to, c, n, NULL, &added, &missing) == DT_OK && added == n);
+    free(c);
+}
+
 static struct dt *fresh_set(const struct script *s, enum dt_method method)
 {
     static uint32_t ids[MAX_IDS], reps[MAX_IDS];
@@ -100,6 +110,7 @@ static struct dt *fresh_set(const struct script *s, enum dt_method method)
     }
     require(fresh != NULL && n == s->live && dt_next_id(s->set) == s->ids);
     require(dt_restore(fresh, ids, xy, reps, n, s->ids, NULL) == DT_OK);
+    copy_constraints(s->set, fresh);
     require(dt_triangulate(fresh, &opt) == DT_OK);
     return fresh;
 }
@@ -141,6 +152,19 @@ static void compare_moment(const struct dt *set, const struct moment *m, enum dt
     require(memcmp(got, want, words_got * sizeof *got) == 0);
 }
 
+static void compare_constraints(const struct dt *set, const struct moment *m)
+{
+    struct dt_constraint *a, *b;
+    size_t n, k;
+    require(dt_constraints(set, m->view, DT_NONE, &a, &n) == DT_OK);
+    require(dt_constraints(m->copy, NULL, DT_NONE, &b, &k) == DT_OK && n == k);
+    for (size_t i = 0; i < n; i++)
+        require(a[i].a == b[i].a && a[i].b == b[i].b && a[i].border == b[i].border &&
+                a[i].number == b[i].number);
+    free(a);
+    free(b);
+}
+
 static void end_moment(struct moment *m)
 {
     dt_view_end(m->view);
@@ -154,6 +178,9 @@ static void check_moments(struct script *s, uint32_t salt)
     for (uint32_t i = 0; i < MOMENTS; i++)
         for (enum dt_table t = DT_POINTS; s->moment[i].view != NULL && t <= DT_HULL; t++)
             compare_moment(s->set, &s->moment[i], t, salt >> t & 1);
+    for (uint32_t i = 0; i < MOMENTS; i++)
+        if (s->moment[i].view != NULL)
+            compare_constraints(s->set, &s->moment[i]);
     struct moment *m = &s->moment[salt % (2 * MOMENTS) / 2];
     end_moment(m);
     m->rings = salt % 7 > 0;
@@ -245,6 +272,12 @@ static void add_batch(struct script *s)
     add(s, p, n);
 }
 
+/* Whether constraints are in the way of an edit. */
+static bool is_refused(const struct script *s, enum dt_status status)
+{
+    return dt_constraints_count(s->set) > 0 && (status == DT_CROSSES || status == DT_CONSTRAINED);
+}
+
 /* Every step-th of n live ids, one of them twice. */
 static void delete_some(struct script *s, uint32_t n)
 {
@@ -255,9 +288,11 @@ static void delete_some(struct script *s, uint32_t n)
     struct dt_options opt = some_limit(s);
     note_block(s, k);
     enum dt_status status = dt_delete_many(s->set, ids, k, &opt, &deleted, &missing);
-    require(status == DT_OK ||
-            (status == DT_TOOLONG && dt_delete(s->set, ids, k, &deleted, &missing) == DT_OK));
-    require(deleted == k - 1);
+    if (status == DT_TOOLONG)
+        status = dt_delete(s->set, ids, k, &deleted, &missing);
+    if (is_refused(s, status))
+        return;
+    require(status == DT_OK && deleted == k - 1);
     for (uint32_t i = 0; i + 1 < k; i++)
         s->is_live[ids[i]] = false;
     s->live -= deleted;
@@ -266,7 +301,8 @@ static void delete_some(struct script *s, uint32_t n)
 static void delete_missing(const struct script *s)
 {
     uint32_t ids[2] = {s->live > 0 ? live_id(s, 0) : s->ids, s->ids}, deleted, missing;
-    require(dt_delete(s->set, ids, 2, &deleted, &missing) == DT_NOPOINT && missing == s->ids);
+    enum dt_status status = dt_delete(s->set, ids, 2, &deleted, &missing);
+    require((status == DT_NOPOINT && missing == s->ids) || is_refused(s, status));
     require(dt_move(s->set, s->ids, (struct dt_point){1, 1}) == DT_NOPOINT);
 }
 
@@ -274,7 +310,11 @@ static void move_to(struct script *s, uint32_t id, struct dt_point to)
 {
     struct dt_options opt = some_limit(s);
     enum dt_status status = dt_move_to(s->set, id, to, &opt);
-    require(status == DT_OK || (status == DT_TOOLONG && dt_move(s->set, id, to) == DT_OK));
+    if (status == DT_TOOLONG)
+        status = dt_move(s->set, id, to);
+    if (is_refused(s, status))
+        return;
+    require(status == DT_OK);
     s->xy[id] = to;
 }
 
@@ -291,6 +331,29 @@ static void move_slightly(struct script *s)
     struct dt_point to = {s->xy[id].x + ((double)(b & 15) - 7) * 0.0625 * s->scale,
                           s->xy[id].y + ((double)(b >> 4) - 7) * 0.0625 * s->scale};
     move_to(s, id, to);
+}
+
+/* Declares or releases a constraint, or deletes an end with its constraints. */
+static void edit_constraints(struct script *s)
+{
+    uint32_t b = byte(s), one = live_id(s, byte(s)), other = live_id(s, byte(s)), n, missing;
+    struct dt_constraint c = {one, other, (b & 1) != 0, b >> 1 & 3};
+    struct dt_options opt = some_limit(s);
+    size_t changed, at;
+    if (b >> 5 == 7) {
+        enum dt_status status = dt_delete_cascade(s->set, &one, 1, NULL, &n, &missing);
+        require(status == DT_OK || is_refused(s, status));
+        s->is_live[one] = status != DT_OK;
+        s->live -= status == DT_OK;
+    } else if (b >> 5 == 6) {
+        enum dt_status status = dt_release(s->set, &c, 1, NULL, &changed, &at);
+        require(status == DT_OK || status == DT_NOCONSTRAINT);
+    } else if (one != other) {
+        enum dt_status status = dt_constrain(s->set, &c, 1, &opt, &changed, &missing);
+        if (status == DT_TOOLONG)
+            status = dt_constrain(s->set, &c, 1, NULL, &changed, &missing);
+        require(status == DT_OK || status == DT_CROSSES);
+    }
 }
 
 static void rebuild_or_clone(struct script *s)
@@ -312,6 +375,10 @@ static void step(struct script *s)
 {
     uint32_t op = byte(s);
     struct dt_point p;
+    if (op >= 180 && s->live > 1) {
+        edit_constraints(s);
+        return;
+    }
     switch (s->live > 0 ? op % 9 : op % 9 / 4) {
     case 0:
     case 1:

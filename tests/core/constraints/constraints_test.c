@@ -495,6 +495,8 @@ TEST(views_have_the_constraints_and_the_triangulation_of_their_moment)
             begin_moment(&m, &then[i]);
         for (int i = 0; i < 40; i++) {
             step(&m);
+            if (below(4) == 0)
+                CHECK(dt_triangulate(m.t, &(struct dt_options){.rebuild = true}) == DT_OK);
             for (int k = 0; k < 3; k++)
                 check_moment(&m, &then[k]);
             struct moment *again = &then[below(3)];
@@ -530,6 +532,36 @@ TEST(constraints_between_aliases_follow_their_representatives)
         }
         dt_free(m.t);
     }
+}
+
+TEST(constraints_take_at_most_40_bytes_each_and_no_more_than_was_estimated)
+{
+    enum { N = 100000 };
+    struct dt *t = dt_new(0);
+    struct dt_point *p = malloc(N * sizeof *p);
+    struct dt_constraint *c = malloc(N * sizeof *c);
+    struct dt_added got;
+    struct dt_summary before, after;
+    size_t added;
+    uint32_t missing;
+    for (uint32_t i = 0; i < N; i++) {
+        p[i] = (struct dt_point){i, (double)(i % 100 * i % 7)};
+        c[i] = (struct dt_constraint){i, i + 1, false, i};
+    }
+    CHECK(dt_add(t, p, N, &got) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    for (uint32_t i = 0; i < 3; i++) /* the mesh gets room for edits */
+        CHECK(dt_add(t, &(struct dt_point){i + 0.5, 9}, 1, &got) == DT_OK);
+    CHECK(constrain_one(t, 0, 500) == DT_OK && release_one(t, 0, 500) == DT_OK);
+    dt_summary(t, &before);
+    size_t estimate = dt_constrain_memory(t, N - 1);
+    CHECK(dt_constrain(t, c, N - 1, NULL, &added, &missing) == DT_OK && added == N - 1);
+    dt_summary(t, &after);
+    CHECK(after.memory - before.memory <= 40 * (size_t)N + 65536);
+    CHECK(after.memory - before.memory <= estimate);
+    CHECK(dt_check(t, NULL, NULL) == DT_OK);
+    dt_free(t);
+    free(p);
+    free(c);
 }
 
 TEST(an_edit_of_constraints_beyond_its_limit_changes_nothing)

@@ -1,0 +1,167 @@
+/* constrained.cpp - constraints beside CGAL, in processor time of one thread.
+ *
+ *     constrained POINTS LONG_POINTS LONG
+ *
+ * First POINTS random points in rows of about a thousand, with constraints along the rows; ids are in random order. Then LONG
+ * constraints across all of LONG_POINTS random points. Both programs get the same; the best of three runs that alternate. */
+#include <stdatomic.h>
+extern "C" {
+#include "core/delaunay_constraints.h"
+}
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <numeric>
+#include <random>
+#include <vector>
+
+using kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using vertex_base = CGAL::Triangulation_vertex_base_with_info_2<uint32_t, kernel>;
+using face_base = CGAL::Constrained_triangulation_face_base_2<kernel>;
+using data = CGAL::Triangulation_data_structure_2<vertex_base, face_base>;
+using cdt = CGAL::Constrained_Delaunay_triangulation_2<kernel, data>;
+
+struct job {
+    std::vector<dt_point> points;
+    std::vector<dt_constraint> constraints;
+};
+
+static double seconds()
+{
+    timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/* In s[2]: all, and the constraints. */
+static void run_core(const job &j, double s[2])
+{
+    dt_added added;
+    size_t n;
+    uint32_t missing;
+    dt *t = dt_new(0);
+    double start = seconds();
+    if (dt_add(t, j.points.data(), j.points.size(), &added) != DT_OK ||
+        dt_triangulate(t, nullptr) != DT_OK)
+        exit(1);
+    double built = seconds();
+    if (dt_constrain(t, j.constraints.data(), j.constraints.size(), nullptr, &n, &missing) != DT_OK)
+        exit(1);
+    double end = seconds();
+    s[0] = std::min(s[0], end - start);
+    s[1] = std::min(s[1], end - built);
+    dt_free(t);
+}
+
+/* Constraints that are known before the triangulation. */
+static void run_bulk(const job &j, double s[2])
+{
+    dt_added added;
+    size_t n;
+    uint32_t missing;
+    dt *t = dt_new(0);
+    double start = seconds();
+    if (dt_add(t, j.points.data(), j.points.size(), &added) != DT_OK ||
+        dt_constrain(t, j.constraints.data(), j.constraints.size(), nullptr, &n, &missing) != DT_OK)
+        exit(1);
+    double declared = seconds();
+    if (dt_triangulate(t, nullptr) != DT_OK)
+        exit(1);
+    double end = seconds();
+    s[0] = std::min(s[0], end - start);
+    s[1] = std::min(s[1], declared - start);
+    dt_free(t);
+}
+
+static void run_cgal(const job &j, double s[2])
+{
+    double start = seconds();
+    cdt d;
+    std::vector<std::pair<kernel::Point_2, uint32_t>> points;
+    std::vector<cdt::Vertex_handle> handle(j.points.size());
+    for (uint32_t i = 0; i < j.points.size(); i++)
+        points.emplace_back(kernel::Point_2(j.points[i].x, j.points[i].y), i);
+    d.insert(points.begin(), points.end());
+    for (auto v = d.finite_vertices_begin(); v != d.finite_vertices_end(); ++v)
+        handle[v->info()] = v;
+    double built = seconds();
+    for (const dt_constraint &c : j.constraints)
+        d.insert_constraint(handle[c.a], handle[c.b]);
+    double end = seconds();
+    s[0] = std::min(s[0], end - start);
+    s[1] = std::min(s[1], end - built);
+}
+
+static job random_points(size_t n)
+{
+    job j;
+    std::mt19937_64 bits(1);
+    std::uniform_real_distribution<double> unit;
+    for (size_t i = 0; i < n; i++)
+        j.points.push_back({unit(bits), unit(bits)});
+    return j;
+}
+
+/* Along rows of about a thousand points each. */
+static job paths(size_t n)
+{
+    job j = random_points(n);
+    std::vector<uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0);
+    double rows = std::max(1.0, static_cast<double>(n) / 1000);
+    auto row = [&](uint32_t i) { return static_cast<long>(j.points[i].y * rows); };
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return row(a) != row(b) ? row(a) < row(b) : j.points[a].x < j.points[b].x;
+    });
+    for (size_t i = 1; i < n; i++)
+        if (row(order[i - 1]) == row(order[i]))
+            j.constraints.push_back({order[i - 1], order[i], false, 0});
+    return j;
+}
+
+/* One in each of `most` strips: from its leftmost point to its rightmost. */
+static job across(size_t n, size_t most)
+{
+    job j = random_points(n);
+    std::vector<uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return j.points[a].y < j.points[b].y; });
+    for (size_t i = 0; i < most; i++) {
+        auto from = order.begin() + static_cast<long>(i * n / most),
+             to = order.begin() + static_cast<long>((i + 1) * n / most);
+        auto by_x = [&](uint32_t a, uint32_t b) { return j.points[a].x < j.points[b].x; };
+        j.constraints.push_back(
+            {*std::min_element(from, to, by_x), *std::max_element(from, to, by_x), false, 0});
+    }
+    return j;
+}
+
+static void measure(const char *name, const job &j)
+{
+    double core[2] = {1e9, 1e9}, bulk[2] = {1e9, 1e9}, cgal[2] = {1e9, 1e9};
+    for (int i = 0; i < 3; i++) {
+        run_core(j, core);
+        run_bulk(j, bulk);
+        run_cgal(j, cgal);
+    }
+    printf("%-10s points %8zu constraints %7zu  CGAL %.3f s (constraints %.3f)  core %.3f (%.3f) = "
+           "%.2f  bulk %.3f = %.2f\n",
+           name, j.points.size(), j.constraints.size(), cgal[0], cgal[1], core[0], core[1],
+           core[0] / cgal[0], bulk[0], bulk[0] / cgal[0]);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 4)
+        return 2;
+    measure("paths", paths(strtoull(argv[1], nullptr, 10)));
+    measure("across", across(strtoull(argv[2], nullptr, 10), strtoull(argv[3], nullptr, 10)));
+    return 0;
+}
