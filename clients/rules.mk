@@ -101,7 +101,7 @@ uninstall:
 npm: all
 	$(call need,nodejs npm,command -v npm)
 	@rm -rf $(O)/npm && mkdir -p $(O)/npm/package/bin
-	@cp -r clients/js/*.js clients/js/*.mjs clients/js/*.ts clients/js/*.mts clients/js/*.json clients/js/README.md clients/js/lib LICENSE $(O)/npm/package
+	@cp -r clients/js/*.js clients/js/*.mjs clients/js/*.ts clients/js/*.mts clients/js/*.json clients/js/*.html clients/js/README.md clients/js/lib LICENSE $(O)/npm/package
 	@install $(O)/delaunayd $(O)/npm/package/bin
 	@cd $(O)/npm/package && npm pack --silent --pack-destination ..
 

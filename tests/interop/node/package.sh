@@ -39,7 +39,7 @@ has_version_of_daemon() {
     version=$("$build/delaunayd" --version) && [ "delaunayd $(node -p 'require("./clients/js/package.json").version')" = "$version" ]
 }
 
-holds_no_tests() { ! tar -tzf "$build"/npm/delaunayd-*.tgz | grep -v '^package/\(bin/delaunayd\|lib/[a-z0-9]*\.m\?js\|[a-zA-Z0-9-]*\.\(js\|mjs\|d\.ts\|d\.mts\|json\|md\)\|LICENSE\)$'; }
+holds_no_tests() { ! tar -tzf "$build"/npm/delaunayd-*.tgz | grep -v '^package/\(bin/delaunayd\|lib/[a-z0-9]*\.m\?js\|[a-zA-Z0-9-]*\.\(js\|mjs\|d\.ts\|d\.mts\|json\|html\|md\)\|LICENSE\)$'; }
 
 # As an ES module and as CommonJS.
 types_are_right() {
