@@ -70,7 +70,7 @@ static void add_stats(const struct server *s, struct facts *f)
     facts_add(f, "jobs_running", running);
     facts_add(f, "jobs_waiting", s->workers != NULL ? workers_backlog(s->workers) : 0);
     facts_add(f, "jobs_shared", s->count.shared);
-    facts_add(f, "slow", s->count.slow);
+    facts_add(f, "slow", requests.slow);
 }
 
 static void add_sets(const struct server *s, struct facts *f)

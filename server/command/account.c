@@ -38,9 +38,8 @@ static void note_slow(struct session *s, const struct stats_outcome *took)
                          .client = s->id,
                          .peer = s->peer};
     quote(s, entry.text);
-    loop_alone(s->conn.loop);
     slowlog_add(&s->server->slowlog, &entry);
-    s->server->count.slow++;
+    s->reactor->slow++;
 }
 
 void account_end(struct session *s, const struct answer *a, bool error)

@@ -27,7 +27,8 @@ struct reactor {
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     uint64_t commands;             /* carried out, successfully or not */
-    uint64_t errors;               /* of these, with an ERR reply */
+    uint64_t errors;               /* of these, with an ERR reply, */
+    uint64_t slow;                 /* and those in the slow log */
     struct stats stats;
 };
 

@@ -18,6 +18,7 @@ struct request_counts server_requests(const struct server *s)
     for (unsigned i = 0; i < s->reactors; i++) {
         all.commands += s->reactor[i].commands;
         all.errors += s->reactor[i].errors;
+        all.slow += s->reactor[i].slow;
     }
     return all;
 }

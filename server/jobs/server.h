@@ -19,7 +19,6 @@ struct counters {
     uint64_t refused;     /* connections: too many clients, no descriptors */
     uint64_t jobs;        /* submitted to the workers */
     uint64_t shared;      /* requests that got the result of another request's job */
-    uint64_t slow;        /* requests in the slow log */
     uint64_t killed;      /* clients, by CLIENT KILL */
     uint64_t watchers;    /* now: sets that connections watch, each counted for each of them */
     uint64_t events;      /* that these were sent */
@@ -106,9 +105,9 @@ static inline struct reservation server_reservation(struct server *s, enum budge
 const struct command_stats *server_stats(const struct server *s, size_t command,
                                          struct command_stats *sum);
 
-/* The requests that all reactors have carried out, and those with an ERR reply. */
+/* The requests that all reactors have carried out, of these those with an ERR reply, and those in the slow log. */
 struct request_counts {
-    uint64_t commands, errors;
+    uint64_t commands, errors, slow;
 } server_requests(const struct server *s);
 
 /* Resizes a reservation for a job. False: the request waits in the queue, if jobs that are under way will free

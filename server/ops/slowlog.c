@@ -7,27 +7,29 @@
 bool slowlog_init(struct slowlog *l, unsigned cap)
 {
     *l = (struct slowlog){.entry = calloc(cap + 1, sizeof *l->entry), .cap = cap};
+    pthread_mutex_init(&l->adding, NULL);
     return l->entry != NULL;
 }
 
 void slowlog_clear(struct slowlog *l)
 {
     free(l->entry);
+    pthread_mutex_destroy(&l->adding);
     *l = (struct slowlog){0};
 }
 
 bool slowlog_resize(struct slowlog *l, unsigned cap)
 {
-    struct slowlog other;
+    struct slow *entry = calloc(cap + 1, sizeof *entry);
     unsigned n = slowlog_len(l);
-    if (!slowlog_init(&other, cap))
+    if (entry == NULL)
         return false;
-    other.next = l->next;
-    other.first = l->next - (n < cap ? n : cap);
-    for (uint64_t id = other.first; id < other.next; id++)
-        other.entry[id % cap] = l->entry[id % l->cap];
-    slowlog_clear(l);
-    *l = other;
+    l->first = l->next - (n < cap ? n : cap);
+    for (uint64_t id = l->first; id < l->next; id++)
+        entry[id % cap] = l->entry[id % l->cap];
+    free(l->entry);
+    l->entry = entry;
+    l->cap = cap;
     return true;
 }
 
@@ -35,9 +37,11 @@ void slowlog_add(struct slowlog *l, const struct slow *entry)
 {
     if (l->cap == 0)
         return;
+    pthread_mutex_lock(&l->adding);
     struct slow *to = &l->entry[l->next % l->cap];
     *to = *entry;
     to->id = l->next++;
+    pthread_mutex_unlock(&l->adding);
 }
 
 unsigned slowlog_len(const struct slowlog *l)

@@ -6,6 +6,7 @@
 #include "proto/request.h"
 #include "server/system/sock.h"
 
+#include <pthread.h>
 #include <stdint.h>
 
 enum { SLOW_TEXT = 128 }; /* bytes of a request that are kept, the NUL included */
@@ -21,6 +22,8 @@ struct slow {
 };
 
 struct slowlog {
+    pthread_mutex_t
+        adding;         /* by threads that share the world (loop.h); for all else one is alone */
     struct slow *entry; /* owns; a ring */
     unsigned cap;
     uint64_t next;  /* the id of the next entry */
@@ -34,7 +37,7 @@ void slowlog_clear(struct slowlog *l);
 /* Changes the capacity to `cap`; the latest entries stay. False when out of memory. */
 bool slowlog_resize(struct slowlog *l, unsigned cap);
 
-/* Adds a copy of the entry with a new id, in place of the oldest one if the ring is full. Cost: O(1). */
+/* Adds a copy of the entry with a new id, in place of the oldest one if the ring is full. Several threads may add at once. Cost: O(1). */
 void slowlog_add(struct slowlog *l, const struct slow *entry);
 
 /* How many there are. */
