@@ -6,8 +6,8 @@
  * no buffers while it is idle. Its buffers count as memory of clients; when memory is short, it reads
  * and produces only as much as fits into small ones.
  *
- * What it does by itself, it does while its loop shares the world (loop.h). `data` and `room` are called in that state, `closed` when
- * the loop is alone.
+ * A connection receives and sends while its loop shares the world (loop.h). `data` and `room` are called in that state, `closed`
+ * when the loop is alone.
  *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
  * Only an error, a hang-up or a failed write means that the client has disconnected. */

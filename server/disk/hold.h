@@ -33,8 +33,8 @@ struct hold {
     } group[2];
 };
 
-/* All holds that wait, in no particular order; those of a reactor in a list of its own, to which it adds while it shares the
- * world (loop.h). */
+/* All holds that wait, in no particular order. Each reactor has a list of its own, because it adds to the list while it shares
+ * the world (loop.h). */
 struct holders {
     struct list holds[HOLD_REACTORS];
     uint64_t

@@ -2,8 +2,8 @@
  * after the other. All reactors are equal, except that the first one accepts connections and has the timers, workers
  * and files of the daemon. A connection stays with its reactor.
  *
- * What a reactor has is its own: it uses that while it shares the world (loop.h). Everything else of a server is the
- * world, which a reactor only reads while it shares it. */
+ * A reactor uses its own fields while it shares the world (loop.h). Everything else of a server is the world, which a
+ * reactor only reads while it shares the world. */
 #ifndef SERVER_REACTOR_H
 #define SERVER_REACTOR_H
 

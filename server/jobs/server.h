@@ -101,7 +101,8 @@ static inline struct reservation server_reservation(struct server *s, enum budge
     return (struct reservation){.budget = &s->budget, .kind = kind};
 }
 
-/* What all reactors have counted of a command (by index in the table of commands): its own, or the sum in *sum. */
+/* The statistics of a command, by its index in the table of commands. Those of several reactors are added up in *sum, which is
+ * returned. */
 const struct command_stats *server_stats(const struct server *s, size_t command,
                                          struct command_stats *sum);
 

@@ -1,4 +1,4 @@
-/* gate.h - a lock that a few threads share almost all the time, and that one of them closes now and then.
+/* gate.h - a lock that a few threads share almost all the time. Now and then one of the threads closes the lock.
  *
  * Each thread has a lane, which is a cache line of its own. A thread that enters writes only its lane, so threads that
  * share the gate never write the same line. Who closes the gate waits until all other lanes are empty. The idea is that of
@@ -8,8 +8,8 @@
  *     [ in ]   [    ]   [ in ]        open:   lanes enter and leave
  *     [    ]   [    ]   [    ]        closed: by lane 1, which is alone
  *
- * Whoever finds the gate closed, or wants to close it, takes a ticket, and tickets are served in order: neither those who
- * close it often nor those who share it can keep the others out. Waiting threads spin for a few microseconds, then sleep.
+ * Whoever finds the gate closed, or wants to close it, takes a ticket, and tickets are served in order. So neither threads that
+ * close the gate often nor threads that share it can keep others out. Waiting threads spin for a few microseconds, then sleep.
  * All operations are sequentially consistent: the store of a lane must not pass the load of `closed`. */
 #ifndef SERVER_GATE_H
 #define SERVER_GATE_H

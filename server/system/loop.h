@@ -8,10 +8,10 @@
  *     5. dispose of closed sources, for a millisecond, too
  * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
  *
- * The world is everything that loops have in common. A loop either shares the world with the others: then it changes
- * only what is its own; or it is alone in the world: then no other loop is in it, and it may change everything, what
- * belongs to other loops included. While a loop waits for events it is outside. One loop without others is always
- * alone. What runs, runs alone, unless its source or task says that it can share the world.
+ * The world is everything that loops have in common. A loop that shares the world with others changes only what is its
+ * own. A loop that is alone in the world may change everything, also what belongs to other loops: none of them is in the
+ * world then. While a loop waits for events it is outside. One loop without others is always alone. Sources and tasks run
+ * while the loop is alone, unless they say that they can share the world.
  *
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
  * round robin. So turns stay short however many tasks have much work, and tasks with little work run
