@@ -82,8 +82,8 @@ static bool lacks(struct leader *l, unsigned least)
     if (connected >= least)
         l->missing_ms = 0;
     else if (l->missing_ms == 0)
-        l->missing_ms = l->loop->now_ms;
-    return connected >= least ? answer < least : l->loop->now_ms - l->missing_ms >= GRACE_MS;
+        l->missing_ms = clock_ms();
+    return connected >= least ? answer < least : clock_ms() - l->missing_ms >= GRACE_MS;
 }
 
 /* Replies wait for --min-followers, unless these have been missing for a while. */
@@ -191,7 +191,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
     f->from = *from;
     f->peer = *peer;
     f->memory = server_reservation(s, BUDGET_CLIENTS);
-    f->since_ms = l->loop->now_ms;
+    f->since_ms = clock_ms();
     f->durable = l->durable = durable_status(s)->durable;
     durable_keep_log(s);
     if (!sender_start(f)) {
@@ -228,7 +228,7 @@ static void note_lag(struct leader *l, uint64_t last)
         if (f->acked >= last)
             f->behind_ms = 0;
         else if (f->behind_ms == 0)
-            f->behind_ms = l->loop->now_ms;
+            f->behind_ms = clock_ms();
     }
 }
 

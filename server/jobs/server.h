@@ -29,7 +29,8 @@ struct counters {
 /* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
 struct watching {
     struct list all, busy, now, deserted; /* owns those in `all` */
-    struct loop *loop; /* borrows; of the connections; NULL: nobody has watched */
+    struct loop *loop;    /* borrows; of the first reactor; NULL: nobody has watched */
+    int64_t processor_ns; /* of all reactors, up to their last events */
 };
 
 /* Sets without their triangulations, the smallest one last. */

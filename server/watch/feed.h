@@ -51,7 +51,7 @@ struct watched {
     struct stamps row_stamps,
         value_stamps;     /* of the row and the ring, and of the values of each id */
     int64_t retry_ms;     /* no triangulation for watchers before */
-    int64_t changed_ns;   /* the turn of the last change */
+    int64_t changed_ns;   /* when it was last changed */
     struct credit credit; /* of the time for events */
     struct timer due;     /* ends a delay of events */
     size_t feed_bytes;    /* of all feeds */

@@ -113,12 +113,17 @@ static bool refresh(struct server *s, struct watched *k)
 
 /* ---- when events are written ---- */
 
-/* Processor time of this thread: the time that others take on a busy machine does not count. */
-static int64_t processor_ns(void)
+/* Processor time of all reactors, as far as each has come when it is last called there: the time that others take on a
+ * busy machine does not count. */
+static int64_t processor_ns(struct server *s)
 {
+    static _Thread_local int64_t seen;
     struct timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+    int64_t now = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+    s->watching.processor_ns += now - seen;
+    seen = now;
+    return s->watching.processor_ns;
 }
 
 /* Whether the watchers of a set that is not being edited, or has credit, get events now. */
@@ -196,13 +201,13 @@ static bool is_busy(const struct watched *k)
 /* Some of what there is to do. */
 static void run(struct watched *k, struct turn *t)
 {
-    int64_t before = processor_ns();
+    int64_t before = processor_ns(k->server);
     if (k->set == NULL || prepare(k, before)) {
         credit_spend(&k->credit, (int64_t)serve(k, t) * SEND_NS);
         if (!list_is_empty(&k->queue))
             continue_soon(k->server);
     }
-    credit_spend(&k->credit, processor_ns() - before);
+    credit_spend(&k->credit, processor_ns(k->server) - before);
     count_memory(k);
 }
 
@@ -294,7 +299,7 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     k->set = set;
     k->version = set->version;
     k->ids = dt_next_id(set->current->dt);
-    k->credit = (struct credit){.ns = CREDIT_MOST, .processor = processor_ns()};
+    k->credit = (struct credit){.ns = CREDIT_MOST, .processor = processor_ns(s)};
     k->due.run = wake;
     k->memory = server_reservation(s, BUDGET_CLIENTS);
     dt_touched_begin(set->current->dt, false);
@@ -402,7 +407,7 @@ void watch_resume(struct session *who)
 
 void watch_changed(struct dataset *set)
 {
-    set->watched->changed_ns = set->watched->server->watching.loop->turn_ns;
+    set->watched->changed_ns = clock_ns();
     agenda_call(set->watched);
 }
 
