@@ -140,7 +140,9 @@ static bool take_points(struct session *s)
     if (s->load == NULL || !load_has_changed(s->load))
         return more;
     loop_alone(s->conn.loop);
-    return s->load != NULL ? settle_load(s, more) : more;
+    if (s->conn.closed || s->conn.finishing) /* meanwhile: what follows is not a request */
+        return false;
+    return settle_load(s, more);
 }
 
 bool session_step_load(struct session *s)
