@@ -136,33 +136,80 @@ static void *run_second(void *arg)
     return NULL;
 }
 
-/* The second loop sleeps; the first one, alone in the world, gives it something to do. */
-static void hand_over(bool shares)
+/* The second loop has nothing to do for days. */
+static void begin_loops(pthread_t *second)
 {
-    static struct chore chore;
-    pthread_t thread;
-    chore = (struct chore){.task = {.run = do_chore, .shares = shares}};
+    enum { LONG_MS = 1000 * 1000 * 1000 };
     CHECK(gate_init(&gate, 2) && loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
-    CHECK(pthread_create(&thread, NULL, run_second, NULL) == 0);
+    loop[1].next_tick_ms = loop[1].now_ms + LONG_MS;
+    CHECK(pthread_create(second, NULL, run_second, NULL) == 0);
+}
+
+/* The first loop is alone in the world while the second one waits for events. */
+static void be_alone_while_the_other_one_sleeps(void)
+{
     for (bool asleep = false; !asleep;) {
+        loop_leave(&loop[0]);
         loop_enter(&loop[0]);
         loop_alone(&loop[0]);
         asleep = loop[1].asleep;
-        if (asleep)
-            loop_defer(&loop[1], &chore.task);
-        loop_leave(&loop[0]);
     }
-    CHECK(pthread_join(thread, NULL) == 0);
-    CHECK(chore.ran && pthread_equal(chore.ran_on, thread) != 0 && chore.alone == !shares);
+}
+
+static void end_loops(pthread_t second)
+{
+    loop_leave(&loop[0]);
+    CHECK(pthread_join(second, NULL) == 0);
     loop_clear(&loop[0]);
     loop_clear(&loop[1]);
     gate_clear(&gate);
+}
+
+static void hand_over(bool shares)
+{
+    static struct chore chore;
+    pthread_t second;
+    chore = (struct chore){.task = {.run = do_chore, .shares = shares}};
+    begin_loops(&second);
+    be_alone_while_the_other_one_sleeps();
+    loop_defer(&loop[1], &chore.task);
+    end_loops(second);
+    CHECK(chore.ran && pthread_equal(chore.ran_on, second) != 0 && chore.alone == !shares);
 }
 
 TEST(task_that_another_loop_is_given_runs_there_at_once)
 {
     hand_over(false);
     hand_over(true);
+}
+
+static bool rang;
+
+static void ring(struct timer *t)
+{
+    (void)t;
+    rang = loop[1].alone;
+    loop_stop(&loop[1]);
+}
+
+TEST(timer_that_is_set_while_its_loop_sleeps_wakes_the_loop)
+{
+    static struct timer timer = {.run = ring};
+    pthread_t second;
+    begin_loops(&second);
+    be_alone_while_the_other_one_sleeps();
+    loop_at(&loop[1], &timer, clock_ms() + 20);
+    end_loops(second);
+    CHECK(rang);
+}
+
+TEST(loop_that_is_stopped_while_it_sleeps_ends)
+{
+    pthread_t second;
+    begin_loops(&second);
+    be_alone_while_the_other_one_sleeps();
+    loop_stop(&loop[1]);
+    end_loops(second);
 }
 
 TEST(loop_that_is_outside_is_not_made_alone_by_another_thread)
