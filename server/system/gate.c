@@ -1,13 +1,15 @@
 /* gate.c - see gate.h. */
 #include "server/system/gate.h"
 
-#include <linux/futex.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 enum { SPINS = 200 }; /* about 4 us, which is what a request takes */
+
+/* Those of linux/futex.h, which not every C library has. */
+enum { FUTEX_WAIT_HERE = 0 | 128, FUTEX_WAKE_HERE = 1 | 128 };
 
 static inline void spin(void)
 {
@@ -21,12 +23,12 @@ static inline void spin(void)
 /* Waits until *word is not `value` any more; a wake-up may come early. */
 static void sleep_while(atomic_uint *word, unsigned value)
 {
-    syscall(SYS_futex, word, FUTEX_WAIT_PRIVATE, value, NULL, NULL, 0);
+    syscall(SYS_futex, word, FUTEX_WAIT_HERE, value, NULL, NULL, 0);
 }
 
 static void wake_all(atomic_uint *word)
 {
-    syscall(SYS_futex, word, FUTEX_WAKE_PRIVATE, INT32_MAX, NULL, NULL, 0);
+    syscall(SYS_futex, word, FUTEX_WAKE_HERE, INT32_MAX, NULL, NULL, 0);
 }
 
 bool gate_init(struct gate *g, unsigned lanes)

@@ -35,11 +35,25 @@ static double median_ping_ms(int fd)
     return ms[PINGS / 2];
 }
 
+/* Reactors that all have work take turns on the processors: the longest time of a PING, in ms. */
+static double patience_ms(int fd)
+{
+    enum { MOST_MS = 5 };
+    unsigned n = 0, lines = 0;
+    double reactors = 1, processors = (double)sysconf(_SC_NPROCESSORS_ONLN);
+    say(fd, "INFO server\n");
+    CHECK(sscanf(hear_line(fd), "OK %u", &lines) == 1);
+    while (lines-- > 0)
+        if (sscanf(hear_line(fd), "reactors:%u", &n) == 1)
+            reactors = n;
+    return MOST_MS * (reactors > processors ? reactors / processors : 1);
+}
+
 static void expect_no_delay(int fd)
 {
     double ms = median_ping_ms(fd);
     if (!test_is_sanitized())
-        CHECK_MSG(ms < 5, "a PING takes %.2f ms", ms);
+        CHECK_MSG(ms < patience_ms(fd), "a PING takes %.2f ms", ms);
 }
 
 TEST_TIMEOUT(clients_that_read_a_large_reply_slowly_delay_nobody, 60)
