@@ -127,9 +127,64 @@ static enum dt_status search_on(struct search *s, const struct dt_place *q, stru
     return st;
 }
 
+/* ---- one ---- */
+
+/* The nearest corner so far of the triangles visited; ties by id. */
+static void consider(const struct dt *t, struct dt_point q, uint32_t v, struct dt_candidate *best)
+{
+    struct dt_candidate c = dt_candidate(t, q, v);
+    int sign = dt_compare_candidates(t, q, c, *best);
+    if (sign < 0 || (sign == 0 && t->points.id[v] < t->points.id[best->v]))
+        *best = c;
+}
+
+/* Whether the edge p-r may meet the open disc around q, on whose circle is a vertex, or which has none inside. If the place of
+ * the edge next to q is an end, it does not. */
+static bool meets_disc(struct dt_point q, struct dt_point p, struct dt_point r, double square)
+{
+    double dx = r.x - p.x, dy = r.y - p.y, past = 0x1p-40 * (dx * dx + dy * dy);
+    double from_p = (q.x - p.x) * dx + (q.y - p.y) * dy,
+           from_r = (q.x - r.x) * dx + (q.y - r.y) * dy;
+    return from_p > -past && from_r < past &&
+           dt_edge_least(q, p, r) <= square * (1 + 4 * DT_DISTANCE_BOUND);
+}
+
+/* The nearest vertex if q is inside of the triangle of h and few triangles meet the disc up to it, which are visited: edges that meet
+ * an open disc without vertices divide it into a tree. DT_NONE: unknown. */
+static uint32_t nearest_at_once(const struct dt *t, struct dt_point q, uint32_t h)
+{
+    enum { MOST = 32 };
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    uint32_t edge[2 * MOST + 3], n = 0, base = dt_base(h);
+    struct dt_candidate best = dt_candidate(t, q, dt_origin(m, base));
+    for (uint32_t k = base; k < base + 3; k++) {
+        consider(t, q, dt_origin(m, k), &best);
+        edge[n++] = k;
+    }
+    for (uint32_t visited = 0; n > 0;) {
+        uint32_t k = edge[--n], g = dt_twin(m, k), apex = dt_apex_of(m, g);
+        if (apex == DT_NONE || !meets_disc(q, xy[dt_origin(m, k)], xy[dt_origin(m, g)], best.d))
+            continue;
+        if (visited++ == MOST)
+            return DT_NONE;
+        consider(t, q, apex, &best);
+        edge[n++] = dt_next(g);
+        edge[n++] = dt_prev(g);
+    }
+    return best.v;
+}
+
+/* ---- any number ---- */
+
 enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, uint32_t k,
                                 struct dt_stop *work, struct dt_ids *out)
 {
+    uint32_t h, v = DT_NONE;
+    if (k == 1 && dt_find(t, q, &h) != DT_OUTSIDE)
+        v = nearest_at_once(t, q->at, h);
+    if (v != DT_NONE)
+        return dt_ids_append(out, v);
     struct search s = {
         .t = t, .work = work, .cap = FEW, .near = dt_near_of(q->at, t->points.id, k)};
     size_t n = out->n;

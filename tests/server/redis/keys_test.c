@@ -174,8 +174,10 @@ TEST(unlink_counts_a_set_for_which_it_had_to_wait)
     answers(fd, "CREATE a", "+OK\r\n");
     load_random(fd, "b", 300000);
     answers(fd, "CREATE c", "+OK\r\n");
+    await_info(&d, "jobs_running", 0);
+    uint64_t jobs = daemon_info(&d, "jobs");
     say(other, "TRIANGULATE b\n");
-    while (daemon_info(&d, "jobs_running") == 0 && daemon_info(&d, "command_TRIANGULATE") == 0)
+    while (daemon_info(&d, "jobs") == jobs)
         pause_ms(1);
     answers(fd, "UNLINK a b c", ":3\r\n");
     CHECK(strncmp(hear_line(other), "OK 0 points=", 12) == 0);
