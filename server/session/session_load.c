@@ -137,7 +137,7 @@ static bool take_points(struct session *s)
     bool more = s->load->parser != NULL
                     ? parse_load(s)
                     : receive_load(s) || (s->load->parser == NULL && feed_load(s));
-    if (s->load == NULL || !load_has_changed(s->load))
+    if (!load_has_changed(s->load))
         return more;
     loop_alone(s->conn.loop);
     if (s->conn.closed || s->conn.finishing) /* meanwhile: what follows is not a request */

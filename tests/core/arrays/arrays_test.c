@@ -208,7 +208,8 @@ static void check_within(struct made *m, const struct brute *b)
                     append_ids(&want, &id, 1);
         if (want.n > 0)
             qsort(want.v, want.n, sizeof *want.v, compare_ids);
-        check_equal_ids("within", &(struct dt_ids){got.v + from, end[i] - from, 0}, &want);
+        size_t n = end[i] - from;
+        check_equal_ids("within", &(struct dt_ids){n == 0 ? NULL : got.v + from, n, 0}, &want);
         free(want.v);
     }
     dt_arrays_release(got.v);
