@@ -12,7 +12,7 @@ enum {
     CELLS = 64,          /* read at a time */
     CELL_TEXT = 256,     /* bytes of a usual one, about */
     TABLE_WORDS = 4096,  /* read from a table at a time */
-    PART_IDS = 1000,     /* of a part: ids of a table or rows of a list, about 48 KB of text, */
+    PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KB of text, */
     PART_BINARY = 1800,  /* or in binary: 36 to 58 KB, */
     PART_CELLS = 150,    /* of a part: cells, */
     PART_MADE = 600,     /* the same in binary, */

@@ -395,7 +395,7 @@ TEST_TIMEOUT(clients_get_an_error_while_the_directory_is_read, 60)
     carry_out(&d, "ADD t 1 1\nADD t 2 2\nTRIANGULATE t\n");
     daemon_stop(&d, SIGKILL);
     snprintf(path, sizeof path, "%s/socket", dir.path);
-    set_disk(&dir, "stall", 2, 1, 700);
+    set_disk(&dir, "stall", 4, 1, 1500); /* longer than the conversation below, on a busy machine */
     pid_t pid = fork();
     CHECK(pid >= 0);
     if (pid == 0) {
