@@ -32,6 +32,7 @@ static const struct description descriptions[] = {
     {"pid", GAUGE, "Process id."},
     {"uptime_s", GAUGE, "Time since the start."},
     {"threads", GAUGE, "Threads for long requests."},
+    {"reactors", GAUGE, "Threads that serve connections."},
     {"clients", GAUGE, "Connections."},
     {"max_clients", GAUGE, "Most connections at once."},
     {"connections", COUNTER, "Connections that were accepted."},
