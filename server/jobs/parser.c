@@ -218,7 +218,7 @@ const char *parser_rest(const struct parser *p, size_t *n)
 {
     const struct block *k = &p->block[(p->begun ? p->filling : p->filling - 1) % p->most];
     *n = k->n - k->whole;
-    return k->text + k->whole;
+    return k->text == NULL ? "" : k->text + k->whole;
 }
 
 /* ---- appending ---- */

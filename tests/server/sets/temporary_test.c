@@ -66,7 +66,11 @@ TEST(temporary_set_that_another_client_writes_ends_after_that)
     expect(owner, "OK 0\n");
     load_random(other, "t", 300000);
     await_info(&d, "clients", 3); /* with the one that asks */
+    await_info(&d, "jobs_running", 0);
+    uint64_t jobs = daemon_info(&d, "jobs");
     say(other, "TRIANGULATE t\n");
+    while (daemon_info(&d, "jobs") == jobs)
+        pause_ms(1);
     close(owner);
     await_info(&d, "clients", 2);
     CHECK(strncmp(hear_line(other), "OK 0 points=300000", 18) == 0);
