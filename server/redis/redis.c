@@ -256,8 +256,9 @@ static const struct row {
     unsigned least, most; /* words, including the name; most 0: any number */
     const char *usage;    /* the answer if there are others; NULL: the handler checks them */
     bool sets;            /* it needs redis_sees_sets */
+    bool shares;          /* it reads nothing but the request, so the reactor need not be alone */
 } table[] = {
-    {"PING", .handler = ping},
+    {"PING", .handler = ping, .shares = true},
     {"HELLO", .handler = hello},
     {"AUTH", .handler = auth, .least = 2, .most = 3, .usage = "AUTH [user] token"},
     {"RESET", .handler = redis_reset},
@@ -363,7 +364,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     const struct row *row = choose(s, q, a);
     if (row == NULL)
         return false;
-    if (!world_alone(a))
+    if (!row->shares && !world_alone(a))
         return true;
     struct buf *out = a->out;
     size_t mark = buf_len(out);
