@@ -1,6 +1,7 @@
 /* memory_test.c - the memory that clients can make a daemon use stays below --max-memory, and all of them
  * are answered. */
 #include "tests/server/directory.h"
+#include "tests/server/said.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -333,28 +334,15 @@ TEST_TIMEOUT(bodies_reserve_memory_as_they_grow_and_are_refused_if_they_do_not_f
 
 /* ---- a restart with less memory than before ---- */
 
-/* A daemon on the directory whose standard error goes to a file, which is returned. */
-static FILE *begin_noted(const struct directory *dir, const char *max_memory, struct daemon *d)
+/* A daemon on the directory, and what it says. */
+static struct said begin_noted(const struct directory *dir, const char *max_memory,
+                               struct daemon *d)
 {
     const char *arguments[] = {"--max-memory", max_memory, NULL};
-    int before = dup(STDERR_FILENO);
-    FILE *notes = tmpfile();
-    CHECK(notes != NULL && before >= 0 && dup2(fileno(notes), STDERR_FILENO) >= 0);
+    struct said said = said_begin();
     *d = directory_daemon(dir, arguments);
-    CHECK(dup2(before, STDERR_FILENO) >= 0);
-    close(before);
-    return notes;
-}
-
-static bool file_has(FILE *f, const char *text)
-{
-    char line[400];
-    bool found = false;
-    rewind(f);
-    while (!found && fgets(line, sizeof line, f) != NULL)
-        found = strstr(line, text) != NULL;
-    fclose(f);
-    return found;
+    said_end(&said);
+    return said;
 }
 
 TEST_TIMEOUT(sets_larger_than_max_memory_survive_a_restart_and_can_shrink, 60)
@@ -363,15 +351,15 @@ TEST_TIMEOUT(sets_larger_than_max_memory_survive_a_restart_and_can_shrink, 60)
     static const char warning[] = "points can be deleted, but not added";
     struct directory dir = directory_new();
     struct daemon d;
-    FILE *notes = begin_noted(&dir, "64m", &d);
+    struct said said = begin_noted(&dir, "64m", &d);
     load_random(daemon_connect(&d), "a", POINTS);
     load_random(daemon_connect(&d), "b", POINTS);
     carry_out(&d, "TRIANGULATE a\nDEL a 7\n");
     CHECK(daemon_stop(&d, SIGKILL) == -1);
-    CHECK(!file_has(notes, warning));
-    notes = begin_noted(&dir, "1m", &d);
+    CHECK(said_lines(&said, warning) == 0);
+    said = begin_noted(&dir, "1m", &d);
     await_info(&d, "loaded_percent", 100);
-    CHECK(file_has(notes, warning));
+    said_await(&said, warning, 1);
     int fd = daemon_connect(&d);
     say(fd, "SETS\nADD a 2 2\nDEL a 8\nSNAPSHOT\nDROP b\n");
     expect(fd, "OK 2\na points=19999 triangulated=yes\nb points=20000 triangulated=no\n");
@@ -381,7 +369,7 @@ TEST_TIMEOUT(sets_larger_than_max_memory_survive_a_restart_and_can_shrink, 60)
     expect(fd, "OK 0\n");
     await_info(&d, "snapshot_running", 0);
     CHECK(daemon_stop(&d, SIGKILL) == -1);
-    fclose(begin_noted(&dir, "64m", &d));
+    begin_noted(&dir, "64m", &d);
     await_info(&d, "loaded_percent", 100);
     converse(&d, "SETS\nADD a 2 2\n",
              "OK 1\na points=19998 triangulated=yes\nOK 0 first=20000 added=1 coincident=0\n");

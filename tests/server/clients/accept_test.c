@@ -1,6 +1,7 @@
 /* accept_test.c - accepting connections when that fails, or when there are too many.
  * tests/faults/syscall_shim.c, found through SYSCALL_SHIM, makes calls fail. */
 #include "tests/server/daemon.h"
+#include "tests/server/said.h"
 #include "tests/test.h"
 
 #include <errno.h>
@@ -31,25 +32,6 @@ static struct daemon start_with_shim(struct shared **shared)
     unlink(path);
     *shared = at;
     return d;
-}
-
-/* Redirects standard error, which daemons inherit, to a file until say_again. */
-static int silence(FILE **f)
-{
-    int before = dup(STDERR_FILENO);
-    *f = tmpfile();
-    CHECK(*f != NULL && before >= 0 && dup2(fileno(*f), STDERR_FILENO) >= 0);
-    return before;
-}
-
-static unsigned lines_since(FILE *f, int before)
-{
-    unsigned n = 0;
-    CHECK(dup2(before, STDERR_FILENO) >= 0);
-    rewind(f);
-    for (int c; (c = getc(f)) != EOF;)
-        n += c == '\n';
-    return n;
 }
 
 TEST(accepting_that_fails_for_a_while_costs_nothing_and_goes_on)
@@ -98,9 +80,9 @@ TEST(clients_without_a_descriptor_fill_no_log)
 {
     enum { CLIENTS = 90, ROUNDS = 5 };
     int fd[CLIENTS];
-    FILE *log;
-    int before = silence(&log);
+    struct said said = said_begin();
     struct daemon d = daemon_start(NULL);
+    said_end(&said);
     int known = daemon_connect(&d);
     say(known, "PING\n");
     expect(known, "OK 0\n");
@@ -121,7 +103,7 @@ TEST(clients_without_a_descriptor_fill_no_log)
     }
     CHECK(info_of(known, "refused") > ROUNDS * 20);
     double took = seconds() - start; /* there is a message a second at most */
-    unsigned lines = lines_since(log, before);
-    CHECK_MSG(lines >= 1 && lines <= 3 + took, "%u lines in %.1f s", lines, took);
     daemon_end(&d);
+    unsigned lines = said_lines(&said, "");
+    CHECK_MSG(lines >= 1 && lines <= 3 + took, "%u lines in %.1f s", lines, took);
 }

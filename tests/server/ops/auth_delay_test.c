@@ -1,6 +1,7 @@
 /* auth_delay_test.c - clients that guess tokens are slowed down, whatever they try, and others are not. */
 #include "server/ops/auth_delay.h"
 #include "tests/server/daemon.h"
+#include "tests/server/said.h"
 #include "tests/test.h"
 
 #include <arpa/inet.h>
@@ -100,7 +101,7 @@ TEST(addresses_that_do_not_fit_into_the_table_replace_those_with_shorter_delays)
 
 /* ---- conversations ---- */
 
-static struct daemon start_with_token(FILE **log)
+static struct daemon start_with_token(struct said *said)
 {
     char path[] = "/tmp/delaunayd-test-XXXXXX";
     const char *arguments[] = {"--auth-file", path, NULL};
@@ -108,11 +109,9 @@ static struct daemon start_with_token(FILE **log)
     int file = mkstemp(path);
     CHECK(file >= 0 && write(file, tokens, sizeof tokens - 1) == (ssize_t)sizeof tokens - 1);
     close(file);
-    int before = dup(STDERR_FILENO);
-    *log = tmpfile();
-    CHECK(*log != NULL && dup2(fileno(*log), STDERR_FILENO) >= 0);
+    *said = said_begin();
     struct daemon d = daemon_start(arguments);
-    CHECK(dup2(before, STDERR_FILENO) >= 0);
+    said_end(said);
     unlink(path);
     return d;
 }
@@ -145,8 +144,8 @@ TEST(guesses_on_one_connection_become_slow_in_both_framings)
     static const char hello[] = "*5\r\n$5\r\nHELLO\r\n$1\r\n2\r\n$4\r\nAUTH\r\n$1\r\n"
                                 "u\r\n$2\r\nno\r\n";
     static const char *const guess[] = {"AUTH no\n", "*2\r\n$4\r\nAUTH\r\n$2\r\nno\r\n", hello};
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     for (size_t i = 0; i < sizeof guess / sizeof guess[0]; i++) {
         int fd = daemon_connect(&d);
         say_often(fd, guess[i], 1000);
@@ -158,8 +157,8 @@ TEST(guesses_on_one_connection_become_slow_in_both_framings)
 
 TEST(reader_that_guesses_the_token_of_writers_is_slow_too)
 {
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     int fd = daemon_connect(&d);
     say(fd, "AUTH reader\n");
     expect(fd, "OK 0 role=ro\n");
@@ -203,8 +202,8 @@ TEST(guesses_on_many_connections_share_the_queue_of_their_address)
 {
     enum { CONNECTIONS = 100 };
     int fd[CONNECTIONS];
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     int known = known_client(&d);
     double start = seconds();
     guess_on(&d, fd, CONNECTIONS);
@@ -217,8 +216,8 @@ TEST(guesses_on_many_connections_share_the_queue_of_their_address)
 
 TEST(guesses_of_clients_that_disconnect_at_once_share_the_queue_too)
 {
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     int known = known_client(&d);
     double start = seconds();
     for (int i = 0; i < 300; i++) {
@@ -248,8 +247,8 @@ TEST(clients_with_a_token_get_in_while_strangers_guess)
 {
     enum { CONNECTIONS = 200 };
     int fd[CONNECTIONS];
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     int known = known_client(&d);
     guess_on(&d, fd, CONNECTIONS);
     double start = seconds();
@@ -270,8 +269,8 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
     enum { MOST = 4 };
     static const char evicted[] = "ERR BUSY too many clients, and this one has not authenticated\n";
     int stranger[MOST], known[MOST];
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     known[0] = known_client(&d);
     say(known[0], "CONFIG SET max-clients 4\n");
     expect(known[0], "OK 0\n");
@@ -310,26 +309,21 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
 
 TEST(wrong_tokens_are_reported_with_their_address_and_do_not_flood_the_log)
 {
-    char line[300];
-    unsigned lines = 0;
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     for (int i = 0; i < 15; i++)
         converse(&d, "AUTH no\n", "ERR DENIED no such token\n");
-    rewind(log);
-    while (fgets(line, sizeof line, log) != NULL) {
-        CHECK(strstr(line, "warning: client ") != NULL && strstr(line, " of 127.0.0.1:") != NULL);
-        CHECK(strstr(line, " sent a wrong token ") != NULL && strstr(line, "no ") == NULL);
-        lines++;
-    }
-    CHECK(lines == 1);
     CHECK(info(known_client(&d), "wrong_tokens") == 15);
+    daemon_end(&d);
+    CHECK(said_lines(&said, "warning: client ") == 1 && said_lines(&said, " of 127.0.0.1:") == 1);
+    CHECK(said_lines(&said, " sent a wrong token ") == 1 && said_lines(&said, "no ") == 0);
+    CHECK(said_lines(&said, "") == 1);
 }
 
 TEST(token_that_waits_is_abandoned_with_its_request)
 {
-    FILE *log;
-    struct daemon d = start_with_token(&log);
+    struct said said;
+    struct daemon d = start_with_token(&said);
     int fd = daemon_connect(&d);
     say_often(fd, "AUTH no\n", 4);
     for (int i = 0; i < 4; i++)
