@@ -1,9 +1,9 @@
 /* idmap.c - the paged map from ids to values; see idmap.h.
  *
- *     page    0 1 2 ...   127 | 128 ...      255 | 256 | 257 |        the first 128 pages in a block,
- *             |_______________|                     |                 the next block freed, then
- *                     |                             |                 pages of their own
- *                 2 MiB                          16 KiB */
+ *     page    0 1 2 ...   511 | 512 ...     1023 | 1024 | 1025 |      the first 512 pages in a block,
+ *             |_______________|                      |                the next block freed, then
+ *                     |                              |                pages of their own
+ *                 2 MiB                            4 KiB */
 #include "core/points/idmap.h"
 
 #include <stdlib.h>
@@ -13,6 +13,7 @@
 #include "core/memory/pages.h"
 
 #define PAGE_BYTES (DT_ID_PAGE * sizeof(uint32_t))
+#define FEW_EMPTY 32                        /* pages that are not worth a search */
 #define WORTH_A_BLOCK (DT_ID_BLOCK / 4 * 3) /* of its pages, wanted at once */
 
 _Static_assert(DT_ID_BLOCK *PAGE_BYTES == DT_HUGE_PAGE, "a block is a huge page");
@@ -143,7 +144,7 @@ void dt_idmap_unset(struct dt_idmap *m, uint32_t id)
 
 void dt_idmap_trim(struct dt_idmap *m)
 {
-    if (m->empty < 8)
+    if (m->empty < FEW_EMPTY)
         return;
     for (uint32_t i = 0; i < m->pages;) {
         uint32_t end = i + extent(m, i), at = i;

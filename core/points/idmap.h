@@ -12,9 +12,9 @@
 #include "core/delaunay.h"
 #include "core/memory/memory.h"
 
-#define DT_ID_PAGE 4096u
+#define DT_ID_PAGE 1024u /* 4 KiB: what a small set takes */
 
-#define DT_ID_BLOCK 128u /* pages; the first one's number is a multiple of it */
+#define DT_ID_BLOCK 512u /* pages; the first one's number is a multiple of it */
 
 struct dt_id_page {
     uint32_t *value; /* owns DT_ID_PAGE words, alone or in a block; NULL: no id of it is live */

@@ -16,7 +16,7 @@
 
 enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3 };
 enum {
-    DROPPED = 4
+    DROPPED = 16
 }; /* pages of the map that are dropped at a time when no image is read any more */
 
 void dt_images_clear(struct dt_images *s)

@@ -50,6 +50,17 @@ TEST(empty_and_tiny_sets_have_a_triangulation)
     }
 }
 
+TEST(a_small_living_set_takes_a_few_pages_of_memory)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    for (int i = 0; i < 5; i++)
+        CHECK(dt_add(t, &square[i], 1, &added) == DT_OK);
+    CHECK_MSG(summary_of(t).memory < 10000, "%zu bytes", summary_of(t).memory);
+    dt_free(t);
+}
+
 TEST(edits_after_triangulate_are_seen_after_refresh)
 {
     struct dt *t = square_set();
