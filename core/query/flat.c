@@ -24,39 +24,42 @@ struct flat {
         *place_of; /* 4 * place + corner, the place from write_triangles on; DT_NONE: no triangle */
 };
 
-/* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. */
+/* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. Without a branch where ids
+ * are compared: it would be unpredictable. */
 static void count(const struct flat *f)
 {
-    const struct dt_mesh *m = &f->t->mesh;
-    const uint32_t *id = f->t->points.id;
-    for (uint32_t i = 0; i < m->tri_end; i++) {
-        const uint32_t *corner = &m->half[(size_t)8 * i];
-        f->place_of[i] = DT_NONE;
+    const uint32_t *half = f->t->mesh.half, *id = f->t->points.id;
+    uint32_t *start = f->start, *place_of = f->place_of;
+    for (uint32_t i = 0, end = f->t->mesh.tri_end; i < end; i++) {
+        const uint32_t *corner = &half[(size_t)8 * i];
+        place_of[i] = DT_NONE;
         if (corner[2] == DT_NONE || corner[2] == DT_DEAD)
             continue;
         uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]];
-        uint32_t ab = a < b ? a : b;
-        f->place_of[i] = c < ab ? 2 : b < a;
-        f->start[(c < ab ? c : ab) + 1]++;
+        uint32_t at_b = b < a, least = a ^ ((a ^ b) & (0 - at_b));
+        uint32_t at_c = c < least;
+        place_of[i] = (at_b & (at_c - 1)) | at_c << 1;
+        start[(least ^ ((least ^ c) & (0 - at_c))) + 1]++;
     }
-    for (uint32_t k = 0; k < f->t->points.next_id; k++)
-        f->start[k + 1] += f->start[k];
+    for (uint32_t k = 0, ids = f->t->points.next_id; k < ids; k++)
+        start[k + 1] += start[k];
 }
 
 /* Puts every triangle among those with the same smallest id; start[id] becomes where these end. */
 static void distribute(const struct flat *f)
 {
     static const uint32_t next[] = {1, 2, 0, 1};
-    const struct dt_mesh *m = &f->t->mesh;
+    const uint32_t *half = f->t->mesh.half, *place_of = f->place_of;
     const uint32_t *id = f->t->points.id, *after = f->cw ? next + 1 : next;
-    for (uint32_t i = 0; i < m->tri_end; i++) {
-        uint32_t k = f->place_of[i];
+    uint32_t *start = f->start;
+    struct entry *entry = f->entry;
+    for (uint32_t i = 0, end = f->t->mesh.tri_end; i < end; i++) {
+        uint32_t k = place_of[i];
         if (k == DT_NONE)
             continue;
-        const uint32_t *corner = &m->half[(size_t)8 * i];
+        const uint32_t *corner = &half[(size_t)8 * i];
         uint32_t second = after[k], third = 3 - k - second;
-        f->entry[f->start[id[corner[k]]]++] =
-            (struct entry){id[corner[second]], id[corner[third]], i};
+        entry[start[id[corner[k]]]++] = (struct entry){id[corner[second]], id[corner[third]], i};
     }
 }
 
