@@ -63,7 +63,10 @@ enum dt_status {
     DT_CROSSES,
     DT_CONSTRAINED,
     DT_NOCONSTRAINT,
-    DT_NOTDELAUNAY /* core/delaunay_constraints.h */
+    DT_NOTDELAUNAY,
+    DT_UNSURVEYED,
+    DT_NOREGION,
+    DT_OPEN /* core/delaunay_constraints.h */
 };
 
 /* A sentence for people, for any number: a static string. */
@@ -162,9 +165,8 @@ struct dt_pages_summary {
 /* A snapshot of the figures; while other threads use the keeper, each may be of another moment. */
 void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out);
 
-/* Grows an array from the keeper, which may be NULL, so that it has room for `bytes`, and keeps the first
- * `used` of them. The caller owns it and releases it by dt_pages_release. NULL: out of memory, the array is
- * unchanged. */
+/* Grows an array from the keeper, which may be NULL, so that it has room for `bytes`, and keeps the first `used` of
+ * them. The caller owns it and releases it by dt_pages_release. NULL: out of memory, the array is unchanged. */
 void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes);
 
 /* Nothing for NULL. */
@@ -265,7 +267,7 @@ void dt_built(struct dt *t, struct dt_build *b);
 void dt_summary(const struct dt *t, struct dt_summary *out);
 
 /* Proves the triangulation exactly: every unconstrained edge locally Delaunay under the canonical tie rule, twins and rings
- * consistent, Euler's formula, the hull convex, every representative a vertex, constraints chains of edges. DT_CORRUPT
+ * consistent, Euler's formula, the hull convex, every representative a vertex, constraints and regions. DT_CORRUPT
  * points *fault (may be NULL) to a static sentence. Cost: linear. */
 enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const char **fault);
 
@@ -481,9 +483,8 @@ enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_locati
 enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
                                struct dt_location *out);
 
-/* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by
- * id: exact order. Cost: O(1) expected for k = 1, else O(k log k), and the degrees of the first
- * k - 1. */
+/* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by id: exact order.
+ * Cost: O(1) expected for k = 1, else O(k log k), and the degrees of the first k - 1. */
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out);
 enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
                                 const struct dt_options *opt, struct dt_ids *out);
@@ -560,8 +561,7 @@ struct dt_sweep {
     struct dt_near *near; /* owns: the nearest so far */
 };
 
-/* Reads the next rows; their number is that of the first call. May run beside functions that only
- * read the set. */
+/* Reads the next rows; their number is that of the first call. May run beside functions that only read the set. */
 enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct dt_sweep *s,
                              size_t rows);
 

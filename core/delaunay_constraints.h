@@ -78,6 +78,51 @@ enum dt_status dt_delete_cascade(struct dt *t, const uint32_t *ids, size_t n,
 enum dt_status dt_move_many(struct dt *t, const uint32_t *ids, const struct dt_point *to, size_t n,
                             const struct dt_options *opt, uint32_t *missing);
 
+/* ---- regions ----
+ *
+ * A place is inside the border of number k if a way from there to infinity that meets no vertex crosses the border
+ * constraints of that number an odd number of times, each as often as constraints cover the edge. The border is closed
+ * if every representative is the end of an even number of them; nothing is inside an open one. "Inside" alone means
+ * inside at least one.
+ *
+ * Regions are found by dt_survey. Edits of points and of lines keep them current; a change of borders, or of the place of
+ * an end of one, or a rebuild, does not: then the queries answer DT_UNSURVEYED. */
+
+/* Finds the regions of a set whose triangulation is current (else DT_UNTRIANGULATED); cheap if they are known. opt may be
+ * NULL: its flag is polled, and DT_TOOLONG is returned at once if there are more triangles than steps. Cost: the
+ * edges of borders, and the triangles. */
+enum dt_status dt_survey(struct dt *t, const struct dt_options *opt);
+
+/* Whether they are known; a set without borders has none. */
+bool dt_surveyed(const struct dt *t);
+
+/* An upper bound of the bytes that dt_survey touches at its peak beyond dt_summary.memory. Cost: O(triangles). */
+size_t dt_survey_memory(const struct dt *t);
+
+struct dt_region {
+    uint32_t number;
+    bool closed;
+    uint32_t triangles; /* inside; none if it is open */
+    double area;        /* of them all: the exact one, rounded once */
+};
+
+/* All borders, by number, in an array that *rows is set to and the caller frees. *inside: of all that is inside one,
+ * each triangle once; its number means nothing. Cost: linear. */
+enum dt_status dt_regions(const struct dt *t, struct dt_region **rows, size_t *n,
+                          struct dt_region *inside);
+
+/* Appends to *in the numbers of the borders that have the place inside, and to *on those whose region it is on the edge
+ * of: some way from there is inside and some other one is not. Each ascending. Cost: as dt_locate, and the logarithm of
+ * the borders for each; at a vertex, for each triangle there. */
+enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, struct dt_ids *in,
+                             struct dt_ids *on);
+
+/* Appends the rows of DT_TRIANGLES or DT_EDGES, in their order, that are inside the border of the number, or inside any
+ * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. DT_NOREGION, DT_OPEN. opt may be NULL: its
+ * flag is polled. Cost: about twice that of reading the table. */
+enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
+                         const struct dt_options *opt, struct dt_ids *out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,7 @@ void dt_constraints_free(struct dt_constraints *c)
     dt_declared_clear(&c->declared);
     dt_enforcer_clear(&c->enforcer);
     dt_history_clear(&c->history);
+    dt_regions_clear(&c->regions);
     free(c);
 }
 
@@ -18,7 +19,7 @@ size_t dt_constraints_memory(const struct dt_constraints *c)
     return c == NULL
                ? 0
                : sizeof *c + dt_declared_memory(&c->declared) + dt_enforcer_memory(&c->enforcer) +
-                     c->history.cap * sizeof *c->history.change;
+                     dt_regions_memory(&c->regions) + c->history.cap * sizeof *c->history.change;
 }
 
 enum dt_status dt_constraints_copy(const struct dt_constraints *c, struct dt_constraints **copy)

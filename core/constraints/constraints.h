@@ -5,11 +5,13 @@
 #include "core/constraints/declared.h"
 #include "core/constraints/enforce.h"
 #include "core/constraints/history.h"
+#include "core/constraints/regions.h"
 
 struct dt_constraints {
     struct dt_declared declared;
     struct dt_enforcer enforcer;
     struct dt_history history; /* of those declared, for views */
+    struct dt_regions regions; /* of those declared; empty after a change of borders */
     struct dt_crossed crossed; /* see dt_crossed */
 };
 

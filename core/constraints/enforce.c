@@ -171,6 +171,7 @@ static uint32_t fill_part(struct dt_enforcer *e, const uint32_t *edge, size_t n)
 {
     struct dt_mesh *m = e->mesh;
     uint32_t spares = 0, first = dt_base(edge[0]);
+    e->pocket.face = dt_face(m, first);
     if (e->changes != NULL)
         report_stars(e, edge, n);
     for (size_t i = 0; i <= n; i++)

@@ -34,6 +34,7 @@ struct fill {
     const struct dt_point *centre;
     bool closed;
     uint32_t first, last, left; /* corners */
+    uint32_t face;
 };
 
 static struct dt_point place(const struct fill *f, uint32_t i)
@@ -65,7 +66,7 @@ static void cut(struct fill *f, uint32_t i, uint32_t t)
 {
     struct dt_side *a = &f->side[f->side[i].prev], *b = &f->side[i];
     dt_set_corners(f->m, t, a->origin, b->origin, f->side[b->next].origin);
-    f->m->half[t + 3] = 0;
+    dt_face_begin(f->m, t, f->face);
     join(f, t, a);
     join(f, t + 1, b);
     a->half = t + 2;
@@ -94,7 +95,7 @@ uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_
                         bool closed, const struct dt_point *centre, const uint32_t *spare,
                         uint32_t *spares, struct dt_suspects *suspects)
 {
-    struct fill f = {p->side, m, xy, centre, closed, 0, p->n - 1, p->n};
+    struct fill f = {p->side, m, xy, centre, closed, 0, p->n - 1, p->n, p->face};
     link_ring(p);
     if (!closed && p->n == 2) {
         uint32_t half = p->side[0].half;

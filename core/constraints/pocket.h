@@ -30,6 +30,7 @@ struct dt_side {
 struct dt_pocket {
     struct dt_side *side; /* owns `cap` */
     uint32_t n, cap;
+    uint32_t face; /* of its triangles (core/mesh/fixed.h) */
 };
 
 void dt_pocket_clear(struct dt_pocket *p);

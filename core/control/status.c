@@ -20,6 +20,9 @@ const char *dt_status_text(enum dt_status status)
         [DT_CONSTRAINED] = "the point is the end of a constraint",
         [DT_NOCONSTRAINT] = "there is no such constraint",
         [DT_NOTDELAUNAY] = "not defined in a set with constraints",
+        [DT_UNSURVEYED] = "borders have changed since regions were found",
+        [DT_NOREGION] = "there is no border of this number",
+        [DT_OPEN] = "the border of this number is open",
         [DT_TOOLONG] = "more steps are needed than the caller allows",
     };
     size_t i = (size_t)status; /* a caller may have any number in an enum */

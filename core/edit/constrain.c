@@ -69,9 +69,17 @@ static void report_crossing(struct dt *t, const struct dt_constraint *c, struct 
     }
 }
 
+/* A border comes, goes or moves. */
+static void forget_regions(struct dt *t, const struct dt_constraint *c)
+{
+    if (c->border)
+        dt_regions_clear(&t->constraints->regions);
+}
+
 /* c, ends ascending, becomes a chain of edges of the live mesh. */
 static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struct dt_stop *work)
 {
+    forget_regions(t, c);
     uint32_t a = dt_points_vertex(&t->points, c->a), b = dt_points_vertex(&t->points, c->b);
     if (a == b)
         return dt_work(work, 1);
@@ -98,6 +106,7 @@ void dt_release_row(struct dt *t, uint32_t row)
 {
     struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
     uint32_t a = dt_points_vertex(&t->points, c.a), b = dt_points_vertex(&t->points, c.b);
+    forget_regions(t, &c);
     if (a == b)
         return;
     struct dt_enforcer *e = enforcer(t);
@@ -181,6 +190,7 @@ enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop)
     const struct dt_changes *changes = t->scratch.changes;
     t->scratch.enforcer = &t->constraints->enforcer;
     t->scratch.changes = NULL; /* nobody reads the stars of a mesh that is not finished */
+    dt_regions_clear(&t->constraints->regions);
     enum dt_status status = constrain_in_order(t, stop);
     if (status == DT_CROSSES)
         status = constrain_sorted(t, stop);
@@ -230,6 +240,7 @@ void dt_constraints_tidy(struct dt *t)
     struct dt_crossed crossed = t->constraints->crossed;
     dt_declared_clear(&t->constraints->declared);
     dt_enforcer_clear(&t->constraints->enforcer);
+    dt_regions_clear(&t->constraints->regions);
     dt_fixed_end(&t->mesh);
     t->scratch.enforcer = NULL;
     t->constraints->crossed = crossed; /* may still be asked for */

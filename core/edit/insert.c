@@ -185,22 +185,27 @@ static void fill_at_hull(struct dt_mesh *m, const struct dt_cavity *c, uint32_t 
         m->leaving[v] = dt_prev(first);
 }
 
-/* The star of v has replaced the cavity: the edges of the rim are fixed as they were; the spokes are not. */
+/* The star of v has replaced the cavity, which was of one face: the edges of the rim are fixed as they were; the spokes
+ * are not. */
 static void carry_fixed(struct dt_mesh *m, const struct dt_cavity *c)
 {
+    uint32_t face = dt_face(m, c->record[0]);
     for (uint32_t i = 0; i < c->rims; i++)
-        m->half[c->record[i] + 3] = 0;
+        dt_face_begin(m, c->record[i], face);
     for (uint32_t i = 0; i < c->rims; i++)
         dt_fixed_mark(m, dt_twin(m, c->rim[i].beyond), dt_is_fixed(m, c->rim[i].beyond));
 }
 
-/* The spoke of v to a corner u of the rim becomes fixed. */
-static void fix_spoke(struct dt_mesh *m, const struct dt_cavity *c, uint32_t u, uint32_t covers)
+/* The spoke of v to a corner u of the rim becomes fixed, and the triangles from there to the corner w are of the face. */
+static void fix_spoke(struct dt_mesh *m, const struct dt_cavity *c, uint32_t u, uint32_t covers,
+                      uint32_t w, uint32_t face)
 {
     uint32_t i = 0;
     while (c->rim[i].origin != u)
         i++;
     dt_fix(m, dt_prev(dt_twin(m, c->rim[i].beyond)), covers);
+    for (; c->rim[i].origin != w; i = i + 1 < c->rims ? i + 1 : 0)
+        dt_face_set(m, c->record[i], face);
 }
 
 /* Replaces the triangles of the cavity, and two records more, by the star of v. */
@@ -320,10 +325,11 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
 static void split_fixed(struct dt_mesh *m, uint32_t half, uint32_t v, struct dt_cavity *c)
 {
     uint32_t a = dt_origin(m, half), b = dt_dest(m, half), covers = dt_fixed_count(m, half);
+    uint32_t left = dt_face(m, half), right = dt_face(m, dt_twin(m, half));
     dt_unfix(m, half, covers);
     fill_with_star(m, c, v);
-    fix_spoke(m, c, a, covers);
-    fix_spoke(m, c, b, covers);
+    fix_spoke(m, c, a, covers, b, right);
+    fix_spoke(m, c, b, covers, a, left);
 }
 
 enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,

@@ -23,6 +23,7 @@ struct hole {
     uint32_t spares;
     uint32_t fixed[2], n_fixed; /* corners of the rim at the ends of fixed spokes */
     uint32_t covers;            /* constraints that run through v */
+    uint32_t face[2]; /* of the triangles between them, from either one on; else face[0] of all */
 };
 
 /* The half edge from v in the i-th triangle of the star: to the i-th corner of the rim. */
@@ -38,6 +39,7 @@ static uint32_t spoke(const struct hole *w, uint32_t v, uint32_t i)
 static bool look_for_fixed(struct hole *w, uint32_t v)
 {
     w->n_fixed = 0;
+    w->face[0] = dt_face(w->m, w->c->record[0]);
     for (uint32_t i = 0; i < w->c->rims; i++) {
         uint32_t h = spoke(w, v, i);
         if (!dt_is_fixed(w->m, h))
@@ -45,6 +47,7 @@ static bool look_for_fixed(struct hole *w, uint32_t v)
         if (w->n_fixed == 2)
             return false;
         w->covers = dt_fixed_count(w->m, h);
+        w->face[w->n_fixed] = dt_face(w->m, h);
         w->fixed[w->n_fixed++] = i;
     }
     if (w->n_fixed == 0)
@@ -53,12 +56,13 @@ static bool look_for_fixed(struct hole *w, uint32_t v)
                                           w->xy[w->c->rim[w->fixed[1]].origin]) == 0;
 }
 
-/* Fills what is between the corners lo and hi of the rim, and counts on beyond its end if hi is smaller. Returns what
- * is on the inside of the edge from hi to lo. */
-static uint32_t fill(struct hole *w, uint32_t lo, uint32_t hi, bool closed)
+/* Fills what is between the corners lo and hi of the rim, and counts on beyond its end if hi is smaller, with triangles
+ * of the face. Returns what is on the inside of the edge from hi to lo. */
+static uint32_t fill(struct hole *w, uint32_t lo, uint32_t hi, bool closed, uint32_t face)
 {
     uint32_t n = w->c->rims, i = lo;
     w->e->pocket.n = 0;
+    w->e->pocket.face = face;
     for (;;) {
         dt_pocket_add(&w->e->pocket, w->c->rim[i].origin, w->c->rim[i].beyond);
         if (i == hi)
@@ -72,11 +76,11 @@ static uint32_t fill(struct hole *w, uint32_t lo, uint32_t hi, bool closed)
 static void fill_inside(struct hole *w)
 {
     if (w->n_fixed == 0) {
-        fill(w, 0, w->c->rims - 1, true);
+        fill(w, 0, w->c->rims - 1, true, w->face[0]);
         return;
     }
-    uint32_t one = fill(w, w->fixed[0], w->fixed[1], false);
-    uint32_t other = fill(w, w->fixed[1], w->fixed[0], false);
+    uint32_t one = fill(w, w->fixed[0], w->fixed[1], false, w->face[0]);
+    uint32_t other = fill(w, w->fixed[1], w->fixed[0], false, w->face[1]);
     dt_link(w->m, one, other);
     dt_fix(w->m, one, w->covers);
 }
@@ -104,10 +108,10 @@ static void fill_at_hull(struct hole *w)
     m->ghosts -= 2;
     for (uint32_t i = 0; i + 1 < k; i++) {
         uint32_t lo = hull[i], hi = hull[i + 1];
-        inner = fill(w, lo, hi, false);
+        inner = fill(w, lo, hi, false, w->face[0]);
         uint32_t g = w->c->record[--w->spares];
         dt_set_corners(m, g, rim[lo].origin, rim[hi].origin, DT_NONE);
-        m->half[g + 3] = 0;
+        dt_face_begin(m, g, 0);
         dt_fixed_mark(m, g, dt_is_fixed(m, inner));
         dt_link(m, g, inner);
         dt_link(m, g + 2, before);

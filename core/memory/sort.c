@@ -3,6 +3,7 @@
 #include "core/memory/sort.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/memory/memory.h"
 
@@ -78,6 +79,53 @@ size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt
             ids[kept++] = ids[i];
     return kept;
 }
+
+/* ---- keys ---- */
+
+static int compare_keys(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Sorts by the digit at `shift`, into `out`; false: all have the same one, nothing is done. */
+static bool keys_by_digit(const uint64_t *key, size_t n, unsigned shift, uint64_t *out)
+{
+    size_t at[DIGITS] = {0}, place = 0;
+    for (size_t i = 0; i < n; i++)
+        at[key[i] >> shift & (DIGITS - 1)]++;
+    if (at[key[0] >> shift & (DIGITS - 1)] == n)
+        return false;
+    for (size_t d = 0; d < DIGITS; d++) {
+        size_t here = at[d];
+        at[d] = place;
+        place += here;
+    }
+    for (size_t i = 0; i < n; i++)
+        out[at[key[i] >> shift & (DIGITS - 1)]++] = key[i];
+    return true;
+}
+
+void dt_sort_keys(uint64_t *key, size_t n)
+{
+    uint64_t *other = n < FEW ? NULL : dt_array_new(n, sizeof *other), *from = key, *to = other;
+    if (other == NULL) {
+        if (n > 1)
+            qsort(key, n, sizeof *key, compare_keys);
+        return;
+    }
+    for (unsigned shift = 0; shift < 64; shift += BITS)
+        if (keys_by_digit(from, n, shift, to)) {
+            uint64_t *swap = from;
+            from = to;
+            to = swap;
+        }
+    if (from != key)
+        memcpy(key, from, n * sizeof *key);
+    dt_array_free(other);
+}
+
+/* ---- search ---- */
 
 bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id)
 {

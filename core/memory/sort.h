@@ -11,6 +11,9 @@ void dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop
 /* The same, and leaves each id once. Returns how many are left. */
 size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop);
 
+/* Sorts n keys. Cost: O(n), and 8 bytes for each meanwhile; without that memory O(n log n). */
+void dt_sort_keys(uint64_t *key, size_t n);
+
 /* Whether id is one of n ascending ids. Cost: O(log n). */
 bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id);
 

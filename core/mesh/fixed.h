@@ -4,6 +4,10 @@
  * k is fixed, and then its twin's is, too. A mesh without fixed edges has m->fixed == NULL; these words mean nothing
  * then, so that builds and edits need not write them.
  *
+ * The other 29 bits of the word are the number of a face, the same for all triangles that are connected without a fixed
+ * edge in between (core/constraints/regions.h); or they mean nothing, but edits carry them from triangles to those that
+ * replace them.
+ *
  * Several constraints may cover an edge. An edge that is fixed is covered once, unless the table says how many times
  * more. */
 #ifndef DT_FIXED_H
@@ -25,6 +29,24 @@ static inline void dt_fixed_mark(struct dt_mesh *m, uint32_t h, bool fixed)
 {
     uint32_t bit = 1u << (h & 3), *word = &m->half[h | 3];
     *word = fixed ? *word | bit : *word & ~bit;
+}
+
+/* The face of the triangle of h. */
+static inline uint32_t dt_face(const struct dt_mesh *m, uint32_t h)
+{
+    return m->half[h | 3] >> 3;
+}
+
+/* The triangle of h belongs to the face; none of its edges is fixed. */
+static inline void dt_face_begin(struct dt_mesh *m, uint32_t h, uint32_t face)
+{
+    m->half[h | 3] = face << 3;
+}
+
+/* The same, and its edges are fixed as they are. */
+static inline void dt_face_set(struct dt_mesh *m, uint32_t h, uint32_t face)
+{
+    m->half[h | 3] = (m->half[h | 3] & 7) | face << 3;
 }
 
 /* How many constraints cover the edge of h. */

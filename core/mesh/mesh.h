@@ -4,7 +4,7 @@
  * 2) runs counterclockwise from corner k to corner k + 1 with the triangle on its left:
  *
  *      half[8t + 0..2]   the three corners (vertices), the origins of the half edges
- *      half[8t + 3]      which of the half edges are fixed (fixed.h)
+ *      half[8t + 3]      which of the half edges are fixed, and a number (fixed.h)
  *      half[8t + 4..6]   the twins of the half edges: the same edges seen from the triangles beyond
  *
  *                  v2

@@ -255,6 +255,14 @@ static void check_constraints(struct check *c)
     expect(c, c->cancelled || covers == 0, "the counts of constraints on edges are wrong");
 }
 
+static void check_regions(struct check *c)
+{
+    const struct dt_constraints *k = c->t->constraints;
+    if (dt_is_constrained(c->t) && k->regions.current)
+        expect(c, dt_regions_hold(&k->regions, c->m, &c->t->points, &k->declared),
+               "regions are not what borders enclose");
+}
+
 /* Ids, aliases and vertices refer to one another. */
 static void check_ids(struct check *c)
 {
@@ -303,7 +311,8 @@ enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const 
         return s;
     struct check c = {.t = t, .m = &t->mesh, .xy = t->points.xy, .opt = opt};
     void (*const step[])(struct check *) = {check_records, check_rings, check_geometry,
-                                            check_ids,     check_hints, check_constraints};
+                                            check_ids,     check_hints, check_constraints,
+                                            check_regions};
     for (size_t i = 0; i < sizeof step / sizeof *step && c.fault == NULL && !c.cancelled; i++)
         step[i](&c);
     if (c.cancelled)

@@ -60,10 +60,13 @@ void answer_status(struct answer *a, enum dt_status status)
         else
             answer_err(a, ERR_CANCELLED, "cancelled; nothing has changed");
         break;
-    case DT_CROSSES: /* no request declares constraints, so these four do not happen */
+    case DT_CROSSES: /* no request declares constraints, so these do not happen */
     case DT_CONSTRAINED:
     case DT_NOCONSTRAINT:
     case DT_NOTDELAUNAY:
+    case DT_UNSURVEYED:
+    case DT_NOREGION:
+    case DT_OPEN:
     case DT_CORRUPT:
         answer_err(a, ERR_CORRUPT, "the triangulation is inconsistent");
         break;

@@ -223,6 +223,8 @@ static void check(const struct script *s, uint32_t salt)
     struct dt_summary sum;
     dt_summary(s->set, &sum);
     require(sum.points == s->live && dt_refresh(s->set, NULL) == DT_OK);
+    if ((s->ids & 3) != 0) /* else regions are as edits have left them */
+        require(dt_survey(s->set, NULL) == DT_OK);
     require(dt_check(s->set, NULL, NULL) == DT_OK);
     struct dt *fresh = fresh_set(s, salt & 1 ? DT_DIVIDE : DT_SHELLING);
     for (enum dt_table table = DT_POINTS; table <= DT_TRIANGLES; table++)

@@ -1,6 +1,6 @@
 /* demand_test.c - operations use no more memory than dt_build_memory and similar functions return,
  * nor much less: measured by the peak resident memory of this process. */
-#include "core/delaunay.h"
+#include "core/delaunay_constraints.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
@@ -208,4 +208,33 @@ TEST_TIMEOUT(papers_engine_needs_no_more_memory_than_predicted, 60)
         dt_free(t);
         free(p);
     }
+}
+
+/* Every cell of a lattice is a region of its own. */
+TEST(a_survey_of_many_regions_needs_no_more_memory_than_predicted)
+{
+    enum { SIDE = 300 };
+    struct dt *t = dt_new(0);
+    struct dt_added a;
+    struct dt_point *p = malloc(SIDE * SIDE * sizeof *p);
+    struct dt_constraint *c = malloc(4 * SIDE * SIDE * sizeof *c);
+    size_t n = 0, added;
+    uint32_t missing;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
+        p[i] = (struct dt_point){i % SIDE, i / SIDE};
+    for (uint32_t i = 0; i < SIDE * (SIDE - 1); i++)
+        for (uint32_t k = 0; k < 4 && (i + 1) % SIDE != 0; k++) {
+            const uint32_t ring[] = {i, i + 1, i + SIDE + 1, i + SIDE};
+            c[n++] = (struct dt_constraint){ring[k], ring[(k + 1) % 4], true, i};
+        }
+    CHECK(dt_add(t, p, SIDE * SIDE, &a) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_constrain(t, c, n, NULL, &added, &missing) == DT_OK && added == n);
+    bool counting = begin();
+    size_t said = dt_survey_memory(t);
+    CHECK(dt_survey(t, NULL) == DT_OK);
+    if (counting)
+        check_peak("survey", "cells", said);
+    free(p);
+    free(c);
+    dt_free(t);
 }

@@ -4,6 +4,7 @@
 
 #include "core/memory/arena.h"
 #include "core/memory/memory.h"
+#include "core/memory/sort.h"
 #include "tests/test.h"
 
 TEST(arrays_keep_their_items_while_they_grow_from_small_to_large)
@@ -71,4 +72,21 @@ TEST(arena_allocates_only_its_own_free_memory)
         memset(dt_arena_take(&a, 1, 16), 7, 16);
     CHECK(dt_arena_take(&a, SIZE_MAX / 4, 16) == NULL);
     dt_arena_clear(&a);
+}
+
+TEST(keys_are_sorted_by_all_of_their_bits)
+{
+    static const size_t sizes[] = {0, 1, 2, 999, 1000, 5000};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
+        for (unsigned shift = 0; shift < 64; shift += 9) {
+            uint64_t key[5000], sum = 0;
+            for (size_t i = 0; i < sizes[k]; i++)
+                sum += key[i] = test_random() >> shift;
+            dt_sort_keys(key, sizes[k]);
+            for (size_t i = 0; i < sizes[k]; i++)
+                sum -= key[i];
+            for (size_t i = 1; i < sizes[k]; i++)
+                CHECK(key[i - 1] <= key[i]);
+            CHECK(sum == 0);
+        }
 }

@@ -1,0 +1,59 @@
+/* sum_test.c - exact sums of cross products, beside numbers of 2,560 bits. */
+#include "core/exact/sum.h"
+
+#include <math.h>
+
+#include "core/exact/bignum.h"
+#include "tests/test.h"
+
+/* Of any size that coordinates may have. */
+static double coordinate(void)
+{
+    double v = ldexp((double)(test_random() >> 11), (int)(test_random() % 340) - 53 - 142);
+    return test_random() % 2 == 0 ? v : -v;
+}
+
+static void add_product(struct dt_big *sum, double a, double b, bool minus)
+{
+    struct dt_big x, y;
+    dt_big_of(a, &x);
+    dt_big_of(b, &y);
+    dt_big_multiply(&x, &y, &x);
+    if (minus)
+        dt_big_subtract(sum, &x, sum);
+    else
+        dt_big_add(sum, &x, sum);
+}
+
+TEST(half_the_sum_of_cross_products_is_rounded_once)
+{
+    for (int round = 0; round < 2000; round++) {
+        struct dt_sum sum = {0};
+        struct dt_big exact;
+        dt_big_of(0, &exact);
+        for (uint64_t n = test_random() % 20; n > 0; n--) {
+            struct dt_point a = {coordinate(), coordinate()}, b = {coordinate(), coordinate()};
+            bool back = test_random() % 3 == 0; /* terms that cancel */
+            for (int k = 0; k < 1 + back; k++) {
+                struct dt_point p = k == 0 ? a : b, q = k == 0 ? b : a;
+                dt_sum_cross(&sum, p, q);
+                add_product(&exact, p.x, q.y, false);
+                add_product(&exact, p.y, q.x, true);
+            }
+        }
+        CHECK(dt_sum_half(&sum) == (exact.sign == 0 ? 0 : dt_big_nearest(&exact) / 2));
+    }
+}
+
+TEST(sums_of_the_largest_and_least_terms_lose_nothing)
+{
+    struct dt_sum sum = {0};
+    const double most = 0x1p201, least = 0x1p-142;
+    dt_sum_cross(&sum, (struct dt_point){least, 0}, (struct dt_point){0, least});
+    for (int i = 0; i < 1000; i++)
+        dt_sum_cross(&sum, (struct dt_point){most, -most}, (struct dt_point){most, most});
+    for (int i = 0; i < 1000; i++)
+        dt_sum_cross(&sum, (struct dt_point){most, most}, (struct dt_point){most, -most});
+    CHECK(dt_sum_half(&sum) == least * least / 2);
+    CHECK(dt_sum_half(&(struct dt_sum){0}) == 0);
+}
