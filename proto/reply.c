@@ -24,6 +24,10 @@ static const char *const code_name[] = {
     [ERR_NOEDGE] = "NOEDGE",
     [ERR_NOTRIANGLE] = "NOTRIANGLE",
     [ERR_NOFIELD] = "NOFIELD",
+    [ERR_NOCONSTRAINT] = "NOCONSTRAINT",
+    [ERR_CROSSES] = "CROSSES",
+    [ERR_CONSTRAINED] = "CONSTRAINED",
+    [ERR_NOTDELAUNAY] = "NOTDELAUNAY",
     [ERR_UNTRIANGULATED] = "UNTRIANGULATED",
     [ERR_TOOLONG] = "TOOLONG",
     [ERR_TOOBIG] = "TOOBIG",
@@ -272,6 +276,16 @@ static char *write_doubles(char *to, const void *numbers, size_t n)
         to = write_value(to, value);
     }
     return to;
+}
+
+void reply_row_constraint(struct buf *out, uint32_t a, uint32_t b, bool border, uint32_t number)
+{
+    reply_u64(out, a);
+    buf_append_char(out, ' ');
+    reply_u64(out, b);
+    buf_append_text(out, border ? " border " : " line ");
+    reply_u64(out, number);
+    reply_end(out);
 }
 
 void reply_row_numbers(struct buf *out, const void *numbers, size_t n)

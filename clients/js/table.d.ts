@@ -16,10 +16,8 @@ export interface Table {
   stat(set: string, options?: RequestOptions): Promise<{ points: number; coincident: number; triangulated: boolean; triangles: number; edges: number; hull: number; memory: number; tol: number; fields?: number; temporary?: boolean; ttl?: number; version: number }>;
   /** A number of everything in a set: equal sets have the same. Resolves with `digest`. */
   digest(set: string, options?: RequestOptions): Promise<string>;
-  /** Deletes points. Resolves with `deleted`. */
-  delete(set: string, ids: Iterable<number>, options?: RequestOptions): Promise<number>;
-  /** Moves a point, which keeps its id. */
-  move(set: string, id: number, x: number, y: number, options?: RequestOptions): Promise<void>;
+  /** Deletes points; with CASCADE also the constraints that end there. Resolves with `deleted`. */
+  delete(set: string, ids: Iterable<number>, options?: RequestOptions & { cascade?: boolean }): Promise<number>;
   /** Deletes a field. */
   dropField(set: string, field: string, options?: RequestOptions): Promise<void>;
   /** Computes the Delaunay triangulation, which edits then keep current. */

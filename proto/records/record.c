@@ -13,6 +13,8 @@ enum {
     POINT_BYTES = 16,
     ROW_BYTES = 24,
     PAIR_BYTES = 12, /* an id and its value */
+    CONSTRAINT_BYTES = 12,
+    MOVE_BYTES = 20,
     VERSION_BYTES = 8,
     NAME_AT = RECORD_HEADER
 };
@@ -126,6 +128,11 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
 
 /* ---- writing records ---- */
 
+uint32_t record_version(enum record_type type)
+{
+    return type >= RECORD_CONSTRAIN ? RECORD_VERSION : RECORD_VERSION_PLAIN;
+}
+
 size_t record_item_size(enum record_type type)
 {
     switch (type) {
@@ -133,6 +140,7 @@ size_t record_item_size(enum record_type type)
     case RECORD_CHUNK:
         return POINT_BYTES;
     case RECORD_DELETE:
+    case RECORD_CASCADE:
         return sizeof(uint32_t);
     case RECORD_ROWS:
         return ROW_BYTES;
@@ -140,43 +148,83 @@ size_t record_item_size(enum record_type type)
         return PAIR_BYTES;
     case RECORD_VALUES:
         return sizeof(double);
+    case RECORD_CONSTRAIN:
+    case RECORD_RELEASE:
+        return CONSTRAINT_BYTES;
+    case RECORD_MOVES:
+        return MOVE_BYTES;
     default:
         return 0;
     }
 }
 
+static void write_doubles(char *to, const double *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        put_f64(to + 8 * i, v[i]);
+}
+
+static void write_words(char *to, const uint32_t *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        put_u32(to + 4 * i, v[i]);
+}
+
+static void write_rows(char *to, const struct record_row *row, size_t n)
+{
+    for (size_t i = 0; i < n; i++, to += ROW_BYTES) {
+        put_u32(to, row[i].id);
+        put_u32(to + 4, row[i].representative);
+        put_f64(to + 8, row[i].x);
+        put_f64(to + 16, row[i].y);
+    }
+}
+
+static void write_pairs(char *to, const struct record_value *pair, size_t n)
+{
+    for (size_t i = 0; i < n; i++, to += PAIR_BYTES) {
+        put_u32(to, pair[i].id);
+        put_f64(to + 4, pair[i].value);
+    }
+}
+
+static void write_moves(char *to, const struct record_move *move, size_t n)
+{
+    for (size_t i = 0; i < n; i++, to += MOVE_BYTES) {
+        put_u32(to, move[i].id);
+        put_f64(to + 4, move[i].x);
+        put_f64(to + 12, move[i].y);
+    }
+}
+
+_Static_assert(sizeof(struct record_constraint) == CONSTRAINT_BYTES, "a constraint is three words");
+
 static void write_items(char *to, const struct record *r)
 {
-    const double *xy = r->items;
-    const uint32_t *id = r->items;
-    const struct record_row *row = r->items;
-    const struct record_value *pair = r->items;
-    switch (record_item_size(r->type)) {
-    case POINT_BYTES:
-        for (size_t i = 0; i < 2 * (size_t)r->n; i++)
-            put_f64(to + 8 * i, xy[i]);
+    switch (r->type) {
+    case RECORD_ADD:
+    case RECORD_CHUNK:
+        write_doubles(to, r->items, 2 * (size_t)r->n);
         break;
-    case sizeof(double):
-        for (size_t i = 0; i < r->n; i++)
-            put_f64(to + 8 * i, xy[i]);
+    case RECORD_VALUES:
+        write_doubles(to, r->items, r->n);
         break;
-    case PAIR_BYTES:
-        for (size_t i = 0; i < r->n; i++, to += PAIR_BYTES) {
-            put_u32(to, pair[i].id);
-            put_f64(to + 4, pair[i].value);
-        }
+    case RECORD_FSET:
+        write_pairs(to, r->items, r->n);
         break;
-    case sizeof(uint32_t):
-        for (size_t i = 0; i < r->n; i++)
-            put_u32(to + 4 * i, id[i]);
+    case RECORD_DELETE:
+    case RECORD_CASCADE:
+        write_words(to, r->items, r->n);
         break;
-    case ROW_BYTES:
-        for (size_t i = 0; i < r->n; i++, to += ROW_BYTES) {
-            put_u32(to, row[i].id);
-            put_u32(to + 4, row[i].representative);
-            put_f64(to + 8, row[i].x);
-            put_f64(to + 16, row[i].y);
-        }
+    case RECORD_CONSTRAIN:
+    case RECORD_RELEASE:
+        write_words(to, r->items, 3 * (size_t)r->n);
+        break;
+    case RECORD_ROWS:
+        write_rows(to, r->items, r->n);
+        break;
+    case RECORD_MOVES:
+        write_moves(to, r->items, r->n);
         break;
     default:
         break;
@@ -339,4 +387,16 @@ void record_row_at(const struct record *r, uint32_t i, struct record_row *row)
     const char *from = (const char *)r->items + (size_t)i * ROW_BYTES;
     *row = (struct record_row){get_u32(from), get_u32(from + 4), get_f64(from + 8),
                                get_f64(from + 16)};
+}
+
+void record_constraint_at(const struct record *r, uint32_t i, struct record_constraint *constraint)
+{
+    const char *from = (const char *)r->items + (size_t)i * CONSTRAINT_BYTES;
+    *constraint = (struct record_constraint){get_u32(from), get_u32(from + 4), get_u32(from + 8)};
+}
+
+void record_move_at(const struct record *r, uint32_t i, struct record_move *move)
+{
+    const char *from = (const char *)r->items + (size_t)i * MOVE_BYTES;
+    *move = (struct record_move){get_u32(from), get_f64(from + 4), get_f64(from + 12)};
 }

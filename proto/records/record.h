@@ -39,7 +39,9 @@
  * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0; fields: the length of a field's name, which was 0, the types from
  * RECORD_FSET on, and RECORD_HAS_FIELDS.
  * Version 3: the life of a segment, which was 0, and the version of RECORD_SET.
- * Version 4: the header has the history and the digest; before, it had 32 bytes, the last of them the CRC-32C. */
+ * Version 4: the header has the history and the digest; before, it had 32 bytes, the last of them the CRC-32C.
+ * Version 5: constraints: the types from RECORD_CONSTRAIN on, and RECORD_HAS_CONSTRAINTS. A segment that has none of these is
+ * written as version 4 (record_version), so that earlier programs can read it. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
@@ -49,7 +51,8 @@
 #include <stdint.h>
 
 enum {
-    RECORD_VERSION = 4,
+    RECORD_VERSION = 5,
+    RECORD_VERSION_PLAIN = 4, /* of segments that need no later one */
     SEGMENT_HEADER = 64,
     SEGMENT_HEADER_3 = 32, /* up to version 3 */
     RECORD_HEADER = 52,
@@ -57,6 +60,7 @@ enum {
     RECORD_FIELD_LIMIT = 64,
     RECORD_POINTS = 32768,      /* points of one record at most */
     RECORD_MOST_VALUES = 65536, /* values of one RECORD_VALUES at most */
+    RECORD_CONSTRAINTS = 65536, /* constraints of one record at most */
     RECORD_LIMIT = RECORD_HEADER + RECORD_NAME_LIMIT + RECORD_FIELD_LIMIT + RECORD_POINTS * 24
 };
 
@@ -101,12 +105,21 @@ enum record_type {
     RECORD_FSET, /* sets values of the field, which is created if it is missing; items: ids and values */
     RECORD_VALUES, /* the same; first: the first id; items: the values of the ids from it on. Without a name it is part
                       of a LOAD. Snapshot: values of the set; the field is created even if n is 0 */
-    RECORD_FDROP,   /* the field */
-    RECORD_SET_END, /* snapshot: ends a set with RECORD_HAS_FIELDS */
+    RECORD_FDROP,     /* the field */
+    RECORD_SET_END,   /* snapshot: ends a set with RECORD_HAS_FIELDS or RECORD_HAS_CONSTRAINTS */
+    RECORD_CONSTRAIN, /* declares constraints; items: constraints. Without a name it is part of a LOAD without points, all of whose
+                         parts are of this type. Snapshot: constraints of the set */
+    RECORD_RELEASE, /* releases constraints. a: 0: the items; 1: those whose `what` is `first`; 2: all. The same in a LOAD */
+    RECORD_CASCADE, /* as RECORD_DELETE, with the constraints at these points */
+    RECORD_MOVES,   /* several points at once; items: ids and places */
     RECORD_TYPES
 };
 
-enum { RECORD_TRIANGULATED = 1, RECORD_HAS_FIELDS = 2 }; /* flags of RECORD_SET */
+enum {
+    RECORD_TRIANGULATED = 1,
+    RECORD_HAS_FIELDS = 2,
+    RECORD_HAS_CONSTRAINTS = 4
+}; /* flags of RECORD_SET */
 
 /* An item of RECORD_ROWS; 24 bytes on disk in this order. */
 struct record_row {
@@ -118,6 +131,18 @@ struct record_row {
 struct record_value {
     uint32_t id;
     double value;
+};
+
+/* An item of RECORD_CONSTRAIN and RECORD_RELEASE; 12 bytes on disk in this order. */
+struct record_constraint {
+    uint32_t a, b; /* ids */
+    uint32_t what; /* twice the number, plus 1 for a border */
+};
+
+/* An item of RECORD_MOVES; 20 bytes on disk in this order. */
+struct record_move {
+    uint32_t id;
+    double x, y;
 };
 
 struct record {
@@ -144,11 +169,14 @@ size_t segment_header_size(uint32_t version);
 /* Reads a segment's header from bytes[n]. > 0: consumed, 0: it needs more, -1: invalid, see s->fault. */
 ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
 
+/* The least version of a segment that may have records of this type. */
+uint32_t record_version(enum record_type type);
+
 /* Bytes of an item of this type; 0 for types without items, whose n may be anything. */
 size_t record_item_size(enum record_type type);
 
 /* Appends r, items encoded from r->items: struct-like arrays of doubles x, y (points), uint32_t
- * (ids), struct record_row, struct record_value or doubles. out->failed when out of memory. */
+ * (ids), struct record_row and the like, or doubles. out->failed when out of memory. */
 void record_write(struct buf *out, const struct record *r);
 
 /* Appends a copy of the record bytes[n], as it was written elsewhere, that says `synced`. */
@@ -178,5 +206,7 @@ void record_ids(const struct record *r, uint32_t *ids);
 void record_values(const struct record *r, double *values);
 void record_value_at(const struct record *r, uint32_t i, struct record_value *value);
 void record_row_at(const struct record *r, uint32_t i, struct record_row *row);
+void record_constraint_at(const struct record *r, uint32_t i, struct record_constraint *constraint);
+void record_move_at(const struct record *r, uint32_t i, struct record_move *move);
 
 #endif

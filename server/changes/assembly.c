@@ -53,6 +53,34 @@ static struct name *last_column(const struct assembly *s)
     return v == NULL ? NULL : &v->field[v->count - 1];
 }
 
+/* All parts are constraints then, and all of one type. */
+static enum assembled take_constraints(struct assembly *s, const struct record *r)
+{
+    struct change *c = &s->change;
+    enum change_code code = r->type == RECORD_CONSTRAIN ? CHANGE_CONSTRAIN : CHANGE_RELEASE;
+    bool fits =
+        c->constraints == NULL ? c->n == 0 && c->columns == NULL : c->kind == &change_kinds[code];
+    size_t want = (size_t)c->n + r->n;
+    if (!fits || want > DT_MAX_CONSTRAINTS)
+        return ASSEMBLY_INVALID;
+    if (want > s->constraints_cap) {
+        size_t cap = want > 2 * s->constraints_cap ? want : 2 * s->constraints_cap;
+        size_t bytes = cap * sizeof *c->constraints;
+        bool room = s->memory.budget == NULL || reservation_resize(&s->memory, bytes);
+        struct record_constraint *larger =
+            room ? dt_pages_grow(s->pages, c->constraints, c->n * sizeof *larger, bytes) : NULL;
+        if (larger == NULL)
+            return ASSEMBLY_NOMEM;
+        c->constraints = larger;
+        s->constraints_cap = cap;
+    }
+    for (uint32_t i = 0; i < r->n; i++)
+        record_constraint_at(r, i, &c->constraints[c->n + i]);
+    c->n = (uint32_t)want;
+    c->kind = &change_kinds[code];
+    return ASSEMBLY_MORE;
+}
+
 /* Another column begins. */
 static enum assembled add_column(struct assembly *s, const struct record *r)
 {
@@ -144,7 +172,8 @@ static enum assembled begin(struct assembly *s, const struct record *r)
 static enum assembled end(struct assembly *s, const struct record *r, struct change *c)
 {
     enum assembled how = ASSEMBLY_DONE;
-    if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != s->change.n)
+    if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != s->change.n ||
+        (s->change.constraints != NULL && s->change.columns != NULL))
         return ASSEMBLY_INVALID;
     if (s->change.columns != NULL)
         how = fill_columns(s, s->change.columns);
@@ -169,7 +198,9 @@ enum assembled assembly_take(struct assembly *s, const struct record *r, struct 
         assembly_clear(s);
         return ASSEMBLY_ENDED;
     }
+    if (r->type == RECORD_CONSTRAIN || r->type == RECORD_RELEASE)
+        return take_constraints(s, r);
     if (r->type == RECORD_CHUNK)
-        return take_points(s, r);
+        return s->change.constraints == NULL ? take_points(s, r) : ASSEMBLY_INVALID;
     return r->type == RECORD_VALUES ? take_values(s, r) : end(s, r, c);
 }

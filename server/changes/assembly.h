@@ -1,4 +1,5 @@
-/* assembly.h - joins the records of a LOAD, which are one change: RECORD_LOAD, points, values of fields, RECORD_LOADED. */
+/* assembly.h - joins the records of a LOAD, which are one change: RECORD_LOAD, points, values of fields, RECORD_LOADED;
+ * or constraints between the first and the last. */
 #ifndef SERVER_ASSEMBLY_H
 #define SERVER_ASSEMBLY_H
 
@@ -11,7 +12,7 @@ struct assembly {
     bool skips;                /* it is not wanted: nothing is collected */
     /* private */
     struct change change; /* of RECORD_LOAD; its points */
-    size_t points_cap;
+    size_t points_cap, constraints_cap;
     struct buf values; /* owns: doubles, column after column */
     uint32_t first, n; /* of the first column */
 };

@@ -2,6 +2,7 @@
 #include "server/changes/change.h"
 
 #include "core/delaunay_fields.h"
+#include "server/changes/constraint.h"
 
 #include <stdlib.h>
 
@@ -71,6 +72,39 @@ static enum dt_status move_point(struct dt *dt, struct change *c, const struct d
 {
     c->missing = c->first;
     return dt_move_to(dt, c->first, (struct dt_point){c->a, c->b}, opt);
+}
+
+static enum dt_status move_points(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    struct dt_point *to = malloc((c->n + 1) * (sizeof *to + sizeof(uint32_t)));
+    uint32_t *id = (uint32_t *)(void *)(to + c->n);
+    for (uint32_t i = 0; to != NULL && i < c->n; i++) {
+        id[i] = c->moves[i].id;
+        to[i] = (struct dt_point){c->moves[i].x, c->moves[i].y};
+    }
+    enum dt_status status =
+        to == NULL ? DT_NOMEM : dt_move_many(dt, id, to, c->n, opt, &c->missing);
+    free(to);
+    return status;
+}
+
+static enum dt_status delete_ends(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    return dt_delete_cascade(dt, c->ids, c->n, opt, &c->deleted, &c->missing);
+}
+
+static enum dt_status declare(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    return constraint_declare(dt, c->constraints, c->n, opt, &c->constrained, &c->missing);
+}
+
+static enum dt_status release(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    size_t *released = &c->constrained;
+    struct dt_constraint *missing = &c->crossed.one;
+    return c->a == RELEASE_LISTED
+               ? constraint_release(dt, c->constraints, c->n, opt, released, missing)
+               : constraint_release_of(dt, c->a == RELEASE_ALL, c->first, opt, released, missing);
 }
 
 static enum dt_status set_values(struct dt *dt, struct change *c, const struct dt_options *opt)
@@ -150,7 +184,38 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
                             .what = "triangulating",
                             .flags = CHANGE_EXISTING,
                             .note = note_triangulation},
+    [CHANGE_CONSTRAIN] = {.record = RECORD_CONSTRAIN,
+                          .what = "declaring constraints",
+                          .flags = CHANGE_EXISTING,
+                          .items = ITEMS_CONSTRAINTS,
+                          .undone = "; nothing was declared",
+                          .edit = declare},
+    [CHANGE_RELEASE] = {.record = RECORD_RELEASE,
+                        .what = "releasing constraints",
+                        .flags = CHANGE_EXISTING | CHANGE_FREES,
+                        .items = ITEMS_CONSTRAINTS,
+                        .edit = release},
+    [CHANGE_CASCADE] = {.record = RECORD_CASCADE,
+                        .what = "deleting points",
+                        .flags = CHANGE_EXISTING | CHANGE_FREES,
+                        .items = ITEMS_IDS,
+                        .undone = "; nothing was deleted",
+                        .edit = delete_ends},
+    [CHANGE_MOVES] = {.record = RECORD_MOVES,
+                      .what = "moving points",
+                      .flags = CHANGE_EXISTING,
+                      .items = ITEMS_MOVES,
+                      .undone = ", or it is named twice; nothing was moved",
+                      .edit = move_points},
 };
+
+enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    enum dt_status status = c->kind->edit(dt, c, opt);
+    if (status == DT_CROSSES)
+        dt_crossed(dt, &c->crossed);
+    return status;
+}
 
 /* ---- their life ---- */
 
@@ -180,11 +245,15 @@ void change_clear(struct change *c)
     dt_pages_release(c->points);
     free(c->ids);
     free(c->pairs);
+    free(c->moves);
+    dt_pages_release(c->constraints);
     columns_free(c->columns);
     c->rows = NULL;
     c->points = NULL;
     c->ids = NULL;
     c->pairs = NULL;
+    c->moves = NULL;
+    c->constraints = NULL;
     c->columns = NULL;
 }
 
@@ -215,7 +284,8 @@ static const struct change_kind *kind_of(const struct record *r)
 bool change_is_part(const struct record *r)
 {
     return r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED ||
-           (r->type == RECORD_VALUES && r->name_len == 0);
+           (r->name_len == 0 &&
+            (r->type == RECORD_VALUES || r->type == RECORD_CONSTRAIN || r->type == RECORD_RELEASE));
 }
 
 static bool take_column(struct change *c, const struct record *r)
@@ -240,6 +310,22 @@ static bool take_pairs(struct change *c, const struct record *r)
     return c->pairs != NULL;
 }
 
+static bool take_moves(struct change *c, const struct record *r)
+{
+    c->moves = malloc(((size_t)r->n + 1) * sizeof *c->moves);
+    for (uint32_t i = 0; c->moves != NULL && i < r->n; i++)
+        record_move_at(r, i, &c->moves[i]);
+    return c->moves != NULL;
+}
+
+static bool take_constraints(struct change *c, const struct record *r)
+{
+    c->constraints = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *c->constraints);
+    for (uint32_t i = 0; c->constraints != NULL && i < r->n; i++)
+        record_constraint_at(r, i, &c->constraints[i]);
+    return c->constraints != NULL;
+}
+
 static bool take_items(struct change *c, const struct record *r)
 {
     switch (c->kind->items) {
@@ -259,6 +345,10 @@ static bool take_items(struct change *c, const struct record *r)
         return take_pairs(c, r);
     case ITEMS_COLUMN:
         return take_column(c, r);
+    case ITEMS_CONSTRAINTS:
+        return take_constraints(c, r);
+    case ITEMS_MOVES:
+        return take_moves(c, r);
     }
     return false;
 }
@@ -325,6 +415,12 @@ struct record change_encode(const struct change *c)
         r.field_len = v->field[0].len;
         r.items = v->v;
         break;
+    case ITEMS_CONSTRAINTS:
+        r.items = c->constraints;
+        break;
+    case ITEMS_MOVES:
+        r.items = c->moves;
+        break;
     }
     return r;
 }
@@ -333,5 +429,7 @@ bool change_is_long(const struct change *c)
 {
     if (c->kind->items == ITEMS_COLUMN)
         return c->columns->n > RECORD_MOST_VALUES;
+    if (c->kind->items == ITEMS_CONSTRAINTS)
+        return c->n > RECORD_CONSTRAINTS;
     return c->kind->items == ITEMS_POINTS && (c->columns != NULL || c->n > RECORD_POINTS);
 }

@@ -9,6 +9,7 @@
 #ifndef SERVER_CHANGE_H
 #define SERVER_CHANGE_H
 
+#include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
 #include "server/changes/columns.h"
 #include "server/sets/dataset.h"
@@ -28,6 +29,10 @@ enum change_code {
     CHANGE_RUN, /* values of ids that follow each other */
     CHANGE_FDROP,
     CHANGE_TRIANGULATE,
+    CHANGE_CONSTRAIN,
+    CHANGE_RELEASE,
+    CHANGE_CASCADE, /* CHANGE_DELETE, and the constraints at these points are released */
+    CHANGE_MOVES,   /* of several points at once */
     CHANGE_KINDS
 };
 
@@ -41,7 +46,11 @@ enum change_code {
  *     MOVE      first: the id; a, b: the new place
  *     SET       field, n pairs
  *     RUN       a column of n values
- *     FDROP     field */
+ *     FDROP     field
+ *     CONSTRAIN n constraints
+ *     RELEASE   a: which, as in RECORD_RELEASE; first, or n constraints
+ *     CASCADE   n ids
+ *     MOVES     n moves */
 struct change {
     const struct change_kind *kind;
     struct name set;
@@ -51,12 +60,16 @@ struct change {
     double *rows;            /* owns, from dt_pages_grow: points, each with its values; or NULL */
     struct dt_point *points; /* owns n, from dt_pages_grow */
     uint32_t *ids;           /* owns n */
-    struct record_value *pairs; /* owns n */
-    struct columns *columns;    /* owns */
-    struct dt_pages *pages;     /* borrows; where large arrays come from; NULL: the system */
+    struct record_value *pairs;            /* owns n */
+    struct record_constraint *constraints; /* owns n, from dt_pages_grow */
+    struct record_move *moves;             /* owns n */
+    struct columns *columns;               /* owns */
+    struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
     struct dt_added added;
     uint32_t deleted, missing; /* missing: of DT_NOPOINT, the first id that does not exist */
+    size_t constrained;        /* how many constraints it has declared, or released */
+    struct dt_crossed crossed; /* of DT_CROSSES; of DT_NOCONSTRAINT, `one` */
 };
 
 enum {
@@ -68,7 +81,15 @@ enum {
 };
 
 /* The part of the change that a record's items hold. */
-enum change_items { ITEMS_NONE, ITEMS_POINTS, ITEMS_IDS, ITEMS_PAIRS, ITEMS_COLUMN };
+enum change_items {
+    ITEMS_NONE,
+    ITEMS_POINTS,
+    ITEMS_IDS,
+    ITEMS_PAIRS,
+    ITEMS_COLUMN,
+    ITEMS_CONSTRAINTS,
+    ITEMS_MOVES
+};
 
 struct change_kind {
     enum record_type record;
@@ -93,6 +114,9 @@ void change_set_rows(struct change *c, double *rows);
 
 /* The coincidence tolerance of the set that it creates, if it creates one. */
 double change_tolerance(const struct change *c);
+
+/* Edits the set's points, values or constraints, as the kind of change says; its outcome is in *c. */
+enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt);
 
 /* Frees what it owns. */
 void change_clear(struct change *c);

@@ -1,4 +1,4 @@
-/* cmd_build.c - TRIANGULATE and CHECK: jobs that read every point of a set.
+/* cmd_build.c - TRIANGULATE, CHECK and DIGEST: jobs that read every point of a set.
  *
  * Single flight: a request that had to wait for a job which did the same gets the result of that job, unless the set has
  * changed since. */
@@ -7,8 +7,11 @@
 #include "server/jobs/job.h"
 #include "server/jobs/submit.h"
 #include "server/ops/cost.h"
+#include "server/sets/digest.h"
 #include "server/system/loop.h"
 
+#include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 struct build {
@@ -17,6 +20,7 @@ struct build {
     bool beside;           /* it was made beside the set */
     double ms;
     const char *fault;
+    struct dt_crossed crossed; /* of DT_CROSSES */
 };
 
 static void append_counts(struct answer *a, const struct dt_summary *sum)
@@ -42,6 +46,8 @@ static void run_triangulate(struct job *j)
     j->status = dt_triangulate(j->dt, &j->options);
     if (j->status == DT_OK)
         j->status = dt_refresh(j->dt, &j->options);
+    if (j->status == DT_CROSSES)
+        dt_crossed(j->dt, &((struct build *)j)->crossed);
     take_time((struct build *)j, start);
 }
 
@@ -82,15 +88,21 @@ static void keep_result(const struct job *j, struct dataset_result *r)
                                      .rebuilt = j->options.rebuild};
 }
 
-static void end_triangulate(struct server *s, struct job *j, struct answer *a)
+static void finish_triangulation(struct server *s, struct job *j, struct answer *a)
 {
-    dt_build_free(((struct build *)j)->made);
-    if (!job_succeeded(j, a))
-        return;
     if (!j->set->triangulated)
         submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
     keep_result(j, &j->set->triangulation);
     answer_triangulation(a, j->set, ((struct build *)j)->ms);
+}
+
+static void end_triangulate(struct server *s, struct job *j, struct answer *a)
+{
+    dt_build_free(((struct build *)j)->made);
+    if (a != NULL && j->status == DT_CROSSES)
+        answer_crosses(a, &((struct build *)j)->crossed);
+    else if (job_succeeded(j, a))
+        finish_triangulation(s, j, a);
 }
 
 /* Whether the request waited for that result. */
@@ -219,4 +231,53 @@ void cmd_check(struct server *s, struct dataset *set, const struct request *q, s
     b->job.set = set;
     job_read(s, a, &b->job, set->current,
              cost_at_once(COST_BUILD, set->current->sum.points) ? JOB_LIGHT : JOB_LONG);
+}
+
+/* ---- DIGEST ---- */
+
+struct digest_job {
+    struct job job;
+    struct digest digest;
+};
+
+static void run_digest(struct job *job)
+{
+    struct digest_job *j = (struct digest_job *)job;
+    struct digest *d = &j->digest;
+    for (bool done = false; job->status == DT_OK && !done;) {
+        job->status = digest_read(d, job->dt, &done);
+        atomic_store(&job->progress, digest_progress(d));
+        if (job->status == DT_OK)
+            job->status = job_pause(job);
+    }
+}
+
+static void end_digest(struct server *s, struct job *job, struct answer *a)
+{
+    struct digest_job *j = (struct digest_job *)job;
+    char digits[17];
+    job_end_view(s, job, j->digest.view);
+    if (!job_succeeded(job, a))
+        return;
+    snprintf(digits, sizeof digits, "%016" PRIx64, j->digest.value);
+    reply_ok(a->out, 0);
+    reply_key_text(a->out, "digest", digits);
+    reply_key_u64(a->out, "points", j->digest.points);
+    answer_version(a, j->digest.version);
+}
+
+void cmd_digest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct version *v = set->current;
+    size_t numbers = (size_t)dt_next_id(v->dt) * (1 + v->sum.fields);
+    struct digest_job *j = job_new(sizeof *j, run_digest, end_digest);
+    (void)q;
+    if (j == NULL || !digest_begin(&j->digest, set)) {
+        if (j != NULL)
+            job_free(s, &j->job);
+        answer_out_of_memory(a);
+        return;
+    }
+    j->job.what = "reading";
+    job_read(s, a, &j->job, v, cost_at_once(COST_SWEEP, numbers) ? JOB_LIGHT : JOB_LONG);
 }

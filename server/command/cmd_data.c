@@ -189,10 +189,35 @@ bool read_new_points(struct server *s, const struct dataset *set, const struct r
 bool read_ids_to_delete(struct server *s, const struct dataset *set, const struct request *q,
                         struct answer *a, struct change *c)
 {
-    (void)s, (void)set;
-    c->n = (uint32_t)(q->n - 2);
+    (void)s;
+    bool cascade = q->n > 3 && word_is(&q->word[q->n - 1], "CASCADE");
+    if (cascade && dt_constraints_count(set->current->dt) > 0)
+        c->kind = &change_kinds[CHANGE_CASCADE];
+    c->n = (uint32_t)(q->n - 2 - cascade);
     c->ids = read_ids(a, &q->word[2], c->n);
     return c->ids != NULL;
+}
+
+static bool read_moves(struct answer *a, const struct request *q, struct change *c)
+{
+    struct dt_point to = {0, 0};
+    if (q->n % 3 != 2) {
+        answer_usage(a);
+        return false;
+    }
+    c->kind = &change_kinds[CHANGE_MOVES];
+    c->n = (uint32_t)(q->n - 2) / 3;
+    c->moves = malloc(c->n * sizeof *c->moves);
+    if (c->moves == NULL)
+        answer_out_of_memory(a);
+    bool good = c->moves != NULL;
+    for (uint32_t i = 0; good && i < c->n; i++) {
+        const struct word *w = &q->word[2 + 3 * i];
+        good = read_id(a, w, &c->moves[i].id) && read_point(a, w + 1, &to);
+        c->moves[i].x = to.x;
+        c->moves[i].y = to.y;
+    }
+    return good;
 }
 
 bool read_move(struct server *s, const struct dataset *set, const struct request *q,
@@ -200,6 +225,8 @@ bool read_move(struct server *s, const struct dataset *set, const struct request
 {
     struct dt_point to;
     (void)s, (void)set;
+    if (q->n != 5)
+        return read_moves(a, q, c);
     if (!read_id(a, &q->word[2], &c->first) || !read_point(a, &q->word[3], &to))
         return false;
     c->a = to.x;

@@ -109,6 +109,11 @@ void cmd_edges(struct server *s, struct dataset *set, const struct request *q, s
 {
     struct tail t = read_tail(q);
     struct query query = {.kind = QUERY_EDGES, .corners = 1, .cw = t.cw};
+    if (t.n == 3 && !t.cw && word_is(&q->word[2], "CONSTRAINED")) {
+        query = (struct query){.kind = QUERY_CONSTRAINED, .binary = t.binary};
+        query_answer(s, a, set, &query);
+        return;
+    }
     if (!check_tail(a, &t, 3))
         return;
     if (t.n == 2)

@@ -179,7 +179,9 @@ command_handler cmd_fields, cmd_fget;                /* cmd_field.c */
 command_handler cmd_load, cmd_fsetb;                 /* cmd_load.c */
 change_reader read_expiry, read_new_points, read_ids_to_delete, read_move; /* cmd_data.c */
 change_reader read_values_to_set, read_existing_field;                     /* cmd_field.c */
-command_handler cmd_triangulate, cmd_check;                                /* cmd_build.c */
+command_handler cmd_triangulate, cmd_check, cmd_digest;                    /* cmd_build.c */
+command_handler cmd_constraints;                                           /* cmd_constraint.c */
+change_reader read_constraints, read_releases;                             /* cmd_constraint.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
@@ -191,7 +193,6 @@ command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,
     cmd_contour;                                         /* cmd_surface.c */
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
-command_handler cmd_digest;                              /* cmd_digest.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
 command_handler cmd_snapshot, cmd_backup;                /* cmd_admin.c */
 command_handler cmd_auth;                                /* cmd_auth.c */

@@ -34,10 +34,12 @@ struct piece {
     uint64_t last;           /* the lsn of its last record */
     size_t size;             /* bytes of memory */
     struct lineage *lineage; /* owns; PIECE_ROTATE: from now on; NULL: the same */
-    struct buf bytes;        /* owns; PIECE_BYTES: encoded records */
-    double *xy;              /* owns; PIECE_POINTS */
-    struct columns *values;  /* owns; PIECE_POINTS: those that come with the points, or NULL */
-    struct record record;    /* PIECE_POINTS: the ADD; its name is in `name` */
+    uint32_t
+        version; /* PIECE_ROTATE: the log begins a segment of this version by itself; 0: log_rotate did */
+    struct buf bytes;       /* owns; PIECE_BYTES: encoded records */
+    double *xy;             /* owns; PIECE_POINTS */
+    struct columns *values; /* owns; PIECE_POINTS: those that come with the points, or NULL */
+    struct record record;   /* PIECE_POINTS: the ADD; its name is in `name` */
     char name[RECORD_NAME_LIMIT];
 };
 
@@ -50,6 +52,7 @@ struct log {
     /* a reactor's */
     struct queue open;   /* appended and not pushed yet */
     uint64_t next;       /* the lsn of the next record */
+    uint32_t version;    /* of the segment that the next record is in */
     bool unmarked;       /* no RECORD_CLOSE at the end */
     bool lost;           /* a record is missing in `open`: out of memory */
     size_t appended;     /* bytes of all pieces so far */
@@ -66,6 +69,7 @@ struct log {
     bool stopping;
     /* the log thread's */
     struct log_file file;
+    uint64_t rotated, rotated_digest; /* as in log_status */
     enum log_policy policy;
     int event;
     int64_t synced_ms, sync_ns;
@@ -113,9 +117,19 @@ static void free_piece(struct log *log, struct piece *p)
     free(p);
 }
 
-/* The piece for one more small record; NULL: out of memory. */
-static struct piece *open_piece(struct log *log)
+/* A record of a type that the segment's version does not have begins another segment. */
+static void begin_version(struct log *log, enum record_type type)
 {
+    uint32_t version = record_version(type);
+    struct piece *p = version > log->version ? new_piece(log, PIECE_ROTATE) : NULL;
+    if (p != NULL)
+        log->version = p->version = version;
+}
+
+/* The piece for one more small record; NULL: out of memory. */
+static struct piece *open_piece(struct log *log, enum record_type type)
+{
+    begin_version(log, type);
     struct piece *p = list_last(&log->open.pieces);
     log->next++;
     if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
@@ -137,7 +151,7 @@ uint64_t log_append(struct log *log, struct record *r)
 {
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    struct piece *p = open_piece(log);
+    struct piece *p = open_piece(log, r->type);
     if (p == NULL)
         return r->lsn;
     record_write(&p->bytes, r);
@@ -147,7 +161,7 @@ uint64_t log_append(struct log *log, struct record *r)
 
 uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
 {
-    struct piece *p = open_piece(log);
+    struct piece *p = open_piece(log, (enum record_type)record_outline(bytes).type);
     if (p == NULL)
         return log->next - 1;
     record_copy(&p->bytes, bytes, n, atomic_load(&log->synced));
@@ -311,13 +325,24 @@ static void encode_points(struct log *log, struct piece *p, struct buf *out)
     log_file_write(&log->file, out);
 }
 
-/* From now on segments have the piece's lineage, if it has one. */
-static void take_lineage(struct log_file *f, const struct piece *p)
+/* From now on segments have the piece's lineage and version, if it has them. */
+static void take_header(struct log_file *f, const struct piece *p)
 {
-    if (p->lineage == NULL)
+    if (p->lineage != NULL)
+        f->lineage = *p->lineage;
+    if (p->version > f->version)
+        f->version = p->version;
+    f->renamed |= p->lineage != NULL || p->version > 0;
+}
+
+static void rotate(struct log *log, const struct piece *p)
+{
+    take_header(&log->file, p);
+    log_file_start(&log->file, p->last + 1);
+    if (p->version > 0 || log->file.error != 0)
         return;
-    f->lineage = *p->lineage;
-    f->renamed = true;
+    log->rotated = log->file.first;
+    log->rotated_digest = log->file.digest_before;
 }
 
 static void carry_out(struct log *log, struct piece *p)
@@ -331,8 +356,7 @@ static void carry_out(struct log *log, struct piece *p)
         encode_points(log, p, &out);
         break;
     case PIECE_ROTATE:
-        take_lineage(&log->file, p);
-        log_file_start(&log->file, p->last + 1);
+        rotate(log, p);
         break;
     case PIECE_TEND:
         log_file_reserve(&log->file);
@@ -350,7 +374,7 @@ static uint64_t write_pieces(struct log *log, struct list *pieces, uint64_t last
         if (log->file.error == 0)
             carry_out(log, p);
         else
-            take_lineage(&log->file, p);
+            take_header(&log->file, p);
         if (p->last > last)
             last = p->last;
         free_piece(log, p);
@@ -411,7 +435,8 @@ static void publish(struct log *log, uint64_t last, unsigned records)
         }
     }
     st->segment = f->first;
-    st->segment_digest = f->digest_before;
+    st->rotated = log->rotated;
+    st->rotated_digest = log->rotated_digest;
     st->bytes = f->bytes;
     st->total = f->before + f->bytes;
     st->syncs = f->syncs;
@@ -453,7 +478,7 @@ static void resume(struct log *log)
     pthread_mutex_unlock(&log->mutex);
     for (struct piece *p; (p = list_pop(&q.pieces)) != NULL;) {
         if (p->last < first || p->kind == PIECE_ROTATE) {
-            take_lineage(&log->file, p);
+            take_header(&log->file, p);
             free_piece(log, p);
         } else
             list_append(&keep, &p->link);
@@ -517,6 +542,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
         return NULL;
     }
     log->next = first;
+    log->version = RECORD_VERSION_PLAIN;
     log->policy = policy;
     log->event = event;
     log->synced = first - 1;
@@ -530,8 +556,8 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     }
     log_file_reserve(&log->file);
     log->synced_ms = clock_ms();
-    log->status.segment = first;
-    log->status.digest = log->status.segment_digest = log->file.digest;
+    log->status.segment = log->status.rotated = log->rotated = first;
+    log->status.digest = log->status.rotated_digest = log->rotated_digest = log->file.digest;
     log->status.bytes = log->status.total = log->file.bytes;
     log->status.state = log->file.reserved ? LOG_GOOD : LOG_FULL;
     log->status.error = log->file.full_error;

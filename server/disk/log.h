@@ -26,12 +26,13 @@ enum log_state {
 
 struct log_status {
     enum log_state state;
-    int error;               /* errno of the failure that led to LOG_FULL or LOG_FAILED */
-    uint64_t durable;        /* changes up to this lsn are durable: replies may be sent */
-    uint64_t synced;         /* changes up to this lsn are synced */
-    uint64_t digest;         /* of the changes up to `durable` */
-    uint64_t segment;        /* first lsn of the current segment */
-    uint64_t segment_digest; /* of the changes before it */
+    int error;        /* errno of the failure that led to LOG_FULL or LOG_FAILED */
+    uint64_t durable; /* changes up to this lsn are durable: replies may be sent */
+    uint64_t synced;  /* changes up to this lsn are synced */
+    uint64_t digest;  /* of the changes up to `durable` */
+    uint64_t segment; /* first lsn of the current segment */
+    uint64_t rotated; /* first lsn of the last segment that log_rotate or the start has begun */
+    uint64_t rotated_digest; /* of the changes before it */
     uint64_t bytes;          /* of the current segment */
     uint64_t total;          /* of this and all segments before it since the start */
     uint64_t syncs, failures;
@@ -78,7 +79,7 @@ size_t log_queued(const struct log *log);
 uint64_t log_last(const struct log *log);
 
 /* Requests a new segment, which begins after the records so far; returns the lsn of the last of them. When
- * the segment exists, status.segment is one more. */
+ * the segment exists, status.rotated is one more. */
 uint64_t log_rotate(struct log *log);
 
 /* The same, in the lineage that this and later segments have. */

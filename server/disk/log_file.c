@@ -17,7 +17,11 @@ static const char reserve_name[] = "reserve";
 
 void log_file_init(struct log_file *f, const struct datadir *dir, uint64_t digest)
 {
-    *f = (struct log_file){.dir = dir, .fd = -1, .lineage = dir->lineage, .digest = digest};
+    *f = (struct log_file){.dir = dir,
+                           .fd = -1,
+                           .lineage = dir->lineage,
+                           .version = RECORD_VERSION_PLAIN,
+                           .digest = digest};
     if (digest == 0) {
         f->digest = random_bits();
         f->broken = true;
@@ -151,7 +155,7 @@ void log_file_inspect(struct log_file *f, int64_t now_ms)
 /* Writes the header of a new segment; it is durable then, or the file has failed. */
 static void write_header(struct log_file *f)
 {
-    struct segment header = {.version = RECORD_VERSION,
+    struct segment header = {.version = f->version,
                              .kind = SEGMENT_LOG,
                              .lsn = f->first,
                              .life = f->lineage.life,

@@ -13,7 +13,8 @@ struct log_file {
     bool reserved;             /* the reserve exists */
     bool unsynced;             /* something was written since the last sync */
     struct lineage lineage;    /* of this segment, and of those that follow */
-    bool renamed;              /* `lineage` is that of the next segment */
+    uint32_t version;          /* the same */
+    bool renamed;              /* these are of the next segment */
     uint64_t first;            /* the lsn of its first record */
     uint64_t digest_before;    /* of the records before it, */
     uint64_t digest;           /* and up to now */

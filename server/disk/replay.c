@@ -77,7 +77,7 @@ static const char *apply(struct replay *p, struct dataset *set, struct change *c
         return fault;
     set = set == NULL ? fresh : set;
     if (c->kind->edit != NULL)
-        fault = fault_of(p, c->kind->edit(set->current->dt, c, &opt));
+        fault = fault_of(p, change_edit(set->current->dt, c, &opt));
     if (fault != NULL && fresh != NULL)
         registry_drop(&p->sets, fresh);
     if (fault != NULL)
@@ -173,7 +173,7 @@ static const char *begin_set(struct replay *p, const struct record *r)
     set->triangulated = (r->flags & RECORD_TRIANGULATED) != 0;
     p->sets_seen++;
     p->restoring = set;
-    p->has_fields = (r->flags & RECORD_HAS_FIELDS) != 0;
+    p->has_more = (r->flags & (RECORD_HAS_FIELDS | RECORD_HAS_CONSTRAINTS)) != 0;
     p->restored = false;
     p->rows = r->n;
     p->next_id = r->first;
@@ -203,8 +203,8 @@ static bool reserve_rows(struct replay *p, size_t n)
     return true;
 }
 
-/* Values of the set that is being read. */
-static const char *restore_values(struct replay *p, const struct record *r)
+/* Values or constraints of the set that is being read. */
+static const char *restore_more(struct replay *p, const struct record *r)
 {
     struct dt_options opt = {.cancel = p->cancel};
     struct change c;
@@ -213,7 +213,7 @@ static const char *restore_values(struct replay *p, const struct record *r)
     run.name_len = p->restoring->name_len;
     enum dt_status status = change_decode(&c, &run, p->sets.pages);
     if (status == DT_OK)
-        status = c.kind->edit(p->restoring->current->dt, &c, &opt);
+        status = change_edit(p->restoring->current->dt, &c, &opt);
     change_clear(&c);
     return fault_of(p, status);
 }
@@ -253,7 +253,7 @@ static const char *restore_if_complete(struct replay *p)
     p->restored = true;
     const char *fault =
         fault_of(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
-    return fault == NULL && !p->has_fields ? end_set(p) : fault;
+    return fault == NULL && !p->has_more ? end_set(p) : fault;
 }
 
 const char *replay_snapshot(struct replay *p, const struct record *r)
@@ -265,8 +265,9 @@ const char *replay_snapshot(struct replay *p, const struct record *r)
         fault = begin_set(p, r);
     else if (r->type == RECORD_ROWS)
         fault = collect_rows(p, r);
-    else if (r->type == RECORD_VALUES && p->restoring != NULL && p->restored)
-        fault = restore_values(p, r);
+    else if ((r->type == RECORD_VALUES || r->type == RECORD_CONSTRAIN) && p->restoring != NULL &&
+             p->restored)
+        fault = restore_more(p, r);
     else if (r->type == RECORD_SET_END && p->restoring != NULL && p->restored)
         fault = end_set(p);
     else if (r->type == RECORD_END && p->restoring == NULL && r->n == p->sets_seen) {

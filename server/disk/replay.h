@@ -19,7 +19,7 @@ struct replay {
     /* private */
     struct assembly load;          /* a LOAD that is not complete; skipped if the snapshot has it */
     struct dataset *restoring;     /* the set whose rows, or values, are being read */
-    bool has_fields, restored;     /* it has fields; all its rows have been read */
+    bool has_more, restored;       /* it has fields or constraints; all its rows have been read */
     uint32_t rows, next_id;        /* the number of its rows, and its next id */
     uint32_t *id, *representative; /* own cap, hold n */
     struct dt_point *points;       /* owns the same */

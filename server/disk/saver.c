@@ -97,10 +97,10 @@ static void step_rotating(struct saver *v)
     if (log_has_failed(v)) { /* another snapshot begins at once, without a new segment */
         end_snapshot(v);
         v->state = SAVER_IDLE;
-    } else if (v->status.segment > v->cut) {
+    } else if (v->status.rotated > v->cut) {
         v->state = SAVER_WRITING;
         v->cut_bytes = v->status.total - v->status.bytes;
-        snapshot_go(v->snapshot, v->status.segment_digest);
+        snapshot_go(v->snapshot, v->status.rotated_digest);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/delaunay_fields.h"
 #include "proto/records/record.h"
+#include "server/changes/constraint.h"
 #include "server/system/own_file.h"
 
 #include <errno.h>
@@ -181,7 +182,8 @@ static bool put_field(struct output *o, const struct snapshot_source *s, const s
 
 static bool put_fields(struct output *o, const struct snapshot_source *s, struct writing *w)
 {
-    struct record end = {.type = RECORD_SET_END};
+    if (w->field == NULL)
+        return true;
     double *value = malloc(RECORD_MOST_VALUES * sizeof *value);
     bool ok = value != NULL || fail(o, ENOMEM);
     while (ok && w->field != NULL) {
@@ -190,12 +192,44 @@ static bool put_fields(struct output *o, const struct snapshot_source *s, struct
             ok = fail(o, ENOMEM);
     }
     free(value);
-    return ok && put(o, &end);
+    return ok;
+}
+
+/* ---- constraints ---- */
+
+/* Those of the moment, in an array that *v is set to; false: out of memory. */
+static bool read_constraints(const struct snapshot_source *s, struct dt_constraint **v, size_t *n)
+{
+    *v = NULL;
+    *n = 0;
+    version_lock_read(s->version);
+    bool ok = is_readable(s) && dt_constraints(s->version->dt, s->view, DT_NONE, v, n) == DT_OK;
+    version_unlock(s->version);
+    return ok;
+}
+
+static bool put_constraints(struct output *o, const struct snapshot_source *s)
+{
+    struct dt_constraint *v;
+    size_t n;
+    struct record_constraint *items = malloc(RECORD_CONSTRAINTS * sizeof *items);
+    struct record r = {.type = RECORD_CONSTRAIN, .items = items};
+    bool ok = (read_constraints(s, &v, &n) && items != NULL) || fail(o, ENOMEM);
+    for (size_t at = 0; ok && at < n; at += r.n) {
+        r.n = (uint32_t)(n - at < RECORD_CONSTRAINTS ? n - at : RECORD_CONSTRAINTS);
+        for (uint32_t i = 0; i < r.n; i++)
+            items[i] = constraint_record(&v[at + i]);
+        ok = put(o, &r);
+    }
+    free(items);
+    free(v);
+    return ok;
 }
 
 static bool put_set(struct output *o, const struct snapshot_source *s)
 {
     struct writing field = {NULL, ""};
+    struct record end = {.type = RECORD_SET_END};
     struct dt_row *row = malloc(RECORD_POINTS * sizeof *row);
     struct dt_summary sum = {0};
     if (s->view != NULL)
@@ -219,15 +253,27 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
         return fail(o, ENOMEM);
     }
     r.flags |= field.field != NULL ? RECORD_HAS_FIELDS : 0;
+    r.flags |= s->constrained ? RECORD_HAS_CONSTRAINTS : 0;
+    bool more = field.field != NULL || s->constrained;
     bool ok = put(o, &r) && put_rows(o, s, row);
     free(row);
-    return ok && (field.field == NULL || put_fields(o, s, &field));
+    ok = ok && (!s->constrained || put_constraints(o, s)) && put_fields(o, s, &field);
+    return ok && (!more || put(o, &end));
+}
+
+static uint32_t version_of(const struct snapshot *snap)
+{
+    uint32_t version = RECORD_VERSION_PLAIN;
+    for (size_t i = 0; i < snap->n; i++)
+        if (snap->source[i].constrained)
+            version = RECORD_VERSION;
+    return version;
 }
 
 static bool put_all(struct output *o)
 {
     struct snapshot *snap = o->snap;
-    struct segment header = {.version = RECORD_VERSION,
+    struct segment header = {.version = version_of(snap),
                              .kind = SEGMENT_SNAPSHOT,
                              .lsn = snap->lsn,
                              .life = snap->lineage.life,
@@ -320,6 +366,7 @@ static void pin(struct snapshot_source *s, struct dataset *set)
     s->triangulated = set->triangulated;
     s->expires_ms = set->expires_ms;
     s->view = dt_view_begin(v->dt, false);
+    s->constrained = dt_constraints_count(v->dt) > 0;
 }
 
 static void unpin(struct registry *sets, struct snapshot_source *s)

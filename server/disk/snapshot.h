@@ -28,7 +28,7 @@ struct snapshot_source {
     struct dt_view *view;    /* owns: the moment that is written; NULL: out of memory */
     uint64_t lsn;            /* of the set's last change in it */
     uint64_t number;         /* its version, as clients see it */
-    bool triangulated;
+    bool triangulated, constrained;
     int64_t expires_ms;
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];

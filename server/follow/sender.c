@@ -35,6 +35,7 @@ struct sending {
     bool open;
     uint64_t first;     /* of that segment */
     struct lineage now; /* of that segment */
+    uint32_t version;   /* of the files that are sent */
 };
 
 static void notify(const struct sender *s)
@@ -132,7 +133,7 @@ static bool flush(struct sending *g)
 
 static bool put_header(struct sending *g, enum segment_kind kind)
 {
-    struct segment h = {.version = RECORD_VERSION,
+    struct segment h = {.version = g->version,
                         .kind = kind,
                         .lsn = kind == SEGMENT_LOG ? g->at.lsn + 1 : g->at.lsn,
                         .life = g->now.life,
@@ -148,6 +149,13 @@ static bool put_header(struct sending *g, enum segment_kind kind)
 
 /* ---- the files ---- */
 
+/* What follows is from a file with this header. */
+static void take_header(struct sending *g, const struct segment *header)
+{
+    g->now = (struct lineage){header->life, header->history};
+    g->version = header->version > RECORD_VERSION_PLAIN ? header->version : RECORD_VERSION_PLAIN;
+}
+
 /* Opens the segment that begins with that lsn and reads its header. */
 static bool open_segment(struct sending *g, uint64_t first, struct segment *header)
 {
@@ -160,7 +168,7 @@ static bool open_segment(struct sending *g, uint64_t first, struct segment *head
         return false;
     }
     g->first = first;
-    g->now = (struct lineage){header->life, header->history};
+    take_header(g, header);
     return true;
 }
 
@@ -352,7 +360,7 @@ static bool send_snapshot(struct sending *g, uint64_t least)
     notify(g->s);
     if (!await_snapshot(g, least, &header))
         return false;
-    g->now = (struct lineage){header.life, header.history};
+    take_header(g, &header);
     g->at.lsn = header.lsn;
     g->at.digest = header.digest;
     if (!put_header(g, SEGMENT_SNAPSHOT))

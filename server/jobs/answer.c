@@ -23,6 +23,11 @@ void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
     a->code = code;
 }
 
+void answer_crosses(struct answer *a, const struct dt_crossed *c)
+{
+    answer_err(a, ERR_CROSSES, "%u %u crosses %u %u", c->one.a, c->one.b, c->other.a, c->other.b);
+}
+
 void answer_status(struct answer *a, enum dt_status status)
 {
     switch (status) {
@@ -60,11 +65,21 @@ void answer_status(struct answer *a, enum dt_status status)
         else
             answer_err(a, ERR_CANCELLED, "cancelled; nothing has changed");
         break;
-    case DT_CROSSES: /* no request declares constraints, so these do not happen */
-    case DT_CONSTRAINED:
-    case DT_NOCONSTRAINT:
     case DT_NOTDELAUNAY:
-    case DT_UNSURVEYED:
+        answer_err(a, ERR_NOTDELAUNAY,
+                   "the set has constraints; what needs every edge to be Delaunay is not defined: "
+                   "METHOD linear and nearest, CONTOUR, LOCATE, NEAREST and WITHIN are");
+        break;
+    case DT_CROSSES: /* of these three the caller says more */
+        answer_err(a, ERR_CROSSES, "constraints cross");
+        break;
+    case DT_CONSTRAINED:
+        answer_err(a, ERR_CONSTRAINED, "a point is an end of a constraint");
+        break;
+    case DT_NOCONSTRAINT:
+        answer_err(a, ERR_NOCONSTRAINT, "no such constraint");
+        break;
+    case DT_UNSURVEYED: /* no request asks for regions, so these three do not happen */
     case DT_NOREGION:
     case DT_OPEN:
     case DT_CORRUPT:

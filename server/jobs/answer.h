@@ -4,7 +4,7 @@
 #ifndef SERVER_ANSWER_H
 #define SERVER_ANSWER_H
 
-#include "core/delaunay.h"
+#include "core/delaunay_constraints.h"
 #include "proto/reply.h"
 #include "server/ops/auth.h"
 #include "server/sets/wait.h"
@@ -75,6 +75,9 @@ __attribute__((format(printf, 3, 4))) void answer_err(struct answer *a, enum rep
 
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
+
+/* The ERR line of DT_CROSSES. */
+void answer_crosses(struct answer *a, const struct dt_crossed *c);
 
 /* The reply of a command without facts or rows. */
 static inline void answer_ok(struct answer *a)

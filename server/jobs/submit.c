@@ -2,6 +2,7 @@
 #include "server/jobs/submit.h"
 
 #include "core/delaunay_fields.h"
+#include "server/changes/constraint.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/keep.h"
 #include "server/jobs/upkeep.h"
@@ -126,6 +127,19 @@ static bool reserve_points(struct server *s, struct answer *a, const struct data
                                       : server_reserve(s, a, &x->job.memory, bytes);
 }
 
+static bool reserve_constraints(struct server *s, struct answer *a, const struct dataset *set,
+                                struct submission *x)
+{
+    const struct dt *dt = set->current->dt;
+    const struct change *c = &x->change;
+    bool listed = c->a == RELEASE_LISTED;
+    size_t bytes = c->kind == &change_kinds[CHANGE_CONSTRAIN]
+                       ? constraint_declare_memory(dt, c->n)
+                       : constraint_release_memory(dt, listed ? c->n : DT_NONE);
+    return listed && cost_at_once(COST_EDIT, c->n) ? fits(s, a, bytes)
+                                                   : server_reserve(s, a, &x->job.memory, bytes);
+}
+
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
                     struct submission *x)
 {
@@ -137,8 +151,11 @@ bool submit_reserve(struct server *s, struct answer *a, const struct dataset *se
         return fits(s, a, memory_of_pairs(set, x->change.n));
     case ITEMS_COLUMN:
         return server_reserve(s, a, &x->job.memory, memory_of_run(x->change.n));
+    case ITEMS_CONSTRAINTS:
+        return reserve_constraints(s, a, set, x);
     case ITEMS_NONE:
     case ITEMS_IDS:
+    case ITEMS_MOVES:
         break;
     }
     return true;
@@ -176,7 +193,7 @@ static struct change *change_of_job(struct job *j)
 static void run(struct job *j)
 {
     struct change *c = change_of_job(j);
-    j->status = c->kind->edit(j->dt, c, &j->options);
+    j->status = change_edit(j->dt, c, &j->options);
     if (j->copies && j->fresh != NULL && j->status == DT_OK) {
         j->status = dt_refresh(j->dt, &j->options);
         if (j->status == DT_OK)
@@ -194,7 +211,33 @@ static void answer_facts(struct answer *a, const struct change *c)
         reply_key_u64(a->out, "coincident", c->added.coincident);
     } else if (c->kind->items == ITEMS_IDS) {
         reply_key_u64(a->out, "deleted", c->deleted);
+    } else if (c->kind->items == ITEMS_CONSTRAINTS) {
+        bool declared = c->kind == &change_kinds[CHANGE_CONSTRAIN];
+        reply_key_u64(a->out, declared ? "added" : "released", c->constrained);
     }
+}
+
+/* Whether constraints do not allow the change; then the error has been written. */
+static bool answer_constraint(struct answer *a, enum dt_status status, const struct change *c)
+{
+    const struct dt_constraint *one = &c->crossed.one;
+    const char *kind = one->border ? "border" : "line";
+    if (status == DT_CROSSES)
+        answer_crosses(a, &c->crossed);
+    else if (status == DT_CONSTRAINED)
+        answer_err(a, ERR_CONSTRAINED,
+                   "point %u is an end of a constraint: RELEASE it, or DEL set id CASCADE",
+                   c->missing);
+    else if (status == DT_NOEDGE)
+        answer_err(a, ERR_SYNTAX, "the constraint %u %u has one end only", c->missing, c->missing);
+    else if (status == DT_TOOBIG && c->kind == &change_kinds[CHANGE_CONSTRAIN])
+        answer_err(a, ERR_TOOBIG, "a set has at most %u constraints", DT_MAX_CONSTRAINTS);
+    else if (status == DT_NOCONSTRAINT && one->a == DT_NONE)
+        answer_err(a, ERR_NOCONSTRAINT, "there is no %s of number %u", kind, one->number);
+    else if (status == DT_NOCONSTRAINT)
+        answer_err(a, ERR_NOCONSTRAINT, "there is no %s %u %u of number %u", kind, one->a, one->b,
+                   one->number);
+    return a->refused;
 }
 
 static void finish(struct server *s, struct job *j, struct answer *a)
@@ -205,6 +248,8 @@ static void finish(struct server *s, struct job *j, struct answer *a)
         answer_err(a, ERR_NOPOINT, "there is no point %u%s", c->missing, c->kind->undone);
     } else if (j->status == DT_TOOBIG && values) {
         answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+    } else if (answer_constraint(a, j->status, c)) {
+        return;
     } else if (job_succeeded(j, a)) {
         if ((c->kind->flags & CHANGE_GROWS) != 0)
             c->first = c->added.first;
@@ -228,10 +273,14 @@ static void end(struct server *s, struct job *j, struct answer *a)
 static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
     enum { VALUES_AT_ONCE = 4096 };
+    bool refreshes = c->kind->record >= RECORD_CONSTRAIN && version_is_stale(set->current);
     switch (c->kind->items) {
+    case ITEMS_CONSTRAINTS:
+    case ITEMS_MOVES:
+        return !refreshes && c->n > 0 && cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
     case ITEMS_POINTS:
     case ITEMS_IDS:
-        return cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
+        return !refreshes && cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
     case ITEMS_COLUMN:
         return c->n <= VALUES_AT_ONCE ? JOB_LIGHT : JOB_SHORT;
     case ITEMS_PAIRS:
@@ -249,7 +298,7 @@ static size_t points_of(const struct change *c)
 {
     if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS)
         return c->n;
-    return c->kind == &change_kinds[CHANGE_MOVE];
+    return c->kind->items == ITEMS_MOVES ? c->n : c->kind == &change_kinds[CHANGE_MOVE];
 }
 
 /* Whether the change is made on a copy, which is triangulated before it replaces the set: others read the triangulation, and

@@ -117,7 +117,8 @@ bool redis_del_is_misused(const struct request *q)
 {
     uint32_t id;
     bool ids = q->n > 2;
-    for (size_t i = 2; i < q->n && ids; i++)
+    size_t n = q->n > 3 && word_is(&q->word[q->n - 1], "CASCADE") ? q->n - 1 : q->n;
+    for (size_t i = 2; i < n && ids; i++)
         ids = proto_read_u32(q->word[i].text, q->word[i].len, &id);
     return !ids && q->n > 1;
 }

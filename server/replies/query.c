@@ -4,6 +4,7 @@
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
+#include "server/replies/constraint_rows.h"
 
 #include <stdlib.h>
 
@@ -140,6 +141,16 @@ static enum dt_status find_weights(const struct dt *dt, struct query *q,
     return status;
 }
 
+static enum dt_status find_constraints(const struct dt *dt, struct query *q,
+                                       const struct dt_options *opt)
+{
+    enum dt_status status = q->kind == QUERY_CONSTRAINTS
+                                ? constraint_rows(dt, q->numbered ? q->k : DT_NONE, opt, &q->ids)
+                                : constraint_edges(dt, opt, &q->ids);
+    q->words = q->ids.n;
+    return status;
+}
+
 /* DT_TOOLONG leaves the query unchanged. */
 static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
 {
@@ -163,6 +174,9 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
         return dt_within_disc(dt, q->place.at, q->radius, opt, &q->ids);
     case QUERY_WEIGHTS:
         return find_weights(dt, q, opt);
+    case QUERY_CONSTRAINTS:
+    case QUERY_CONSTRAINED:
+        return find_constraints(dt, q, opt);
     }
     return status;
 }
@@ -181,9 +195,13 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
         rows.form = ROW_RING;
     if (q->kind == QUERY_NEAREST)
         rows.form = ROW_NEIGHBOUR;
-    if (q->kind == QUERY_TRIANGLES || q->kind == QUERY_EDGES) {
+    if (q->kind == QUERY_TRIANGLES || q->kind == QUERY_EDGES || q->kind == QUERY_CONSTRAINED) {
         rows.form = ROW_IDS;
-        rows.width = q->kind == QUERY_EDGES ? 2 : 3;
+        rows.width = q->kind == QUERY_TRIANGLES ? 3 : 2;
+    }
+    if (q->kind == QUERY_CONSTRAINTS) {
+        rows.form = ROW_CONSTRAINT;
+        rows.width = ROW_CONSTRAINT_WORDS;
     }
     if (q->kind == QUERY_WEIGHTS) {
         rows.form = ROW_VALUE;
@@ -314,7 +332,7 @@ static void run_job(struct job *job)
         job->status = weigh(j);
         return;
     }
-    bool reads = form != ROW_IDS || j->query.within; /* the rows of the result, later */
+    bool reads = !row_is_of_list(form) || j->query.within; /* the rows of the result, later */
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS || j->query.within);
     job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);

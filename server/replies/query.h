@@ -18,7 +18,9 @@ enum query_kind {
     QUERY_NEAREST,
     QUERY_BOX,
     QUERY_DISC,
-    QUERY_WEIGHTS
+    QUERY_WEIGHTS,
+    QUERY_CONSTRAINTS,
+    QUERY_CONSTRAINED /* the edges that are parts of constraints */
 };
 
 struct query {
@@ -26,8 +28,9 @@ struct query {
     struct dt_place place; /* QUERY_NEAREST, QUERY_DISC; QUERY_BOX: its lower left corner */
     struct dt_point hi;    /* QUERY_BOX: its upper right corner */
     double radius;         /* QUERY_DISC */
-    uint32_t k;            /* QUERY_NEAREST */
-    uint32_t corner[3];    /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
+    uint32_t k;            /* QUERY_NEAREST; QUERY_CONSTRAINTS: the number, if it is `numbered` */
+    bool numbered;
+    uint32_t corner[3]; /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
     unsigned corners;
     bool cw; /* QUERY_LISTS, QUERY_TRIANGLES */
     bool
@@ -35,7 +38,7 @@ struct query {
     bool binary;               /* with `within` only */
     enum dt_interpolation how; /* QUERY_WEIGHTS */
     struct dt_ids
-        ids; /* owns: the result; of QUERY_LISTS first the ids of the request; of QUERY_WEIGHTS
+        ids; /* owns: the result; of QUERY_LISTS and QUERY_CONSTRAINTS first the ids of the request; of QUERY_WEIGHTS
                           the words of ROW_VALUE */
     size_t interior; /* QUERY_LISTS: the number of interior points in the result */
     uint64_t words;  /* of the rows in binary */

@@ -1,9 +1,11 @@
 /* digest.c - see digest.h. */
 #include "server/sets/digest.h"
 
+#include "core/delaunay_constraints.h"
 #include "proto/records/digest.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 _Static_assert(sizeof(struct dt_row) == 2 * sizeof(uint32_t) + 2 * sizeof(double),
@@ -70,6 +72,23 @@ static bool read_pages(struct digest *d, const struct dt *dt)
     return true;
 }
 
+static enum dt_status read_constraints(struct digest *d, const struct dt *dt)
+{
+    struct dt_constraint *v;
+    size_t n;
+    enum dt_status status = dt_constraints(dt, d->view, DT_NONE, &v, &n);
+    if (status != DT_OK)
+        return status;
+    if (n > 0)
+        d->value = digest_bytes(d->value, &n, sizeof n);
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t words[] = {v[i].a, v[i].b, v[i].number << 1 | v[i].border};
+        d->value = digest_bytes(d->value, words, sizeof words);
+    }
+    free(v);
+    return DT_OK;
+}
+
 enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done)
 {
     struct dt_row row[DIGEST_ROWS];
@@ -82,7 +101,7 @@ enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done)
         d->value = digest_bytes(d->value, row, n * sizeof *row);
     else
         *done = !read_pages(d, dt);
-    return DT_OK;
+    return *done ? read_constraints(d, dt) : DT_OK;
 }
 
 unsigned digest_progress(const struct digest *d)

@@ -7,8 +7,9 @@
  *     facts   next id, number of points, whether it is triangulated and temporary, tolerance, when it is dropped, version
  *     rows    id, representative, x, y of every point, by id, DIGEST_ROWS of them at a time
  *     fields  by name: the name, and every page of DT_FIELD_PAGE ids that has a value: the first of these ids, the values
+ *     constraints  their number, and a, b, 2 k (+ 1: a border) of each, as sorted by CONSTRAINTS; nothing if there are none
  *
- * The triangulation depends on the points alone, so it is not read. The set is read through a view, so edits go on between
+ * The triangulation depends on these alone, so it is not read. The set is read through a view, so edits go on between
  * the pieces, each of which takes about 0.1 ms. */
 #ifndef SERVER_DIGEST_H
 #define SERVER_DIGEST_H

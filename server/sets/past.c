@@ -1,6 +1,8 @@
 /* past.c - see past.h. */
 #include "server/sets/past.h"
 
+#include "core/delaunay_constraints.h"
+
 #include <stdlib.h>
 
 enum { ROWS = 4096 }; /* read under the lock at a time */
@@ -8,7 +10,9 @@ enum { ROWS = 4096 }; /* read under the lock at a time */
 /* What is copied before there is a set. */
 struct copy {
     uint32_t n, room;
-    uint32_t *id;
+    uint32_t *id, *representative;
+    struct dt_constraint *constraint;
+    size_t constraints;
     struct dt_point *at;
     double *value;
 };
@@ -16,6 +20,8 @@ struct copy {
 static void clear(struct copy *c)
 {
     free(c->id);
+    free(c->representative);
+    free(c->constraint);
     free(c->at);
     free(c->value);
 }
@@ -24,12 +30,14 @@ static enum dt_status make_room(struct copy *c, const struct dt_view *view)
 {
     struct dt_summary sum;
     dt_view_summary(view, &sum);
-    c->room = sum.points - sum.coincident;
+    c->room = sum.points;
     size_t n = (size_t)c->room + 1;
     c->id = malloc(n * sizeof *c->id);
+    c->representative = malloc(n * sizeof *c->representative);
     c->at = malloc(n * sizeof *c->at);
     c->value = malloc(n * sizeof *c->value);
-    return c->id == NULL || c->at == NULL || c->value == NULL ? DT_NOMEM : DT_OK;
+    bool good = c->id != NULL && c->representative != NULL && c->at != NULL && c->value != NULL;
+    return good ? DT_OK : DT_NOMEM;
 }
 
 /* Takes the next rows. *done: there are no more. */
@@ -43,9 +51,8 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
     if (status != DT_OK)
         return status;
     for (size_t i = 0; i < n && c->n < c->room; i++) {
-        if (row[i].id != row[i].representative)
-            continue;
         c->id[c->n] = row[i].id;
+        c->representative[c->n] = row[i].representative;
         c->at[c->n++] = row[i].at;
     }
     dt_field_values(f, view, c->id + first, c->n - first, c->value + first);
@@ -68,7 +75,8 @@ static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
         if (status == DT_OK && atomic_load(opt->cancel))
             status = DT_CANCELLED;
     }
-    return status;
+    return status == DT_OK ? dt_constraints(v->dt, view, DT_NONE, &c->constraint, &c->constraints)
+                           : status;
 }
 
 /* Makes the set, which needs no lock. */
@@ -76,9 +84,12 @@ static enum dt_status build(const struct copy *c, uint32_t next_id, const struct
                             struct dt *t)
 {
     uint32_t missing;
-    enum dt_status status = dt_restore(t, c->id, c->at, c->id, c->n, next_id, opt);
+    size_t added;
+    enum dt_status status = dt_restore(t, c->id, c->at, c->representative, c->n, next_id, opt);
     if (status == DT_OK)
         status = dt_field_set(t, "z", 1, c->id, c->value, c->n, opt, &missing);
+    if (status == DT_OK)
+        status = dt_constrain(t, c->constraint, c->constraints, opt, &added, &missing);
     if (status == DT_OK)
         status = dt_triangulate(t, opt);
     return status == DT_OK ? dt_prepare(t, opt) : status;
@@ -90,7 +101,8 @@ static size_t memory_at_most(const struct version *v, const struct dt_options *o
     struct dt_summary sum;
     dt_summary(v->dt, &sum);
     return sum.memory + dt_build_memory(v->dt, opt) +
-           (size_t)sum.points * (sizeof(uint32_t) + sizeof(struct dt_point) + sizeof(double));
+           (size_t)sum.points * (2 * sizeof(uint32_t) + sizeof(struct dt_point) + sizeof(double)) +
+           dt_constraints_count(v->dt) * sizeof(struct dt_constraint);
 }
 
 enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
@@ -105,7 +117,7 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
     enum dt_status status = copy_rows(v, view, f, opt, locked, &c);
     if (locked)
         version_unlock(v);
-    if (status == DT_OK && (out->dt = dt_new(0)) == NULL)
+    if (status == DT_OK && (out->dt = dt_new(dt_tolerance(v->dt))) == NULL)
         status = DT_NOMEM;
     if (status == DT_OK)
         status = build(&c, dt_view_next_id(view), opt, out->dt);

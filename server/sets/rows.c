@@ -134,6 +134,14 @@ static void write_loop(const struct rows *r, struct buf *out, const uint32_t *wo
     reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
 }
 
+static void write_constraint(const struct rows *r, struct buf *out, const uint32_t *word)
+{
+    if (r->binary)
+        reply_words_u32(out, word, ROW_CONSTRAINT_WORDS);
+    else
+        reply_row_constraint(out, word[0], word[1], (word[2] & 1) != 0, word[2] >> 1);
+}
+
 /* The words of the list that the row at `at` takes. */
 static size_t list_words(const struct rows *r, size_t at)
 {
@@ -169,6 +177,8 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_ring(r, out, *id);
         else if (r->form == ROW_LOOP)
             write_loop(r, out, id);
+        else if (r->form == ROW_CONSTRAINT)
+            write_constraint(r, out, id);
         else if (r->form == ROW_VALUE)
             write_value(out, id);
         else if (r->form == ROW_LINE)

@@ -13,18 +13,19 @@
 #include "server/sets/surface_rows.h"
 
 enum row_form {
-    ROW_IDS,       /* `width` ids from the list */
-    ROW_POINT,     /* id x y */
-    ROW_NEIGHBOUR, /* id x y distance from `from` */
-    ROW_RING,      /* id and its ring */
-    ROW_VALUE,     /* id and a number: ROW_VALUE_WORDS words of the list */
-    ROW_CELL,      /* id, the number of corners, and x y of each, */
-    ROW_AREA,      /* or the area: of all cells, or those of the list */
-    ROW_SURFACE,   /* values of a surface */
-    ROW_LINE,      /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
-    ROW_LOOP,      /* hole or outer, k and k ids: of the list 1 or 0, and the same */
-    ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
-    ROW_NEAREST    /* and the `width` points nearest to it */
+    ROW_IDS,        /* `width` ids from the list */
+    ROW_POINT,      /* id x y */
+    ROW_NEIGHBOUR,  /* id x y distance from `from` */
+    ROW_RING,       /* id and its ring */
+    ROW_VALUE,      /* id and a number: ROW_VALUE_WORDS words of the list */
+    ROW_CELL,       /* id, the number of corners, and x y of each, */
+    ROW_AREA,       /* or the area: of all cells, or those of the list */
+    ROW_SURFACE,    /* values of a surface */
+    ROW_LINE,       /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
+    ROW_LOOP,       /* hole or outer, k and k ids: of the list 1 or 0, and the same */
+    ROW_CONSTRAINT, /* a b, line or border, and a number: ROW_CONSTRAINT_WORDS words, the last twice the number, plus 1 for a border */
+    ROW_TRIANGLE,   /* binary, of a place: the corners of its triangle, */
+    ROW_NEAREST     /* and the `width` points nearest to it */
 };
 
 /* A row of ROW_VALUE in a list of words. */
@@ -35,10 +36,12 @@ void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value);
 enum { ROW_LINE_WORDS = 4 };
 void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places);
 
+enum { ROW_CONSTRAINT_WORDS = 3 };
+
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP;
+    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP || form == ROW_CONSTRAINT;
 }
 
 /* Places that are asked about. */

@@ -36,14 +36,9 @@ class Table {
     return text('digest')(await this.request(line('DIGEST', checkSet(set)), options));
   }
 
-  /** Deletes points. Resolves with `deleted`. */
-  async delete(set, ids, options) {
-    return number('deleted')(await this.request(line('DEL', checkSet(set), numbers(ids)), options));
-  }
-
-  /** Moves a point, which keeps its id. */
-  async move(set, id, x, y, options) {
-    return nothing(await this.request(line('MOVE', checkSet(set), Number(id), Number(x), Number(y)), options));
+  /** Deletes points; with CASCADE also the constraints that end there. Resolves with `deleted`. */
+  async delete(set, ids, { cascade, ...options } = {}) {
+    return number('deleted')(await this.request(line('DEL', checkSet(set), numbers(ids), option('CASCADE', cascade)), options));
   }
 
   /** Deletes a field. */

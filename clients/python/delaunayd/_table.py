@@ -13,9 +13,9 @@ from ._protocol import Value, Word, field_name, option, set_name
 
 # Requests that change nothing, so that they can be sent again.
 READS = frozenset(
-    b"SETS TTL STAT DIGEST GET POINTS COINCIDENT FIELDS FGET CHECK LISTS TRIANGLES EDGES HULL "
-    b"LOCATE NEAREST LOCATEB NEARESTB WITHIN WEIGHTS VORONOI AREAS INTERPOLATE INTERPOLATEB "
-    b"RASTER CONTOUR ALPHA TRACE".split()
+    b"SETS TTL STAT DIGEST GET POINTS COINCIDENT FIELDS FGET CONSTRAINTS CHECK LISTS TRIANGLES "
+    b"EDGES HULL LOCATE NEAREST LOCATEB NEARESTB WITHIN WEIGHTS VORONOI AREAS INTERPOLATE "
+    b"INTERPOLATEB RASTER CONTOUR ALPHA TRACE".split()
 )
 
 
@@ -50,13 +50,9 @@ class Table(Asking):
         """A number of everything in a set: equal sets have the same. Returns `digest`."""
         return self._ask(protocol.fact("digest", str), "DIGEST", set_name(name))
 
-    def delete(self, name: str, ids: Iterable[int]) -> int:
-        """Deletes points. Returns `deleted`."""
-        return self._ask(protocol.fact("deleted", int), "DEL", set_name(name), *map(int, ids))
-
-    def move(self, name: str, id: int, x: float, y: float) -> None:
-        """Moves a point, which keeps its id."""
-        return self._ask(protocol.nothing, "MOVE", set_name(name), int(id), float(x), float(y))
+    def delete(self, name: str, ids: Iterable[int], cascade: bool = False) -> int:
+        """Deletes points; with CASCADE also the constraints that end there. Returns `deleted`."""
+        return self._ask(protocol.fact("deleted", int), "DEL", set_name(name), *map(int, ids), *option("CASCADE", cascade))
 
     def drop_field(self, name: str, field: str) -> None:
         """Deletes a field."""

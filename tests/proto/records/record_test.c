@@ -12,6 +12,9 @@ static const double values[] = {0.5, -7, 1e-300};
 static const struct record_value pairs[] = {{1, -0.5}, {UINT32_MAX, 3}};
 static const struct record_row rows[] = {{3, 3, 0.1, 0.2}, {9, 3, 0.1, -0.25}};
 
+static const struct record_constraint constraints[] = {{0, 7, 0}, {UINT32_MAX, 1, UINT32_MAX}};
+static const struct record_move moves[] = {{UINT32_MAX, 0x1p-142, -2}, {0, 0.1, 0x1p201}};
+
 /* One record of every type, with every field in use. */
 static struct record sample(enum record_type type)
 {
@@ -27,23 +30,34 @@ static struct record sample(enum record_type type)
                        .name_len = 12,
                        .field = "depth",
                        .field_len = 5};
-    switch (record_item_size(type)) {
-    case 16:
+    switch (type) {
+    case RECORD_ADD:
+    case RECORD_CHUNK:
         r.items = points;
         break;
-    case 4:
+    case RECORD_DELETE:
+    case RECORD_CASCADE:
         r.items = ids;
         break;
-    case 24:
+    case RECORD_ROWS:
         r.items = rows;
         r.n = 2;
         break;
-    case 12:
+    case RECORD_FSET:
         r.items = pairs;
         r.n = 2;
         break;
-    case 8:
+    case RECORD_VALUES:
         r.items = values;
+        break;
+    case RECORD_CONSTRAIN:
+    case RECORD_RELEASE:
+        r.items = constraints;
+        r.n = 2;
+        break;
+    case RECORD_MOVES:
+        r.items = moves;
+        r.n = 2;
         break;
     default:
         break;
@@ -57,29 +71,46 @@ static void check_items(const struct record *got)
     uint32_t id[3];
     struct record_row row;
     struct record_value pair;
-    switch (record_item_size(got->type)) {
-    case 8:
+    struct record_constraint constraint;
+    struct record_move move;
+    switch (got->type) {
+    case RECORD_VALUES:
         record_values(got, xy);
         CHECK(memcmp(xy, values, sizeof values) == 0);
         break;
-    case 12:
+    case RECORD_FSET:
         for (uint32_t i = 0; i < 2; i++) {
             record_value_at(got, i, &pair);
             CHECK(pair.id == pairs[i].id && pair.value == pairs[i].value);
         }
         break;
-    case 16:
+    case RECORD_ADD:
+    case RECORD_CHUNK:
         record_points(got, xy);
         CHECK(memcmp(xy, points, sizeof points) == 0);
         break;
-    case 4:
+    case RECORD_DELETE:
+    case RECORD_CASCADE:
         record_ids(got, id);
         CHECK(memcmp(id, ids, sizeof ids) == 0);
         break;
-    case 24:
+    case RECORD_ROWS:
         for (uint32_t i = 0; i < 2; i++) {
             record_row_at(got, i, &row);
             CHECK(memcmp(&row, &rows[i], sizeof row) == 0);
+        }
+        break;
+    case RECORD_CONSTRAIN:
+    case RECORD_RELEASE:
+        for (uint32_t i = 0; i < 2; i++) {
+            record_constraint_at(got, i, &constraint);
+            CHECK(memcmp(&constraint, &constraints[i], sizeof constraint) == 0);
+        }
+        break;
+    case RECORD_MOVES:
+        for (uint32_t i = 0; i < 2; i++) {
+            record_move_at(got, i, &move);
+            CHECK(move.id == moves[i].id && move.x == moves[i].x && move.y == moves[i].y);
         }
         break;
     default:

@@ -117,6 +117,29 @@ TEST(directory_of_version_4_is_read_with_its_history)
 }
 
 /* The version in the header of the file; 0: there is no such file. */
+/* The same with constraints, in a snapshot and in all kinds of records. */
+TEST(directory_of_version_5_is_read_with_its_constraints)
+{
+    static const char questions[] = "POINTS t FIELDS z\nCONSTRAINTS t\nCONSTRAINTS a\n"
+                                    "CONSTRAINTS b\nEDGES t CONSTRAINED\nLISTS t\nCHECK t\n"
+                                    "CONSTRAINTS empty\nDIGEST t\n";
+    size_t n;
+    char text[4000];
+    struct directory dir = copy_of("tests/data/version-5");
+    char *want = file_read("tests/data/version-5/state", &n);
+    want[n] = '\0';
+    CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
+    for (int i = 0; i < 2; i++) { /* its own files, then those that this release has written */
+        struct daemon d = directory_daemon(&dir, NULL);
+        converse(&d, questions, want);
+        carry_out(&d, "SNAPSHOT\n");
+        await_info(&d, "snapshots", 1);
+        daemon_stop(&d, SIGKILL);
+    }
+    free(want);
+    directory_remove(&dir);
+}
+
 static unsigned written_version(unsigned of, const char *prefix)
 {
     char path[128];
@@ -145,7 +168,8 @@ TEST(every_version_of_the_format_so_far_has_its_files)
 TEST(follower_of_a_leader_with_files_of_any_version_has_equal_sets)
 {
     static const char *const from[] = {"tests/data/version-1", "tests/data/version-2",
-                                       "tests/data/version-3", "tests/data/version-4"};
+                                       "tests/data/version-3", "tests/data/version-4",
+                                       "tests/data/version-5"};
     static const char digests[] = "DIGEST a\nDIGEST b\nDIGEST t\nDIGEST empty\nSETS\nQUIT\n";
     for (size_t i = 0; i < sizeof from / sizeof from[0]; i++) {
         char address[40];

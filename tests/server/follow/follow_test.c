@@ -47,7 +47,10 @@ static void change_everything(const struct node *n)
         "ADD c 0 0 0.3 0 1 1\nTRIANGULATE a\nMOVE a 1 2 2\nDEL a 2\nEXPIRE c 1000\n"
         "FSET a z 0 1.5 1 nan\nFSET a w 3 7\nFDROP a w\nADD a FIELDS z,q 8 8 1 2\n"
         "LOAD b 3 FIELDS z\n1 2 3\n4 5 nan\n7 8 9\nTRIANGULATE b METHOD shelling\n"
-        "TRIANGULATE d\nPERSIST gone\nDROP gone\nDROP d\nCREATE d\n");
+        "TRIANGULATE d\nPERSIST gone\nDROP gone\nDROP d\nCREATE d\n"
+        "CONSTRAIN a OF 7 0 1 1 3\nCONSTRAIN b BORDER RING 0 1 2\nRELEASE b BORDER 0 1\n"
+        "MOVE a 0 0 1 1 3 2\nCONSTRAIN a 5 0\nRELEASE a OF 7\nDEL a 5 CASCADE\n"
+        "CONSTRAIN a OF 2 3 4\nCONSTRAIN b 0 1\nRELEASE b ALL\nCONSTRAIN b OF 3 PATH 2 0 1\n");
 }
 
 TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)
@@ -92,9 +95,10 @@ TEST_TIMEOUT(follower_refuses_changes_and_says_who_the_leader_is, 60)
     carry_out(&l.d, "ADD a 0 0\n");
     node_expect_same(&l, &f);
     snprintf(want, sizeof want, "ERR READONLY leader=127.0.0.1:%u", l.d.port);
-    static const char *const changes[] = {"ADD a 1 1",    "CREATE b",     "DROP a",
-                                          "DEL a 0",      "MOVE a 0 3 3", "TRIANGULATE a",
-                                          "FSET a z 0 1", "EXPIRE a 100", "FDROP a z"};
+    static const char *const changes[] = {"ADD a 1 1",       "CREATE b",     "DROP a",
+                                          "DEL a 0",         "MOVE a 0 3 3", "TRIANGULATE a",
+                                          "FSET a z 0 1",    "EXPIRE a 100", "FDROP a z",
+                                          "CONSTRAIN a 0 0", "RELEASE a ALL"};
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++)
         CHECK_STR(node_ask(&f, changes[i]), want);
     node_expect(&f, "SYNC 1.1.1 0 0000000000000000", want);

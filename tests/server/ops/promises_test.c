@@ -1,6 +1,7 @@
 /* promises_test.c - the keys of INFO, the limits, the words of requests, and what a token for reading may not use are those that proto/PROTOCOL.md
  * documents. */
 #include "core/delaunay.h"
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 #include "proto/line.h"
 #include "proto/request.h"
@@ -135,6 +136,7 @@ TEST(limits_are_those_of_the_document)
         {"sets", LIMIT_SETS},
         {"points of a set", DT_MAX_POINTS},
         {"fields of a set", DT_MAX_FIELDS},
+        {"constraints of a set", DT_MAX_CONSTRAINTS},
         {"points of a set for TRACE", LIMIT_TRACE_POINTS},
         {"points for each place of NEARESTB", LIMIT_NEAREST_MANY},
         {"columns and rows of a RASTER", LIMIT_RASTER_SIDE},

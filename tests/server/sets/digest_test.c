@@ -62,6 +62,9 @@ TEST(digest_differs_after_any_single_change)
         BASE "TRIANGULATE t\n", "CREATE t TOL 0.5\n" BASE, "CREATE t TOL 0.25\n" BASE, "CREATE t\n",
         "CREATE t TOL 1\n", "CREATE t\nTRIANGULATE t\n", "ADD t 0 0\nDEL t 0\n",
         "ADD t 0 0\nFSET t z 0 1\nDEL t 0\n", "ADD t 0 0\n", "ADD t 0 1\n", "ADD t 1 0\n",
+        BASE "CONSTRAIN t 0 1\n", BASE "CONSTRAIN t BORDER 0 1\n", BASE "CONSTRAIN t OF 1 0 1\n",
+        BASE "CONSTRAIN t 0 2\n", BASE "CONSTRAIN t PATH 0 1 2\n",
+        BASE "TRIANGULATE t\nCONSTRAIN t 0 1\n",
         /* the same rows, but for the representative of the last point */
         "CREATE t TOL 1\nADD t 0 0 1.5 0 0.75 0\n",
         "CREATE t TOL 1\nADD t 0 0 1.5 0 0.7 0\nMOVE t 2 0.8 0\nMOVE t 2 0.75 0\n",
@@ -104,6 +107,11 @@ TEST(digest_is_the_same_when_a_change_has_been_undone)
     CHECK(digest_after("ADD t 0 0 4 0 -0 4 1.5 1.5 4 -0\nFSET t z 2 -2.5 0 1\n") == base);
     CHECK(digest_after("CREATE t TOL -0\n" BASE) == base);
     CHECK(digest_after("CREATE other\nADD other 1 1\n" BASE) == base);
+    CHECK(digest_after(BASE "CONSTRAIN t 0 3 1 2\nRELEASE t ALL\n") == base);
+    uint64_t fenced = digest_after(BASE "CONSTRAIN t BORDER OF 9 RING 0 1 2\nCONSTRAIN t 3 4\n");
+    CHECK(fenced != base);
+    CHECK(digest_after(BASE "CONSTRAIN t 3 4 0 3\nCONSTRAIN t BORDER OF 9 1 0 2 1 0 2\n"
+                            "RELEASE t 3 0\n") == fenced);
     CHECK(digest_after(BASE "FSET t z 1 0\n") == digest_after(BASE "FSET t z 1 -0\n"));
 }
 

@@ -1,0 +1,46 @@
+/* constraint.h - constraints as they are in records, declared and released. */
+#ifndef SERVER_CONSTRAINT_H
+#define SERVER_CONSTRAINT_H
+
+#include "core/delaunay_constraints.h"
+#include "proto/records/record.h"
+
+/* What a RECORD_RELEASE is about: its `a`. */
+enum { RELEASE_LISTED, RELEASE_NUMBER, RELEASE_ALL };
+
+/* As they are in records, and in the core. */
+static inline uint32_t constraint_what(bool border, uint32_t number)
+{
+    return number << 1 | border;
+}
+
+static inline struct dt_constraint constraint_of(const struct record_constraint *r)
+{
+    return (struct dt_constraint){r->a, r->b, (r->what & 1) != 0, r->what >> 1};
+}
+
+static inline struct record_constraint constraint_record(const struct dt_constraint *c)
+{
+    return (struct record_constraint){c->a, c->b, constraint_what(c->border, c->number)};
+}
+
+/* dt_constrain of these. */
+enum dt_status constraint_declare(struct dt *dt, const struct record_constraint *c, size_t n,
+                                  const struct dt_options *opt, size_t *added, uint32_t *missing);
+
+/* dt_release of these. DT_NOCONSTRAINT: *missing is the first that is not there. */
+enum dt_status constraint_release(struct dt *dt, const struct record_constraint *c, size_t n,
+                                  const struct dt_options *opt, size_t *released,
+                                  struct dt_constraint *missing);
+
+/* Releases those of a kind and a number, or all. DT_NOCONSTRAINT: there are none; *missing has both, and no ends (DT_NONE). */
+enum dt_status constraint_release_of(struct dt *dt, bool all, uint32_t what,
+                                     const struct dt_options *opt, size_t *released,
+                                     struct dt_constraint *missing);
+
+/* Upper bounds of the bytes that declaring n constraints takes at its peak beyond the set's memory, and releasing n, or of
+ * DT_NONE, chosen ones. */
+size_t constraint_declare_memory(const struct dt *dt, uint32_t n);
+size_t constraint_release_memory(const struct dt *dt, uint32_t n);
+
+#endif

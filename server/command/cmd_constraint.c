@@ -1,0 +1,141 @@
+/* cmd_constraint.c - the commands about constraints: segments that the triangulation keeps. */
+#include "server/command/command.h"
+
+#include "server/changes/constraint.h"
+#include "server/replies/query.h"
+
+#include <stdlib.h>
+
+/* ---- arguments ---- */
+
+/* The words of a request that say which constraints it is about. */
+struct chosen {
+    size_t at; /* the first word behind [BORDER] [OF k] */
+    bool numbered;
+    uint32_t what; /* as in struct record_constraint */
+};
+
+static bool read_number(struct answer *a, const struct word *w, uint32_t *k)
+{
+    if (!read_count(a, w, "a number of constraints", k))
+        return false;
+    if (*k <= DT_MAX_NUMBER)
+        return true;
+    answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
+    return false;
+}
+
+static bool read_chosen(struct answer *a, const struct request *q, struct chosen *f)
+{
+    uint32_t k = 0;
+    *f = (struct chosen){.at = 2};
+    bool border = word_is(&q->word[f->at], "BORDER");
+    f->at += border;
+    f->numbered = f->at + 1 < q->n && word_is(&q->word[f->at], "OF");
+    if (f->numbered && !read_number(a, &q->word[f->at + 1], &k))
+        return false;
+    f->at += f->numbered ? 2 : 0;
+    f->what = constraint_what(border, k);
+    return true;
+}
+
+/* The constraints whose ends are ids of the request, as the change's: `from` and `step` say which. */
+static bool read_segments(struct answer *a, const struct request *q, const struct chosen *f,
+                          size_t from, size_t step, size_t n, struct change *c)
+{
+    size_t ids = q->n - from;
+    c->n = (uint32_t)n;
+    c->constraints = dt_pages_grow(c->pages, NULL, 0, (n + 1) * sizeof *c->constraints);
+    if (c->constraints == NULL)
+        answer_out_of_memory(a);
+    bool good = c->constraints != NULL;
+    for (size_t i = 0; good && i < n; i++) {
+        struct record_constraint *to = &c->constraints[i];
+        to->what = f->what;
+        good = read_id(a, &q->word[from + i * step], &to->a) &&
+               read_id(a, &q->word[from + (i * step + 1) % ids], &to->b);
+        if (good && to->a == to->b) {
+            answer_err(a, ERR_SYNTAX, "the constraint %u %u has one end only", to->a, to->b);
+            good = false;
+        }
+    }
+    return good;
+}
+
+static bool read_pairs(struct answer *a, const struct request *q, const struct chosen *f,
+                       struct change *c)
+{
+    size_t ids = q->n - f->at;
+    if (ids > 0 && ids % 2 == 0)
+        return read_segments(a, q, f, f->at, 2, ids / 2, c);
+    answer_usage(a);
+    return false;
+}
+
+bool read_constraints(struct server *s, const struct dataset *set, const struct request *q,
+                      struct answer *a, struct change *c)
+{
+    struct chosen f;
+    (void)s, (void)set;
+    if (!read_chosen(a, q, &f))
+        return false;
+    bool path = f.at < q->n && word_is(&q->word[f.at], "PATH");
+    bool ring = f.at < q->n && word_is(&q->word[f.at], "RING");
+    if (!path && !ring)
+        return read_pairs(a, q, &f, c);
+    size_t ids = q->n - f.at - 1;
+    if (ids >= (path ? 2 : 3))
+        return read_segments(a, q, &f, f.at + 1, 1, path ? ids - 1 : ids, c);
+    answer_usage(a);
+    return false;
+}
+
+bool read_releases(struct server *s, const struct dataset *set, const struct request *q,
+                   struct answer *a, struct change *c)
+{
+    struct chosen f;
+    (void)s, (void)set;
+    if (q->n == 3 && word_is(&q->word[2], "ALL")) {
+        c->a = RELEASE_ALL;
+        return true;
+    }
+    if (!read_chosen(a, q, &f))
+        return false;
+    if (f.at < q->n || !f.numbered)
+        return read_pairs(a, q, &f, c);
+    c->a = RELEASE_NUMBER;
+    c->first = f.what;
+    return true;
+}
+
+/* ---- CONSTRAINTS ---- */
+
+static bool read_ends(struct answer *a, const struct dataset *set, const struct request *q,
+                      size_t n, struct query *query)
+{
+    uint32_t rep;
+    query->ids = (struct dt_ids){read_ids(a, &q->word[2], n), n, n};
+    if (query->ids.v == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        if (dt_representative(set->current->dt, query->ids.v[i], &rep) != DT_OK) {
+            answer_err(a, ERR_NOPOINT, "there is no point %u", query->ids.v[i]);
+            free(query->ids.v);
+            return false;
+        }
+    }
+    return true;
+}
+
+void cmd_constraints(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    struct query query = {.kind = QUERY_CONSTRAINTS};
+    query.binary = q->n > 2 && word_is(&q->word[q->n - 1], "BINARY");
+    size_t n = q->n - 2 - query.binary;
+    query.numbered = n == 2 && word_is(&q->word[2], "OF");
+    if (query.numbered && !read_number(a, &q->word[3], &query.k))
+        return;
+    if (n == 0 || query.numbered || read_ends(a, set, q, n, &query))
+        query_answer(s, a, set, &query);
+}
