@@ -570,9 +570,9 @@ class Voronoi {
     const coords = this.#coords;
     const { from, to } = this.#cell(i);
     if (!(to > from)) return null;
-    const polygon = [];
-    for (let k = 2 * from; k < 2 * to; k += 2) polygon.push([coords[k], coords[k + 1]]);
-    polygon.push([coords[2 * from], coords[2 * from + 1]]);
+    const polygon = new Array(to - from + 1);
+    for (let i = 0, k = 2 * from; k < 2 * to; i++, k += 2) polygon[i] = [coords[k], coords[k + 1]];
+    polygon[to - from] = [coords[2 * from], coords[2 * from + 1]];
     return polygon;
   }
 
