@@ -25,15 +25,26 @@ static bool start_reactor(struct server *s, unsigned i)
 {
     struct reactor *r = &s->reactor[i];
     r->number = i;
+    r->server = s;
+    r->push = (struct task){.run = durable_push, .shares = true};
     r->ahead = calloc(1, sizeof *r->ahead);
     return r->ahead != NULL && stats_init(&r->stats) && loop_init(&r->loop, s->world, i);
+}
+
+/* What several reactors need. */
+static bool init_gates(struct server *s, unsigned n)
+{
+    s->world = malloc(sizeof *s->world);
+    if (s->world == NULL || !lanes_init(&s->in_world, n) || !lanes_init(&s->sets.lanes, n))
+        return false;
+    gate_init(s->world, &s->in_world);
+    return true;
 }
 
 static bool start_reactors(struct server *s, unsigned n)
 {
     s->reactor = calloc(n, sizeof *s->reactor);
-    s->world = n > 1 ? aligned_alloc(GATE_LINE, sizeof *s->world) : NULL;
-    if (s->reactor == NULL || (n > 1 && (s->world == NULL || !gate_init(s->world, n))))
+    if (s->reactor == NULL || (n > 1 && !init_gates(s, n)))
         return false;
     while (s->reactors < n)
         if (!start_reactor(s, s->reactors++))
@@ -58,8 +69,8 @@ static void end_reactors(struct server *s)
     for (unsigned i = 0; i < s->reactors; i++)
         end_reactor(&s->reactor[i]);
     free(s->reactor);
-    if (s->world != NULL)
-        gate_clear(s->world);
+    lanes_clear(&s->in_world);
+    lanes_clear(&s->sets.lanes);
     free(s->world);
 }
 
@@ -73,7 +84,7 @@ bool server_init(struct server *s, struct config *config)
     budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);
     registry_begin_life_in_memory(&s->sets); /* with --data until that has been read */
-    s->sets.memory = server_reservation(s, BUDGET_SETS);
+    s->sets.budget = &s->budget;
     s->queued = server_reservation(s, BUDGET_LOG);
     s->sets.pages = s->pages;
     s->sets.discard = discard;

@@ -17,7 +17,8 @@ struct questions {
     struct ahead_request *asks[DT_AHEAD]; /* about place[i] */
     uint32_t id[DT_AHEAD];
     size_t places, ids;
-    bool edits; /* some of the ids are those of points to be deleted or moved */
+    bool edits;  /* some of the ids are those of points to be deleted or moved */
+    bool inside; /* the reactor is inside the set's gate */
 };
 
 /* Parses the next request of bytes[n] into words of q; returns its length, 0 if it is not complete or not valid. */
@@ -33,8 +34,25 @@ static size_t next_request(const char *bytes, size_t n, struct request *q)
     return took > 0 && request_split(q, line.text, line.len) ? (size_t)took : 0;
 }
 
+/* False: an edit of the set is under way. */
+static bool enter(struct questions *all, struct dataset *set, const struct reactor *r)
+{
+    if (!loop_is_sharing(&r->loop))
+        return true;
+    all->inside = gate_try_enter(&set->gate, r->number);
+    return all->inside;
+}
+
+static void leave(struct questions *all, struct dataset *set, const struct reactor *r)
+{
+    if (all->inside)
+        gate_leave(&set->gate, r->number);
+    all->inside = false;
+}
+
 /* Whether the request is about the same set as the others, and the set may be read now. */
-static bool is_ours(const struct server *s, struct questions *all, const struct word *name)
+static bool is_ours(const struct server *s, const struct reactor *r, struct questions *all,
+                    const struct word *name)
 {
     if (all->set != NULL)
         return all->set->name_len == name->len &&
@@ -42,10 +60,13 @@ static bool is_ours(const struct server *s, struct questions *all, const struct 
     if (!word_is_set_name(name))
         return false;
     struct dataset *set = registry_find(&s->sets, name);
-    if (set == NULL || !set->born || set->exclusive || set->loading)
+    if (set == NULL || !enter(all, set, r))
         return false;
-    all->set = set;
-    return true;
+    if (set->born && !set->exclusive && !set->loading)
+        all->set = set;
+    else
+        leave(all, set, r);
+    return all->set != NULL;
 }
 
 static void take_place(struct questions *all, struct ahead_request *r)
@@ -65,11 +86,12 @@ static void take_id(struct questions *all, const struct ahead_request *r)
 }
 
 /* Notes what is to be prefetched for the request. */
-static void take_question(const struct server *s, struct questions *all, struct ahead_request *r)
+static void take_question(const struct server *s, const struct reactor *by, struct questions *all,
+                          struct ahead_request *r)
 {
     enum command_ahead ahead = r->command != NULL ? r->command->ahead : AHEAD_NOTHING;
     size_t words = ahead == AHEAD_PLACE ? 4 : 3;
-    if (ahead == AHEAD_NOTHING || r->n < words || !is_ours(s, all, &r->word[1]))
+    if (ahead == AHEAD_NOTHING || r->n < words || !is_ours(s, by, all, &r->word[1]))
         return;
     if (ahead == AHEAD_PLACE)
         take_place(all, r);
@@ -119,16 +141,17 @@ static void look(const struct server *s, struct reactor *r, const char *bytes, s
     struct questions all;
     all.set = NULL;
     all.places = all.ids = 0;
-    all.edits = false;
+    all.edits = all.inside = false;
     ahead_forget(a);
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
         struct ahead_request *kept;
         took = next_request(bytes + at, n - at, &r->request);
         if (took == 0 || (kept = keep(s, r, bytes + at, took)) == NULL)
             break;
-        take_question(s, &all, kept);
+        take_question(s, r, &all, kept);
     }
     fetch(&all);
+    leave(&all, all.set, r);
 }
 
 size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, size_t n)

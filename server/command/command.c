@@ -198,6 +198,32 @@ bool command_shares(const struct server *s, struct reactor *r, const struct requ
     return c != NULL && (c->flags & CMD_SHARES) != 0;
 }
 
+static void carry_out(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a)
+{
+    const struct command *c = a->command;
+    if (!check_state(s, a, c, q, set))
+        return;
+    if ((c->flags & CMD_SET) != 0)
+        note_changes(s, a, c, set);
+    c->handler(s, set, q, a);
+}
+
+/* While reactors share the world, one of them changes a set, or several read it. */
+static void carry_out_inside(struct server *s, struct dataset *set, const struct request *q,
+                             struct answer *a)
+{
+    if ((a->command->flags & CMD_WRITE) != 0) {
+        gate_close(&set->gate);
+        carry_out(s, set, q, a);
+        gate_open(&set->gate);
+    } else {
+        gate_enter(&set->gate, a->reactor->number);
+        carry_out(s, set, q, a);
+        gate_leave(&set->gate, a->reactor->number);
+    }
+}
+
 static void dispatch(struct server *s, const struct request *q, struct answer *a)
 {
     const struct command *c = command_find_again(s, a->reactor, &q->word[0]);
@@ -213,10 +239,10 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
             command_skip_body(s, q, a);
     } else if (c->body.rows != LOAD_NOTHING && a->body == NULL) {
         load_start(s, &c->body, q, a);
-    } else if (check_state(s, a, c, q, set)) {
-        if ((c->flags & CMD_SET) != 0)
-            note_changes(s, a, c, set);
-        c->handler(s, set, q, a);
+    } else if (set != NULL && loop_is_sharing(&a->reactor->loop)) {
+        carry_out_inside(s, set, q, a);
+    } else {
+        carry_out(s, set, q, a);
     }
 }
 
@@ -293,6 +319,8 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
 void cmd_change(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct command *c = a->command;
+    if (loop_is_sharing(&a->reactor->loop) && !submit_shares(set, c->change) && !world_alone(a))
+        return;
     struct submission *x = submission_new(s, a, c->change, &q->word[1]);
     if (x == NULL)
         return;

@@ -1,4 +1,4 @@
-/* log.c - the queue between a reactor and the log thread, and the loop of that thread; files are in
+/* log.c - the queue between reactors and the log thread, and the loop of that thread; files are in
  * log_file.c. One mutex guards the queue and the status; nothing slow is done under it. */
 #include "server/disk/log.h"
 
@@ -20,7 +20,7 @@
 enum {
     SYNC_EVERY_MS = 1000,
     GATHER_LIMIT_NS = 2 * 1000 * 1000, /* how long a sync may wait for more records */
-    PIECE_FULL = 256 * 1024,           /* bytes of small records after which a new piece begins */
+    PIECE_FULL = 32 * 1024,            /* bytes of small records after which a new piece begins */
     MUCH = 1 << 20 /* bytes whose end in the queue is reported before the sync */
 };
 
@@ -49,19 +49,17 @@ struct queue {
 };
 
 struct log {
-    /* a reactor's */
-    struct queue open;   /* appended and not pushed yet */
-    uint64_t next;       /* the lsn of the next record */
-    uint32_t version;    /* of the segment that the next record is in */
-    bool unmarked;       /* no RECORD_CLOSE at the end */
-    bool lost;           /* a record is missing in `open`: out of memory */
-    size_t appended;     /* bytes of all pieces so far */
-    atomic_size_t freed; /* bytes of the pieces that have been freed */
+    bool unmarked;          /* no RECORD_CLOSE at the end */
+    atomic_size_t appended; /* bytes of all pieces so far */
+    atomic_size_t freed;    /* bytes of the pieces that have been freed */
     _Atomic uint64_t synced;
-    /* shared */
+    _Atomic uint64_t next; /* the lsn of the next record; changed under the mutex */
+    /* under the mutex */
     pthread_mutex_t mutex;
     pthread_cond_t wake;
     struct queue queue;
+    bool pushed;      /* the thread is to write the queue */
+    uint32_t version; /* of the segment that the next record is in */
     struct log_status status;
     uint64_t resume;        /* not 0: the argument of log_resume, plus 1, */
     uint64_t resume_digest; /* and the other one */
@@ -77,7 +75,7 @@ struct log {
     pthread_t thread;
 };
 
-/* ---- a reactor's side ---- */
+/* ---- reactors ---- */
 
 /* Moves everything to the end of another queue. */
 static void move(struct queue *to, struct queue *from)
@@ -87,23 +85,29 @@ static void move(struct queue *to, struct queue *from)
     from->records = 0;
 }
 
+/* A record up to the last one is missing: out of memory. */
+static void lose(struct log *log)
+{
+    log->broken = log->next - 1;
+}
+
+/* A new piece at the end of the queue; NULL: out of memory. */
 static struct piece *new_piece(struct log *log, enum piece_kind kind)
 {
     struct piece *p = calloc(1, sizeof *p);
-    if (p == NULL) {
-        log->lost = true;
+    if (p == NULL)
         return NULL;
-    }
     p->kind = kind;
     p->last = log->next - 1;
-    list_append(&log->open.pieces, &p->link);
+    list_append(&log->queue.pieces, &p->link);
     return p;
 }
 
 /* Records that a piece takes `size` bytes now. */
 static void measure(struct log *log, struct piece *p, size_t size)
 {
-    log->appended += size - p->size;
+    if (size != p->size)
+        log->appended += size - p->size;
     p->size = size;
 }
 
@@ -121,19 +125,25 @@ static void free_piece(struct log *log, struct piece *p)
 static void begin_version(struct log *log, enum record_type type)
 {
     uint32_t version = record_version(type);
-    struct piece *p = version > log->version ? new_piece(log, PIECE_ROTATE) : NULL;
+    if (version <= log->version)
+        return;
+    struct piece *p = new_piece(log, PIECE_ROTATE);
     if (p != NULL)
         log->version = p->version = version;
+    else
+        log->broken = log->next; /* the record that is to be appended */
 }
 
-/* The piece for one more small record; NULL: out of memory. */
+/* The piece for one more small record, which has the last lsn; NULL: out of memory. */
 static struct piece *open_piece(struct log *log, enum record_type type)
 {
     begin_version(log, type);
-    struct piece *p = list_last(&log->open.pieces);
+    struct piece *p = list_last(&log->queue.pieces);
     log->next++;
     if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
         p = new_piece(log, PIECE_BYTES);
+    if (p == NULL)
+        lose(log);
     return p;
 }
 
@@ -141,32 +151,38 @@ static struct piece *open_piece(struct log *log, enum record_type type)
 static void end_append(struct log *log, struct piece *p)
 {
     measure(log, p, p->bytes.cap);
-    log->lost = log->lost || p->bytes.failed;
+    if (p->bytes.failed)
+        lose(log);
     p->last = log->next - 1;
     p->records++;
-    log->open.records++;
+    log->queue.records++;
 }
 
 uint64_t log_append(struct log *log, struct record *r)
 {
+    pthread_mutex_lock(&log->mutex);
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
     struct piece *p = open_piece(log, r->type);
-    if (p == NULL)
-        return r->lsn;
-    record_write(&p->bytes, r);
-    end_append(log, p);
+    if (p != NULL) {
+        record_write(&p->bytes, r);
+        end_append(log, p);
+    }
+    pthread_mutex_unlock(&log->mutex);
     return r->lsn;
 }
 
 uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
 {
+    pthread_mutex_lock(&log->mutex);
+    uint64_t lsn = log->next;
     struct piece *p = open_piece(log, (enum record_type)record_outline(bytes).type);
-    if (p == NULL)
-        return log->next - 1;
-    record_copy(&p->bytes, bytes, n, atomic_load(&log->synced));
-    end_append(log, p);
-    return log->next - 1;
+    if (p != NULL) {
+        record_copy(&p->bytes, bytes, n, atomic_load(&log->synced));
+        end_append(log, p);
+    }
+    pthread_mutex_unlock(&log->mutex);
+    return lsn;
 }
 
 static uint32_t pieces_of(uint32_t n, uint32_t most)
@@ -174,18 +190,10 @@ static uint32_t pieces_of(uint32_t n, uint32_t most)
     return n / most + (n % most > 0);
 }
 
-uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct columns *v)
+/* Gives the piece the points and the values. */
+static void take_load(struct log *log, struct piece *p, const struct record *r, double *xy,
+                      struct columns *v)
 {
-    struct piece *p = new_piece(log, PIECE_POINTS);
-    r->type = RECORD_LOAD;
-    r->lsn = log->next;
-    r->synced = atomic_load(&log->synced);
-    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + columns_records(v);
-    if (p == NULL) {
-        dt_pages_release(xy);
-        columns_free(v);
-        return log->next - 1;
-    }
     memcpy(p->name, r->name, r->name_len);
     p->record = *r;
     p->record.name = p->name;
@@ -194,8 +202,28 @@ uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct c
     measure(log, p, (r->n * 2 + (v == NULL ? 0 : v->count * v->n)) * sizeof *xy);
     p->last = log->next - 1;
     p->records = 1;
-    log->open.records++;
-    return p->last;
+    log->queue.records++;
+}
+
+uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct columns *v)
+{
+    pthread_mutex_lock(&log->mutex);
+    struct piece *p = new_piece(log, PIECE_POINTS);
+    r->type = RECORD_LOAD;
+    r->lsn = log->next;
+    r->synced = atomic_load(&log->synced);
+    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + columns_records(v);
+    uint64_t last = log->next - 1;
+    if (p != NULL)
+        take_load(log, p, r, xy, v);
+    else
+        lose(log);
+    pthread_mutex_unlock(&log->mutex);
+    if (p == NULL) {
+        dt_pages_release(xy);
+        columns_free(v);
+    }
+    return last;
 }
 
 void log_fill(struct log *log, uint64_t lsn)
@@ -206,22 +234,26 @@ void log_fill(struct log *log, uint64_t lsn)
     log_push(log);
 }
 
+/* The mutex is held. */
+static void push(struct log *log)
+{
+    log->pushed = true;
+    pthread_cond_signal(&log->wake);
+}
+
 void log_push(struct log *log)
 {
-    if (list_is_empty(&log->open.pieces) && !log->lost)
-        return;
     pthread_mutex_lock(&log->mutex);
-    move(&log->queue, &log->open);
-    if (log->lost)
-        log->broken = log->next - 1;
-    pthread_cond_signal(&log->wake);
+    if (!log->pushed && (!list_is_empty(&log->queue.pieces) || log->broken != 0))
+        push(log);
     pthread_mutex_unlock(&log->mutex);
-    log->lost = false;
 }
 
 size_t log_queued(const struct log *log)
 {
-    return log->appended - atomic_load(&log->freed);
+    size_t freed =
+        atomic_load(&log->freed); /* first: it is never more than what has been appended */
+    return log->appended - freed;
 }
 
 uint64_t log_last(const struct log *log)
@@ -229,39 +261,50 @@ uint64_t log_last(const struct log *log)
     return log->next - 1;
 }
 
+/* l: the lineage of this and later segments; NULL: the same as before. */
+static uint64_t request_segment(struct log *log, const struct lineage *l)
+{
+    struct lineage *copy = l != NULL ? malloc(sizeof *copy) : NULL;
+    if (copy != NULL)
+        *copy = *l;
+    pthread_mutex_lock(&log->mutex);
+    struct piece *p = new_piece(log, PIECE_ROTATE);
+    uint64_t last = log->next - 1;
+    if (p == NULL || (l != NULL && copy == NULL))
+        lose(log);
+    if (p != NULL)
+        p->lineage = copy;
+    push(log);
+    pthread_mutex_unlock(&log->mutex);
+    if (p == NULL)
+        free(copy);
+    return last;
+}
+
 uint64_t log_rotate(struct log *log)
 {
-    new_piece(log, PIECE_ROTATE);
-    log_push(log);
-    return log->next - 1;
+    return request_segment(log, NULL);
 }
 
 uint64_t log_rotate_to(struct log *log, const struct lineage *lineage)
 {
-    struct piece *p = new_piece(log, PIECE_ROTATE);
-    if (p != NULL && (p->lineage = malloc(sizeof *lineage)) != NULL)
-        *p->lineage = *lineage;
-    else
-        log->lost = true;
-    log_push(log);
-    return log->next - 1;
+    return request_segment(log, lineage);
 }
 
 void log_tend(struct log *log)
 {
-    bool lost = log->lost;
-    new_piece(log, PIECE_TEND);
-    log->lost = lost; /* another one comes in a second */
-    log_push(log);
+    pthread_mutex_lock(&log->mutex);
+    (void)new_piece(log, PIECE_TEND); /* out of memory: another one comes in a second */
+    push(log);
+    pthread_mutex_unlock(&log->mutex);
 }
 
 void log_resume(struct log *log, uint64_t lsn, uint64_t digest)
 {
-    log_push(log);
     pthread_mutex_lock(&log->mutex);
     log->resume = lsn + 1;
     log->resume_digest = digest;
-    pthread_cond_signal(&log->wake);
+    push(log);
     pthread_mutex_unlock(&log->mutex);
 }
 
@@ -278,51 +321,6 @@ static void notify(struct log *log)
 {
     /* If the counter is full, a reactor has a notification that it has not read yet. */
     eventfd_write(log->event, 1);
-}
-
-/* A column of values; *lsn is that of the record before, and then of the last one. */
-static void encode_column(struct log *log, const struct columns *v, size_t column, uint64_t *lsn,
-                          struct buf *out)
-{
-    struct record r = {.type = RECORD_VALUES,
-                       .synced = atomic_load(&log->synced),
-                       .field = v->field[column].text,
-                       .field_len = v->field[column].len};
-    uint32_t at = 0;
-    do {
-        r.lsn = ++*lsn;
-        r.first = v->first + at;
-        r.n = v->n - at < RECORD_MOST_VALUES ? v->n - at : RECORD_MOST_VALUES;
-        r.items = r.n > 0 ? v->v + column * (size_t)v->n + at : NULL; /* a field without values */
-        record_write(out, &r);
-        log_file_write(&log->file, out);
-        at += r.n;
-    } while (at < v->n && log->file.error == 0);
-}
-
-static void encode_points(struct log *log, struct piece *p, struct buf *out)
-{
-    struct record r = p->record;
-    uint32_t total = r.n;
-    r.n = 0;
-    record_write(out, &r);
-    r.type = RECORD_CHUNK;
-    r.name_len = 0;
-    for (uint32_t at = 0; at < total && log->file.error == 0; at += r.n) {
-        r.lsn++;
-        r.n = total - at < RECORD_POINTS ? total - at : RECORD_POINTS;
-        r.items = p->xy + 2 * (size_t)at;
-        record_write(out, &r);
-        log_file_write(&log->file, out);
-    }
-    for (size_t i = 0; p->values != NULL && i < p->values->count && log->file.error == 0; i++)
-        encode_column(log, p->values, i, &r.lsn, out);
-    r.lsn++;
-    r.type = RECORD_LOADED;
-    r.name_len = p->record.name_len;
-    r.n = total;
-    record_write(out, &r);
-    log_file_write(&log->file, out);
 }
 
 /* From now on segments have the piece's lineage and version, if it has them. */
@@ -347,13 +345,12 @@ static void rotate(struct log *log, const struct piece *p)
 
 static void carry_out(struct log *log, struct piece *p)
 {
-    struct buf out = {0};
     switch (p->kind) {
     case PIECE_BYTES:
         log_file_write(&log->file, &p->bytes);
         break;
     case PIECE_POINTS:
-        encode_points(log, p, &out);
+        log_file_write_load(&log->file, &p->record, p->xy, p->values);
         break;
     case PIECE_ROTATE:
         rotate(log, p);
@@ -362,7 +359,6 @@ static void carry_out(struct log *log, struct piece *p)
         log_file_reserve(&log->file);
         break;
     }
-    buf_free(&out);
 }
 
 /* Writes the pieces of a list and frees them. After a failure the rest is only freed: a snapshot will have those
@@ -450,6 +446,7 @@ static void write_queue(struct log *log, bool sync)
     struct queue q = {.records = 0};
     uint64_t last = log->status.durable;
     move(&q, &log->queue);
+    log->pushed = false;
     bool broken = log->broken != 0;
     pthread_mutex_unlock(&log->mutex);
     if (broken)
@@ -475,6 +472,7 @@ static void resume(struct log *log)
     bool broken = log->broken >= first;
     log->broken = broken ? log->broken : 0;
     move(&q, &log->queue);
+    log->pushed = false;
     pthread_mutex_unlock(&log->mutex);
     for (struct piece *p; (p = list_pop(&q.pieces)) != NULL;) {
         if (p->last < first || p->kind == PIECE_ROTATE) {
@@ -503,7 +501,8 @@ static void *serve(void *arg)
         bool failed = log->status.state == LOG_FAILED;
         if (failed && log->resume != 0)
             resume(log);
-        else if (!failed && (!list_is_empty(&log->queue.pieces) || log->broken != 0)) {
+        else if (!failed && log->pushed) {
+            log->pushed = false; /* so that who pushes more ends the waiting */
             gather(log);
             write_queue(log, false);
         } else if (!failed && (sync_is_due(log) || (log->stopping && log->file.unsynced))) {
@@ -588,7 +587,7 @@ void log_free(struct log *log)
          * end. */
         if (!log->unmarked)
             log_append(log, &close);
-        write_pieces(log, &log->open.pieces, 0);
+        write_pieces(log, &log->queue.pieces, 0);
         log_file_sync(&log->file);
     }
     for (struct piece *p; (p = list_pop(&log->queue.pieces)) != NULL;)

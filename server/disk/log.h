@@ -1,4 +1,4 @@
-/* log.h - the log of all changes: appended by a reactor, written and synced by a thread of its own, so
+/* log.h - the log of all changes: appended by reactors, written and synced by a thread of its own, so
  * that only replies that depend on the disk wait for it.
  *
  * Group commit: records that have been appended while the disk was busy are written and synced together.
@@ -52,7 +52,7 @@ void log_free(struct log *log);
 /* Whether log_free appends RECORD_CLOSE; it does unless this says otherwise. */
 void log_close_mark(struct log *log, bool writes);
 
-/* ---- a reactor's side ---- */
+/* ---- for reactors, any of them at any time ---- */
 
 /* Appends a copy of the record with the next lsn, which is returned. Running out of memory counts as a failed
  * write: the state becomes LOG_FAILED. */
@@ -69,7 +69,7 @@ uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct c
  * lost. */
 void log_fill(struct log *log, uint64_t lsn);
 
-/* Passes the appended records to the thread; to be called once a turn. */
+/* Has the thread write the appended records; to be called at the end of a turn. */
 void log_push(struct log *log);
 
 /* Bytes that have been appended but not written yet. */

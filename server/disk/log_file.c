@@ -120,6 +120,53 @@ void log_file_write(struct log_file *f, struct buf *b)
     write_bytes(f, b);
 }
 
+/* A column of values; *lsn is that of the record before, and then of the last one. */
+static void write_column(struct log_file *f, const struct columns *v, size_t column,
+                         uint64_t synced, uint64_t *lsn, struct buf *out)
+{
+    struct record r = {.type = RECORD_VALUES,
+                       .synced = synced,
+                       .field = v->field[column].text,
+                       .field_len = v->field[column].len};
+    uint32_t at = 0;
+    do {
+        r.lsn = ++*lsn;
+        r.first = v->first + at;
+        r.n = v->n - at < RECORD_MOST_VALUES ? v->n - at : RECORD_MOST_VALUES;
+        r.items = r.n > 0 ? v->v + column * (size_t)v->n + at : NULL; /* a field without values */
+        record_write(out, &r);
+        log_file_write(f, out);
+        at += r.n;
+    } while (at < v->n && f->error == 0);
+}
+
+void log_file_write_load(struct log_file *f, const struct record *load, const double *xy,
+                         const struct columns *v)
+{
+    struct buf out = {0};
+    struct record r = *load;
+    r.n = 0;
+    record_write(&out, &r);
+    r.type = RECORD_CHUNK;
+    r.name_len = 0;
+    for (uint32_t at = 0; at < load->n && f->error == 0; at += r.n) {
+        r.lsn++;
+        r.n = load->n - at < RECORD_POINTS ? load->n - at : RECORD_POINTS;
+        r.items = xy + 2 * (size_t)at;
+        record_write(&out, &r);
+        log_file_write(f, &out);
+    }
+    for (size_t i = 0; v != NULL && i < v->count && f->error == 0; i++)
+        write_column(f, v, i, load->synced, &r.lsn, &out);
+    r.lsn++;
+    r.type = RECORD_LOADED;
+    r.name_len = load->name_len;
+    r.n = load->n;
+    record_write(&out, &r);
+    log_file_write(f, &out);
+    buf_free(&out);
+}
+
 void log_file_sync(struct log_file *f)
 {
     if (f->error != 0 || !f->unsynced)

@@ -3,6 +3,8 @@
 #define SERVER_LOG_FILE_H
 
 #include "proto/buf.h"
+#include "proto/records/record.h"
+#include "server/changes/columns.h"
 #include "server/disk/datadir.h"
 
 struct log_file {
@@ -48,6 +50,10 @@ void log_file_mark(struct log_file *f);
 
 /* Writes and consumes all of b, whole records. */
 void log_file_write(struct log_file *f, struct buf *b);
+
+/* Writes a LOAD of load->n points xy[2n], or none, and of the values v, unless NULL, as its records; load->lsn is that of the first. */
+void log_file_write_load(struct log_file *f, const struct record *load, const double *xy,
+                         const struct columns *v);
 
 /* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were
  * dropped [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */

@@ -152,8 +152,8 @@ enum { BYTES_PER_ROW = 80 }; /* of a point that is read, at the peak */
 /* Whether the rows of the set, and what has been read, are within the limit; always without one. */
 static bool has_room(const struct replay *p)
 {
-    const struct reservation *m = &p->sets.memory;
-    return m->budget == NULL || budget_fits(m->budget, m->kind, (size_t)p->rows * BYTES_PER_ROW);
+    const struct budget *b = p->sets.budget;
+    return b == NULL || budget_fits(b, BUDGET_SETS, (size_t)p->rows * BYTES_PER_ROW);
 }
 
 static const char *begin_set(struct replay *p, const struct record *r)

@@ -222,7 +222,7 @@ static bool read_arrival(struct link *l, struct link_arrival *a)
     struct recovery *r = &a->recovery;
     recovery_init(r, &a->dir);
     r->replay.sets.pages = l->pages;
-    r->replay.sets.memory = (struct reservation){.budget = l->budget, .kind = BUDGET_SETS};
+    r->replay.sets.budget = l->budget;
     recovery_run(r);
     if (r->result != RECOVERY_OK)
         return fail_transfer(l, r->replay.out_of_memory ? no_room : r->why);

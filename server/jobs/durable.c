@@ -317,7 +317,8 @@ static bool is_behind(const struct server *s)
 {
     size_t room = s->config->max_memory / QUEUE_SHARE;
     room = room < QUEUE_LEAST ? QUEUE_LEAST : room > QUEUE_MOST ? QUEUE_MOST : room;
-    return s->queued.bytes > room;
+    const struct log *log = durable_log(s);
+    return log != NULL && log_queued(log) > room;
 }
 
 const char *durable_fault(const struct server *s)
@@ -347,6 +348,14 @@ void durable_turn_end(struct server *s)
     reservation_set(&s->queued, log_queued(d->log));
     if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
         wait_call(&s->log);
+}
+
+void durable_push(struct task *t)
+{
+    const struct reactor *r = list_owner(&t->link, offsetof(struct reactor, push));
+    struct log *log = durable_log(r->server);
+    if (log != NULL)
+        log_push(log);
 }
 
 void durable_stop(struct server *s)

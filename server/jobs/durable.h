@@ -29,6 +29,9 @@ void durable_complete(struct server *s);
 void durable_tick(struct server *s); /* once a second */
 void durable_turn_end(struct server *s);
 
+/* The task of a reactor (reactor.h): has the log's thread write what has been appended. */
+void durable_push(struct task *t);
+
 /* Whether all sets have been read and triangulated. */
 bool durable_is_complete(const struct server *s);
 

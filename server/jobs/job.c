@@ -159,10 +159,22 @@ static void submit_to_worker(struct server *s, struct answer *a, struct job *j,
     workers_submit(s->workers, kind[weight], &j->work);
 }
 
+/* Of a change that a worker would have to carry out: as if it had not been begun, because the reactor shares the world. */
+static void take_back(struct server *s, struct job *j)
+{
+    j->set->writer = NULL;
+    j->set->exclusive = j->base->edited = false;
+    version_unpin(&s->sets, j->base);
+    job_free(s, j);
+}
+
 static void start(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
 {
     j->owner = a != NULL ? a->owner : 0;
-    if ((s->workers != NULL && weight != JOB_LIGHT) || !run_now(s, j))
+    bool done = (s->workers == NULL || weight == JOB_LIGHT) && run_now(s, j);
+    if (!done && j->changes && a != NULL && !world_alone(a))
+        take_back(s, j);
+    else if (!done)
         submit_to_worker(s, a, j, weight);
     else if (a != NULL)
         job_finish(s, j, a);
@@ -265,10 +277,21 @@ static void count_grid(struct server *s, struct job *j, const struct dt *dt)
     reservation_set(&j->memory, j->memory.bytes + dt_prepare_memory(dt));
 }
 
+/* Whether the job does more than edit its set at once, in place. */
+static bool needs_world(const struct job *j, const struct dataset *set, enum job_weight weight)
+{
+    return weight != JOB_LIGHT || j->copies || makes_grid(j, &set->current->sum) ||
+           dt_view_blocks(set->current->dt, j->points);
+}
+
 void job_change(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 enum job_weight weight)
 {
     const struct dt_summary *sum = &set->current->sum;
+    if (a != NULL && needs_world(j, set, weight) && !world_alone(a)) {
+        job_free(s, j);
+        return;
+    }
     if (weight == JOB_LIGHT && makes_grid(j, sum)) {
         weight = JOB_SHORT;
         count_grid(s, j, set->current->dt);
@@ -359,8 +382,9 @@ void job_drain(struct job *j)
 /* What the job has made of its set is current, and others may have the set. */
 static void publish(struct server *s, struct job *j)
 {
+    bool memory = true; /* it may have changed */
     if (j->fresh == NULL) {
-        version_update(&s->sets, j->base);
+        memory = version_update(&s->sets, j->base);
     } else if (j->status == DT_OK) {
         j->fresh->dt = j->dt;
         version_update(&s->sets, j->fresh);
@@ -372,9 +396,10 @@ static void publish(struct server *s, struct job *j)
     }
     j->set->writer = NULL;
     j->set->exclusive = j->base->edited = false;
-    if (j->status == DT_OK)
+    if (j->status == DT_OK && !j->set->born)
         j->set->born = true;
-    server_limit_pages(s);
+    if (memory)
+        server_limit_pages(s);
 }
 
 bool job_is_early(const struct server *s, const struct job *j)

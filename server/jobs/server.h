@@ -44,6 +44,7 @@ struct facts;
 struct server {
     struct config *config;   /* borrows; CONFIG SET changes it */
     struct gate *world;      /* owns; what the reactors share; NULL: there is one reactor */
+    struct lanes in_world;   /* owns; empty if there is one reactor */
     struct reactor *reactor; /* owns `reactors` */
     unsigned reactors;
     struct budget budget;

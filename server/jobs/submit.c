@@ -34,9 +34,7 @@ static uint64_t append(struct server *s, const struct dataset *set, struct chang
     if (log == NULL)
         return 0;
     struct record r = change_encode(c);
-    uint64_t lsn = change_is_long(c) ? append_long(log, set, c) : log_append(log, &r);
-    reservation_set(&s->queued, log_queued(log));
-    return lsn;
+    return change_is_long(c) ? append_long(log, set, c) : log_append(log, &r);
 }
 
 /* The change has been applied to the set, which has a new version. */
@@ -240,6 +238,15 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
     return a->refused;
 }
 
+/* A reactor that shares the world leaves the set's grid to the next edit (submit_shares). */
+static void after_edit(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop))
+        upkeep_after_edit(s, set);
+    else if (set->current->lsn != 0)
+        loop_yield(&a->reactor->loop, &a->reactor->push);
+}
+
 static void finish(struct server *s, struct job *j, struct answer *a)
 {
     struct change *c = change_of_job(j);
@@ -256,7 +263,7 @@ static void finish(struct server *s, struct job *j, struct answer *a)
         commit(s, j->set, c);
         answer_facts(a, c);
         answer_version(a, j->set->version);
-        upkeep_after_edit(s, j->set);
+        after_edit(s, a, j->set);
     }
 }
 
@@ -320,6 +327,12 @@ static bool keeps_live(struct server *s, const struct dataset *set, struct submi
 }
 
 /* ---- all changes ---- */
+
+bool submit_shares(const struct dataset *set, enum change_code code)
+{
+    return set != NULL && set->watched == NULL && change_kinds[code].edit != NULL &&
+           change_kinds[code].note == NULL && !dt_renew_due(set->current->dt);
+}
 
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set)

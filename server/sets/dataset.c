@@ -40,16 +40,21 @@ void version_unpin(struct registry *r, struct version *v)
     if (--v->refs > 0)
         return;
     list_remove(&v->untidy);
-    reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
+    reservation_set(&v->memory, 0);
     r->discard(r->discard_ctx, v->dt);
     version_free(v);
 }
 
-void version_update(struct registry *r, struct version *v)
+bool version_update(struct registry *r, struct version *v)
 {
     size_t before = v->sum.memory;
     dt_summary(v->dt, &v->sum);
-    reservation_set(&r->memory, r->memory.bytes - before + v->sum.memory);
+    if (v->memory.budget != r->budget) { /* of another registry, or none yet */
+        reservation_set(&v->memory, 0);
+        v->memory = (struct reservation){.budget = r->budget, .kind = BUDGET_SETS};
+    }
+    reservation_set(&v->memory, v->sum.memory);
+    return v->sum.memory != before;
 }
 
 void version_lock_read(struct version *v)
@@ -207,6 +212,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     }
     set->current = v;
     set->queue.admits = admits_waiter;
+    gate_init(&set->gate, &r->lanes);
     set->name_len = name->len;
     memcpy(set->name, name->text, name->len);
     enter_bucket(r, set);
@@ -315,8 +321,8 @@ static void move_set(struct registry *r, struct dataset *set, struct registry *f
     struct dataset *old = counterpart(r, set);
     int64_t expires_ms = set->expires_ms;
     registry_expire(from, set, 0);
-    set->current->sum.memory = 0; /* so far it was that of the other registry */
     version_update(r, set->current);
+    gate_init(&set->gate, &r->lanes);
     if (old != NULL) {
         replace_contents(r, old, set, same);
         registry_expire(r, old, expires_ms);
@@ -340,7 +346,6 @@ bool registry_replace(struct registry *r, struct registry *from, bool same)
         }
     }
     free(from->bucket);
-    reservation_set(&from->memory, 0);
     r->life = from->life;
     r->unlogged = from->unlogged > r->unlogged ? from->unlogged : r->unlogged;
     *from = (struct registry){0};

@@ -21,14 +21,16 @@
 #include "server/sets/budget.h"
 #include "server/sets/rwlock.h"
 #include "server/sets/wait.h"
+#include "server/system/gate.h"
 
 struct version {
     struct list_link untidy; /* first: in registry.untidy */
     struct dt *dt;           /* owns; not to be read while a job edits it in place */
     unsigned refs;
-    struct rwlock lock;    /* of dt, see above */
-    struct dt_summary sum; /* of dt after the last completed edit; sum.memory is in the budget */
-    uint64_t lsn;          /* of its last change in the log; 0: none, or without --data */
+    struct rwlock lock;        /* of dt, see above */
+    struct dt_summary sum;     /* of dt after the last completed edit */
+    struct reservation memory; /* sum.memory */
+    uint64_t lsn;              /* of its last change in the log; 0: none, or without --data */
     atomic_bool
         asked; /* a request has read its triangulation; reactors that share the world set it */
     bool
@@ -47,6 +49,8 @@ struct dataset_result {
 struct dataset {
     struct list_link expiring; /* first: in registry.expiring_sets, if expires_ms is not 0 */
     struct dataset *next;      /* in its bucket */
+    struct gate
+        gate; /* of reactors that share the world: who reads the set is inside, who edits it closes it */
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
@@ -70,10 +74,12 @@ struct registry {
     size_t buckets, sets;
     size_t expiring;           /* sets that are dropped at some time, */
     struct list expiring_sets; /* in the order of registry_next_expiring */
-    struct reservation memory; /* of all versions */
+    struct budget *budget;     /* borrows; of all versions; NULL: none */
+    struct lanes
+        lanes; /* owns; of reactors that are inside the gate of a set; empty: there is one reactor */
     struct dt_pages *pages;    /* borrows; for the large arrays of sets; NULL: none */
     uint32_t life;             /* the number of this life of the daemon (record.h) */
-    uint64_t unlogged;         /* changes that are in no log */
+    _Atomic uint64_t unlogged; /* changes that are in no log */
     struct list untidy;        /* those with data that was saved for readers that have finished */
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
@@ -131,8 +137,8 @@ struct version *version_new(struct dt *dt);
 void version_free(struct version *v);
 struct version *version_pin(struct version *v);
 void version_unpin(struct registry *r, struct version *v);
-/* Updates the summary and the budget after an edit. */
-void version_update(struct registry *r, struct version *v);
+/* Updates the summary and the budget after an edit. Returns whether it takes another amount of memory now. */
+bool version_update(struct registry *r, struct version *v);
 
 /* The lock: shared to read a piece, exclusive to edit. The try forms return false instead of waiting. Each
  * ends with version_unlock on the same thread. */

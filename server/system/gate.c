@@ -31,22 +31,25 @@ static void wake_all(atomic_uint *word)
     syscall(SYS_futex, word, FUTEX_WAKE_HERE, INT32_MAX, NULL, NULL, 0);
 }
 
-bool gate_init(struct gate *g, unsigned lanes)
+bool lanes_init(struct lanes *l, unsigned n)
 {
-    memset(g, 0, sizeof *g);
-    g->lane = aligned_alloc(GATE_LINE, lanes * sizeof *g->lane);
-    if (g->lane == NULL)
+    *l = (struct lanes){.of = aligned_alloc(GATE_LINE, n * sizeof *l->of)};
+    if (l->of == NULL)
         return false;
-    memset(g->lane, 0, lanes * sizeof *g->lane);
-    g->lanes = lanes;
+    memset(l->of, 0, n * sizeof *l->of);
+    l->n = n;
     return true;
 }
 
-void gate_clear(struct gate *g)
+void lanes_clear(struct lanes *l)
 {
-    free(g->lane);
-    g->lane = NULL;
-    g->lanes = 0;
+    free(l->of);
+    *l = (struct lanes){0};
+}
+
+void gate_init(struct gate *g, struct lanes *lanes)
+{
+    *g = (struct gate){.lanes = lanes};
 }
 
 /* ---- tickets ---- */
@@ -72,49 +75,62 @@ static void pass_turn(struct gate *g)
 
 /* ---- sharing ---- */
 
+bool gate_try_enter(struct gate *g, unsigned lane)
+{
+    atomic_store(&g->lanes->of[lane].inside, g);
+    if (atomic_load(&g->closed) == 0)
+        return true;
+    gate_leave(g, lane);
+    return false;
+}
+
 void gate_enter(struct gate *g, unsigned lane)
 {
-    atomic_uint *inside = &g->lane[lane].inside;
-    atomic_store(inside, 1);
-    if (atomic_load(&g->closed) == 0)
+    if (gate_try_enter(g, lane))
         return;
-    gate_leave(g, lane);
     take_turn(g); /* only who has the turn closes the gate: it is open now */
-    atomic_store(inside, 1);
+    atomic_store(&g->lanes->of[lane].inside, g);
     pass_turn(g);
 }
 
 void gate_leave(struct gate *g, unsigned lane)
 {
-    atomic_store(&g->lane[lane].inside, 0);
-    if (atomic_load(&g->closed) != 0)
-        wake_all(&g->lane[lane].inside);
+    struct lane *mine = &g->lanes->of[lane];
+    atomic_store(&mine->inside, NULL);
+    if (atomic_load(&g->closed) == 0)
+        return;
+    atomic_fetch_add(&mine->left, 1);
+    wake_all(&mine->left);
 }
 
 /* ---- closing ---- */
 
-static void await_lane(atomic_uint *inside)
+static void await_lane(struct lane *lane, const struct gate *g)
 {
     for (int i = 0; i < SPINS; i++) {
-        if (atomic_load(inside) == 0)
+        if (atomic_load(&lane->inside) != g)
             return;
         spin();
     }
-    while (atomic_load(inside) != 0)
-        sleep_while(inside, 1);
+    for (;;) {
+        unsigned left = atomic_load(&lane->left);
+        if (atomic_load(&lane->inside) != g)
+            return;
+        sleep_while(&lane->left, left);
+    }
 }
 
 void gate_close(struct gate *g)
 {
     take_turn(g);
     atomic_store(&g->closed, 1);
-    for (unsigned i = 0; i < g->lanes; i++)
-        await_lane(&g->lane[i].inside);
+    for (unsigned i = 0; i < g->lanes->n; i++)
+        await_lane(&g->lanes->of[i], g);
 }
 
 void gate_open_and_enter(struct gate *g, unsigned lane)
 {
-    atomic_store(&g->lane[lane].inside, 1);
+    atomic_store(&g->lanes->of[lane].inside, g);
     gate_open(g);
 }
 

@@ -1,12 +1,13 @@
 /* gate.h - a lock that a few threads share almost all the time. Now and then one of the threads closes the lock.
  *
- * Each thread has a lane, which is a cache line of its own. A thread that enters writes only its lane, so threads that
- * share the gate never write the same line. Who closes the gate waits until all other lanes are empty. The idea is that of
- * BRAVO (Dice & Kogan, USENIX ATC 2019).
+ * Each thread has a lane, which is a cache line of its own. A thread that enters a gate notes that in its lane and writes
+ * nothing else, so threads that share the gate never write the same line. Who closes the gate waits until it is in no
+ * lane. The idea is that of BRAVO (Dice & Kogan, USENIX ATC 2019). Many gates may have the same lanes, if a thread is
+ * inside one of them at a time.
  *
- *     lane 0   lane 1   lane 2        gate
- *     [ in ]   [    ]   [ in ]        open:   lanes enter and leave
- *     [    ]   [    ]   [    ]        closed: by lane 1, which is alone
+ *     lane 0   lane 1   lane 2        gates a, b
+ *     [ a  ]   [    ]   [ b  ]        open:       lanes enter and leave
+ *     [    ]   [    ]   [ b  ]        a closed:   by lane 1, which is alone in a
  *
  * Whoever finds the gate closed, or wants to close it, takes a ticket, and tickets are served in order. So neither threads that
  * close the gate often nor threads that share it can keep others out. Waiting threads spin for a few microseconds, then sleep.
@@ -20,27 +21,42 @@
 
 enum { GATE_LINE = 64 };
 
+struct gate;
+
 struct lane {
-    _Alignas(GATE_LINE) atomic_uint inside; /* 1: its thread shares the gate */
+    _Alignas(
+        GATE_LINE) _Atomic(const struct gate *) inside; /* that its thread shares; NULL: none */
+    atomic_uint left; /* how often it has left a gate that was closed */
+};
+
+struct lanes {
+    struct lane *of; /* owns n, one for each thread */
+    unsigned n;
 };
 
 struct gate {
-    struct lane *lane; /* owns */
-    unsigned lanes;
-    _Alignas(GATE_LINE) atomic_uint closed;
-    _Alignas(GATE_LINE) atomic_uint next; /* ticket */
-    atomic_uint served;                   /* the ticket whose turn it is */
+    struct lanes *lanes; /* borrows */
+    atomic_uint closed;
+    atomic_uint next;   /* ticket */
+    atomic_uint served; /* the ticket whose turn it is */
 };
 
-/* A gate with that many lanes; false when out of memory. */
-bool gate_init(struct gate *g, unsigned lanes);
-void gate_clear(struct gate *g);
+/* That many empty lanes; false when out of memory. */
+bool lanes_init(struct lanes *l, unsigned n);
+void lanes_clear(struct lanes *l);
 
-/* Shares the gate; waits while it is closed. The lane must not be inside. */
+/* An open gate. It needs no end. */
+void gate_init(struct gate *g, struct lanes *lanes);
+
+/* Shares the gate; waits while it is closed. The lane must not be inside any gate. */
 void gate_enter(struct gate *g, unsigned lane);
 void gate_leave(struct gate *g, unsigned lane);
 
-/* Closes the gate: on return no lane is inside, and none will be until gate_open. The caller's lane must not be inside. */
+/* The same without waiting; false: the gate is closed. */
+bool gate_try_enter(struct gate *g, unsigned lane);
+
+/* Closes the gate: on return no lane is inside, and none will be until gate_open. The caller's lane must not be inside. Cost: a
+ * look at each lane. */
 void gate_close(struct gate *g);
 /* Opens it; `lane` shares it from then on, without a moment in which somebody else could close it. */
 void gate_open_and_enter(struct gate *g, unsigned lane);

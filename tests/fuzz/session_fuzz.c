@@ -125,6 +125,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     buf_consume(&f.replies, buf_len(&f.replies));
     watch_clear(&f.server); /* otherwise what has changed in its sets is kept for a minute */
     registry_clear(&f.server.sets);
-    require(f.server.sets.sets == 0 && f.server.sets.memory.bytes == 0);
+    require(f.server.sets.sets == 0 && budget_of(&f.server.budget, BUDGET_SETS) == 0);
     return 0;
 }

@@ -67,7 +67,7 @@ void expect(int fd, const char *want)
 
 const char *hear_line(int fd)
 {
-    static char line[1 << 16];
+    static _Thread_local char line[1 << 16];
     enum { PIECE = 200 };
     size_t n = 0;
     for (bool ended = false; !ended && n < sizeof line - PIECE;) {

@@ -138,7 +138,7 @@ TEST(set_that_is_read_is_edited_in_place)
     CHECK(dt_view_get(v->dt, view, 0, &p) == DT_OK && p.x == 0);
     version_end_view(&l.server.sets, v, view);
     version_unpin(&l.server.sets, v);
-    CHECK(l.server.sets.memory.bytes == 0);
+    CHECK(budget_of(&l.server.budget, BUDGET_SETS) == 0);
     local_stop(&l);
 }
 
@@ -209,7 +209,7 @@ TEST(set_that_a_failed_request_created_is_gone)
     local_start(&l, 0);
     local_ask(&l, "ADD t 1 2 3 x\nLOAD u\n1 1\n2\n.\nADD v 1 1e300\n");
     CHECK_STR(local_ask(&l, "SETS"), "OK 0\n");
-    CHECK(l.server.sets.sets == 0 && l.server.sets.memory.bytes == 0);
+    CHECK(l.server.sets.sets == 0 && budget_of(&l.server.budget, BUDGET_SETS) == 0);
     local_stop(&l);
 }
 
@@ -226,9 +226,10 @@ TEST(memory_of_sets_is_accounted_for)
         dt_summary(local_set(&l, i == 0 ? "t" : "u")->current->dt, &sum);
         total += sum.memory;
     }
-    CHECK(l.server.sets.memory.bytes == total && budget_of(&l.server.budget, BUDGET_LOADS) == 0);
+    CHECK(budget_of(&l.server.budget, BUDGET_SETS) == total &&
+          budget_of(&l.server.budget, BUDGET_LOADS) == 0);
     local_ask(&l, "DROP t\nDROP u\n");
-    CHECK(l.server.sets.memory.bytes == 0);
+    CHECK(budget_of(&l.server.budget, BUDGET_SETS) == 0);
     free(load);
     local_stop(&l);
 }
@@ -243,7 +244,7 @@ TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
     struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
     size_t all = l.config.max_memory;
-    l.config.max_memory = l.server.sets.memory.bytes + 1;
+    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS) + 1;
     CHECK(strncmp(local_ask(&l, more), "ERR ", 4) == 0);
     CHECK_STR(local_ask(&l, "MOVE t 0 9 9"), "OK 0\n"); /* in place */
     l.config.max_memory = all;
@@ -266,7 +267,7 @@ TEST(set_that_is_read_is_not_copied_beside_what_an_edit_takes)
     local_ask(&l, "TRIANGULATE t");
     struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
-    l.config.max_memory = l.server.sets.memory.bytes;
+    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS);
     for (int i = 0; i < 200 && !busy; i++) {
         l.config.max_memory += 256 * 1024;
         const char *reply = local_ask(&l, more);
@@ -313,7 +314,7 @@ static bool survives(const char *before, const char *request, long n)
     if (refused)
         CHECK_STR(is, was);
     CHECK(!refused || l.server.sets.sets == sets); /* not even one that nobody sees */
-    CHECK_MSG(budget_used(&l.server.budget) == l.server.sets.memory.bytes,
+    CHECK_MSG(budget_used(&l.server.budget) == budget_of(&l.server.budget, BUDGET_SETS),
               "%s, allocation %ld: it keeps memory", request, n);
     if (refused && !l.closed) /* and the next request succeeds */
         CHECK_MSG(strncmp(local_ask(&l, request), "OK", 2) == 0, "%s, again after allocation %ld",

@@ -6,9 +6,12 @@
 
 TEST(request_that_shares_the_world_is_carried_out_again_when_it_has_to_change_it)
 {
+    static struct lanes lanes;
     static struct gate world;
     static struct reactor r;
-    CHECK(gate_init(&world, 2) && loop_init(&r.loop, &world, 0));
+    CHECK(lanes_init(&lanes, 2));
+    gate_init(&world, &lanes);
+    CHECK(loop_init(&r.loop, &world, 0));
     struct answer shares = {.reactor = &r}, alone = {.reactor = &r}, nobody = {0};
     loop_enter(&r.loop);
     CHECK(!world_alone(&shares));
@@ -18,5 +21,5 @@ TEST(request_that_shares_the_world_is_carried_out_again_when_it_has_to_change_it
     CHECK(world_alone(&nobody) && nobody.next == ANSWER_DONE);
     loop_leave(&r.loop);
     loop_clear(&r.loop);
-    gate_clear(&world);
+    lanes_clear(&lanes);
 }

@@ -173,7 +173,7 @@ TEST_TIMEOUT(kept_and_used_pages_together_stay_below_max_memory, 60)
     char *load = load_of("t");
     local_start(&l, 0);
     local_ask(&l, load);
-    size_t used = l.server.sets.memory.bytes;
+    size_t used = budget_of(&l.server.budget, BUDGET_SETS);
     local_ask(&l, "TRIANGULATE t\n");
     CHECK(facts(&l).kept > 0);
     l.config.max_memory = facts(&l).held - facts(&l).kept + (5 << 20);

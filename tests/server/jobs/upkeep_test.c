@@ -99,7 +99,7 @@ TEST(searches_work_without_a_grid_when_memory_is_out)
     local_ask(&l, "ADD t 0.5 0.5\nTRIANGULATE t\n");
     struct dataset *set = local_set(&l, "t");
     size_t plenty = l.config.max_memory;
-    l.config.max_memory = l.server.sets.memory.bytes;
+    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS);
     CHECK(!set->current->sum.searchable);
     for (int i = 0; i < 3; i++)
         CHECK_STR(local_ask(&l, "NEAREST t 0.5 0.5\n"), "OK 1\n10500 0.5 0.5 0\n");

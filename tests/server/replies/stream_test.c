@@ -92,7 +92,7 @@ TEST_TIMEOUT(rows_of_an_abandoned_reply_are_freed, 60)
     }
     local_ask(&l, "DROP t\n");
     local_collect_all(&l);
-    CHECK(l.server.sets.memory.bytes == 0);
+    CHECK(budget_of(&l.server.budget, BUDGET_SETS) == 0);
     free(load);
     local_stop(&l);
 }

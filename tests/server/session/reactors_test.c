@@ -1,8 +1,12 @@
 /* reactors_test.c - several reactors: what one of them does for the sessions of others. */
-#include "tests/server/daemon.h"
+#include "tests/server/directory.h"
 #include "tests/test.h"
 
+#include <inttypes.h>
+#include <math.h>
 #include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -75,5 +79,106 @@ TEST_TIMEOUT(slow_requests_get_their_own_replies_while_jobs_end_on_another_react
         CHECK(pthread_create(&thread[i], NULL, ask, (void *)i) == 0);
     for (int i = 0; i < ASKERS; i++)
         CHECK(pthread_join(thread[i], NULL) == 0);
+    daemon_end(&d);
+}
+
+/* ---- edits on several reactors ---- */
+
+enum { EDITORS = 8, EDITS = 400, HUB = 3000 };
+
+/* Of every kind that reactors carry out beside each other, and points of its own, so replies are known. */
+static void *edit(void *arg)
+{
+    unsigned me = (unsigned)(uintptr_t)arg;
+    int fd = daemon_connect(shared);
+    char text[200];
+    for (unsigned i = 0; i < EDITS; i++) {
+        sprintf(text, "ADD %c %u.%u %u\n", 'p' + (int)(i % 2), i, me + 1, me);
+        say(fd, text);
+        const char *first = strstr(hear_line(fd), "first=");
+        CHECK(first != NULL);
+        unsigned id = (unsigned)strtoul(first + 6, NULL, 10);
+        sprintf(text, "MOVE %c %u %u.%u %u\nFSET %c z %u %u\nGET %c %u\n", 'p' + (int)(i % 2), id,
+                i, me + 1, me + 100, 'p' + (int)(i % 2), id, me, 'p' + (int)(i % 2), id);
+        say(fd, text);
+        CHECK(strncmp(hear_line(fd), "OK 0 version=", 13) == 0);
+        CHECK(strncmp(hear_line(fd), "OK 0 version=", 13) == 0);
+        CHECK_STR(hear_line(fd), "OK 1");
+        sprintf(text, "%u %u.%u %u", id, i, me + 1, me + 100);
+        CHECK_STR(hear_line(fd), text);
+        if (i % 4 == 3) {
+            sprintf(text, "DEL %c %u\n", 'p' + (int)(i % 2), id);
+            say(fd, text);
+            CHECK(strncmp(hear_line(fd), "OK 0 deleted=1 ", 15) == 0);
+        }
+    }
+    close(fd);
+    return NULL;
+}
+
+static void digests(const struct daemon *d, char p[200], char q[200])
+{
+    int fd = daemon_connect(d);
+    say(fd, "DIGEST p\n");
+    snprintf(p, 200, "%s", hear_line(fd));
+    say(fd, "DIGEST q\n");
+    snprintf(q, 200, "%s", hear_line(fd));
+    say(fd, "CHECK p\nCHECK q\n");
+    CHECK(strstr(hear_line(fd), "delaunay=yes") != NULL);
+    CHECK(strstr(hear_line(fd), "delaunay=yes") != NULL);
+    close(fd);
+}
+
+TEST_TIMEOUT(edits_of_the_same_sets_on_several_reactors_have_one_order_which_the_log_has_too, 60)
+{
+    static const char *const arguments[] = {"--reactors", "3", NULL};
+    struct directory dir = directory_quick();
+    struct daemon d = directory_daemon(&dir, arguments);
+    pthread_t thread[EDITORS];
+    char p[200], q[200], p_again[200], q_again[200];
+    carry_out(&d,
+              "ADD p -1 -1 -2 -1 -1 -2\nADD q -1 -1 -2 -1 -1 -2\nTRIANGULATE p\nTRIANGULATE q\n");
+    shared = &d;
+    for (uintptr_t i = 0; i < EDITORS; i++)
+        CHECK(pthread_create(&thread[i], NULL, edit, (void *)i) == 0);
+    for (int i = 0; i < EDITORS; i++)
+        CHECK(pthread_join(thread[i], NULL) == 0);
+    digests(&d, p, q);
+    CHECK(daemon_stop(&d, SIGKILL) == -1);
+    d = directory_daemon(&dir, arguments);
+    digests(&d, p_again, q_again);
+    CHECK_STR(p_again, p);
+    CHECK_STR(q_again, q);
+    daemon_end(&d);
+    directory_remove(&dir);
+}
+
+/* A reactor that shares the world gives up such an edit, which has been begun, and carries it out when it is alone. */
+TEST(edit_that_turns_out_to_need_a_worker_is_carried_out_once)
+{
+    static const char *const arguments[] = {"--reactors", "3", NULL};
+    static const double pi = 3.14159265358979;
+    struct daemon d = daemon_start(arguments);
+    int fd = daemon_connect(&d);
+    char text[100];
+    say(fd, "LOAD t\n0 0\n");
+    for (int i = 0; i < HUB; i++) {
+        snprintf(text, sizeof text, "%.17g %.17g\n", cos(2 * pi * i / HUB), sin(2 * pi * i / HUB));
+        say(fd, text);
+    }
+    say(fd, ".\nTRIANGULATE t\nSTAT t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0 ", 13) == 0);
+    CHECK(strncmp(hear_line(fd), "OK 0 ", 5) == 0);
+    const char *version = strstr(hear_line(fd), "version=");
+    CHECK(version != NULL);
+    uint64_t before = strtoull(version + 8, NULL, 10);
+    say(fd, "DEL t 0\n"); /* its neighbours are all others */
+    snprintf(text, sizeof text, "OK 0 deleted=1 version=%" PRIu64, before + 2);
+    CHECK_STR(hear_line(fd), text);
+    say(fd, "ADD t 0 0\nDEL t 0\n");
+    snprintf(text, sizeof text, "OK 0 first=%d added=1 coincident=0 version=%" PRIu64, HUB + 1,
+             before + 4);
+    CHECK_STR(hear_line(fd), text);
+    CHECK_STR(hear_line(fd), "ERR NOPOINT there is no point 0; nothing was deleted");
     daemon_end(&d);
 }

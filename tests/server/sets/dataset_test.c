@@ -172,8 +172,12 @@ static void add_memory(struct dataset *set, void *ctx)
 TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
 {
     for (int same = 0; same < 2; same++) {
+        static const size_t limit = SIZE_MAX;
+        struct budget budget;
+        budget_init(&budget, &limit, NULL);
         registry_init(&sets);
         registry_init(&others);
+        sets.budget = &budget;
         struct dataset *a = create("a"), *b = create("b"), *gone = create("gone");
         struct version *before = version_pin(a->current);
         a->born = b->born = gone->born = true;
@@ -194,8 +198,9 @@ TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
         version_unpin(&sets, before);
         size_t memory = 0;
         registry_each(&sets, add_memory, &memory);
-        CHECK(memory == sets.memory.bytes);
+        CHECK(memory == budget_used(&budget));
         registry_clear(&sets);
+        CHECK(budget_used(&budget) == 0);
     }
 }
 

@@ -10,6 +10,7 @@
 
 enum { THREADS = 4, ROUNDS = 20000 };
 
+static struct lanes lanes;
 static struct gate gate;
 
 /* Two numbers that are equal whenever nobody is alone: plain memory, so the thread sanitizer sees every access that the gate does
@@ -17,6 +18,12 @@ static struct gate gate;
 static struct {
     uint64_t a, b;
 } shared;
+
+static void begin_gate(unsigned threads)
+{
+    CHECK(lanes_init(&lanes, threads));
+    gate_init(&gate, &lanes);
+}
 
 struct party {
     pthread_t thread;
@@ -58,7 +65,7 @@ static void check(const unsigned one_in[THREADS])
     struct party party[THREADS];
     uint64_t closings = 0;
     shared.a = shared.b = 0;
-    CHECK(gate_init(&gate, THREADS));
+    begin_gate(THREADS);
     for (unsigned i = 0; i < THREADS; i++) {
         party[i] = (struct party){.lane = i, .one_in = one_in[i]};
         CHECK(pthread_create(&party[i].thread, NULL, take_part, &party[i]) == 0);
@@ -69,7 +76,7 @@ static void check(const unsigned one_in[THREADS])
         closings += party[i].closings;
     }
     CHECK(shared.a == closings && shared.b == closings);
-    gate_clear(&gate);
+    lanes_clear(&lanes);
 }
 
 TEST_TIMEOUT(whoever_has_closed_the_gate_is_alone, 60)
@@ -95,7 +102,7 @@ TEST_TIMEOUT(thread_that_closes_the_gate_again_comes_after_those_that_wait, 60)
 {
     pthread_t other;
     atomic_uint entered = 0;
-    CHECK(gate_init(&gate, 2));
+    begin_gate(2);
     gate_close(&gate);
     CHECK(pthread_create(&other, NULL, enter_once, &entered) == 0);
     while (atomic_load(&gate.next) != atomic_load(&gate.served) + 2) /* it waits */
@@ -106,7 +113,29 @@ TEST_TIMEOUT(thread_that_closes_the_gate_again_comes_after_those_that_wait, 60)
     CHECK(pthread_join(other, NULL) == 0); /* it has been in between, or it would wait for ever */
     CHECK(atomic_load(&entered) == 1);
     gate_open(&gate);
-    gate_clear(&gate);
+    lanes_clear(&lanes);
+}
+
+/* ---- several gates with the same lanes ---- */
+
+TEST(gate_is_closed_without_waiting_for_those_inside_another_gate)
+{
+    static struct gate other;
+    begin_gate(2);
+    gate_init(&other, &lanes);
+    gate_enter(&gate, 0);
+    gate_close(&other); /* or it waits for ever */
+    CHECK(gate_try_enter(&gate, 1));
+    gate_leave(&gate, 1);
+    CHECK(!gate_try_enter(&other, 1));
+    CHECK(lanes.of[1].inside == NULL); /* nobody waits for it */
+    gate_open(&other);
+    CHECK(gate_try_enter(&other, 1));
+    gate_leave(&other, 1);
+    gate_leave(&gate, 0);
+    gate_close(&gate);
+    gate_open(&gate);
+    lanes_clear(&lanes);
 }
 
 /* ---- loops ---- */
@@ -140,7 +169,8 @@ static void *run_second(void *arg)
 static void begin_loops(pthread_t *second)
 {
     enum { LONG_MS = 1000 * 1000 * 1000 };
-    CHECK(gate_init(&gate, 2) && loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
+    begin_gate(2);
+    CHECK(loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
     loop[1].next_tick_ms = loop[1].now_ms + LONG_MS;
     CHECK(pthread_create(second, NULL, run_second, NULL) == 0);
 }
@@ -162,7 +192,7 @@ static void end_loops(pthread_t second)
     CHECK(pthread_join(second, NULL) == 0);
     loop_clear(&loop[0]);
     loop_clear(&loop[1]);
-    gate_clear(&gate);
+    lanes_clear(&lanes);
 }
 
 static void hand_over(bool shares)
@@ -214,7 +244,8 @@ TEST(loop_that_is_stopped_while_it_sleeps_ends)
 
 TEST(loop_that_is_outside_is_not_made_alone_by_another_thread)
 {
-    CHECK(gate_init(&gate, 2) && loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
+    begin_gate(2);
+    CHECK(loop_init(&loop[0], &gate, 0) && loop_init(&loop[1], &gate, 1));
     loop_enter(&loop[0]);
     CHECK(loop_is_sharing(&loop[0]));
     loop_alone(&loop[0]);
@@ -228,5 +259,5 @@ TEST(loop_that_is_outside_is_not_made_alone_by_another_thread)
     loop_leave(&loop[0]);
     loop_clear(&loop[0]);
     loop_clear(&loop[1]);
-    gate_clear(&gate);
+    lanes_clear(&lanes);
 }
