@@ -185,11 +185,6 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
     return lsn;
 }
 
-static uint32_t pieces_of(uint32_t n, uint32_t most)
-{
-    return n / most + (n % most > 0);
-}
-
 /* Gives the piece the points and the values. */
 static void take_load(struct log *log, struct piece *p, const struct record *r, double *xy,
                       struct columns *v)
@@ -212,7 +207,7 @@ uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct c
     r->type = RECORD_LOAD;
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + columns_records(v);
+    log->next += 2 + (r->n + RECORD_POINTS - 1) / RECORD_POINTS + columns_records(v);
     uint64_t last = log->next - 1;
     if (p != NULL)
         take_load(log, p, r, xy, v);
@@ -261,8 +256,7 @@ uint64_t log_last(const struct log *log)
     return log->next - 1;
 }
 
-/* l: the lineage of this and later segments; NULL: the same as before. */
-static uint64_t request_segment(struct log *log, const struct lineage *l)
+uint64_t log_rotate(struct log *log, const struct lineage *l)
 {
     struct lineage *copy = l != NULL ? malloc(sizeof *copy) : NULL;
     if (copy != NULL)
@@ -279,16 +273,6 @@ static uint64_t request_segment(struct log *log, const struct lineage *l)
     if (p == NULL)
         free(copy);
     return last;
-}
-
-uint64_t log_rotate(struct log *log)
-{
-    return request_segment(log, NULL);
-}
-
-uint64_t log_rotate_to(struct log *log, const struct lineage *lineage)
-{
-    return request_segment(log, lineage);
 }
 
 void log_tend(struct log *log)

@@ -79,11 +79,8 @@ size_t log_queued(const struct log *log);
 uint64_t log_last(const struct log *log);
 
 /* Requests a new segment, which begins after the records so far; returns the lsn of the last of them. When
- * the segment exists, status.rotated is one more. */
-uint64_t log_rotate(struct log *log);
-
-/* The same, in the lineage that this and later segments have. */
-uint64_t log_rotate_to(struct log *log, const struct lineage *lineage);
+ * the segment exists, status.rotated is one more. l: the lineage that this and later segments have; NULL: the same as before. */
+uint64_t log_rotate(struct log *log, const struct lineage *l);
 
 /* After LOG_FAILED: every change up to lsn is in a durable snapshot, which has this digest for them; continues in a new
  * segment from lsn + 1. lsn is from log_rotate. */

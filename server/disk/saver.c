@@ -82,7 +82,7 @@ static uint64_t new_digest(const struct saver *v)
 bool saver_begin(struct saver *v, int64_t now_ms)
 {
     v->state = log_has_failed(v) ? SAVER_MENDING : SAVER_ROTATING;
-    v->cut = log_rotate(v->log);
+    v->cut = log_rotate(v->log, NULL);
     v->cut_bytes = v->status.total;
     v->snapshot = snapshot_begin(v->dir, v->sets, v->cut, v->event);
     if (v->snapshot == NULL)

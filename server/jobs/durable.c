@@ -278,7 +278,7 @@ void durable_set_lineage(struct server *s, const struct lineage *l)
 {
     s->durable->dir.lineage = *l;
     s->sets.life = l->life;
-    log_rotate_to(s->durable->log, l);
+    log_rotate(s->durable->log, l);
 }
 
 void durable_close_mark(struct server *s, bool writes)

@@ -90,7 +90,7 @@ TEST(log_syncs_its_records_before_it_begins_a_new_segment)
                             "rename snapshot.1.tmp log.1\nsync .\ncreate reserve\n");
     calls_watch(b.directory.path);
     append(&b);
-    CHECK(log_rotate(b.log) == 1);
+    CHECK(log_rotate(b.log, NULL) == 1);
     while (b.status.segment != 2)
         look(&b);
     CHECK_STR(calls_text(), "write log.1\nsync log.1\n"
@@ -105,7 +105,7 @@ TEST(failed_sync_before_a_new_segment_is_a_failed_log)
     begin(&b, LOG_ALWAYS);
     calls_fail("sync log.1", 1, 1, EIO);
     append(&b);
-    log_rotate(b.log);
+    log_rotate(b.log, NULL);
     await_failure(&b);
     CHECK(b.status.error == EIO && b.status.durable == 0 && b.status.segment == 1);
     CHECK(calls_count("create snapshot.2.tmp") == 0);
@@ -124,7 +124,7 @@ TEST(segment_that_could_not_be_begun_is_created_again)
         append(&b);
         await_durable(&b, 1);
         calls_fail(calls[i], 1, 1, EIO);
-        CHECK(log_rotate(b.log) == 1);
+        CHECK(log_rotate(b.log, NULL) == 1);
         await_failure(&b);
         bool named = calls_count("rename snapshot.2.tmp log.2") == 1;
         CHECK(calls_count("create snapshot.2.tmp") == 1);
@@ -297,7 +297,7 @@ TEST(log_that_goes_on_has_every_change_that_the_snapshot_has_not)
     begin(&b, LOG_ALWAYS);
     fail(&b);
     append(&b);
-    CHECK(log_rotate(b.log) == 2);
+    CHECK(log_rotate(b.log, NULL) == 2);
     append(&b); /* these two came while the snapshot was written */
     log_push(b.log);
     append(&b);
@@ -313,13 +313,13 @@ TEST(log_stays_failed_when_a_change_was_lost_that_the_snapshot_has_not)
     struct bench b;
     begin(&b, LOG_ALWAYS);
     fail(&b);
-    CHECK(log_rotate(b.log) == 1);
+    CHECK(log_rotate(b.log, NULL) == 1);
     test_fail_alloc(1);
     CHECK(append(&b) == 2 && test_alloc_failed());
     log_push(b.log);
     resume(&b, 1);
     CHECK(b.status.state == LOG_FAILED && b.status.error == ENOMEM && b.status.durable == 0);
-    CHECK(append(&b) == 3 && log_rotate(b.log) == 3);
+    CHECK(append(&b) == 3 && log_rotate(b.log, NULL) == 3);
     resume(&b, 3); /* the next snapshot has it */
     CHECK(b.status.state == LOG_GOOD && b.status.durable == 3);
     end(&b);
@@ -531,7 +531,7 @@ TEST(digest_of_a_log_is_read_as_it_was_written_and_continues)
     struct record add = {.name = "t", .name_len = 1, .n = 100000};
     log_append_load(b.log, &add, dt_pages_grow(NULL, NULL, 0, 100000 * 2 * sizeof(double)), NULL);
     append_nothing(&b);
-    log_rotate(b.log);
+    log_rotate(b.log, NULL);
     append_nothing(&b);
     log_free(b.log); /* with RECORD_CLOSE */
     b.log = NULL;
@@ -544,7 +544,7 @@ TEST(digest_of_a_log_is_read_as_it_was_written_and_continues)
     CHECK(b.status.durable == last && b.status.digest == digest);
     await_durable(&b, append_nothing(&b));
     before = b.status;
-    log_rotate(b.log);
+    log_rotate(b.log, NULL);
     log_free(b.log);
     b.log = NULL;
     read_again(&b, &r);
@@ -562,10 +562,10 @@ TEST(lineage_of_a_log_changes_with_a_segment_of_its_own)
     b.dir.lineage = l;
     b.log = log_new(&b.dir, LOG_ALWAYS, 1, 1, b.event);
     struct lineage next = {.life = 6, .history = history_next(&l.history, 4)};
-    CHECK(log_rotate_to(b.log, &next) == 0); /* in the place of the first segment, which is empty */
+    CHECK(log_rotate(b.log, &next) == 0); /* in the place of the first segment, which is empty */
     append_nothing(&b);
     next.history = history_next(&next.history, 8);
-    log_rotate_to(b.log, &next);
+    log_rotate(b.log, &next);
     log_free(b.log);
     b.log = NULL;
     read_again(&b, &r);
