@@ -67,6 +67,30 @@ enum dt_status dt_constrained_edges(const struct dt *t, struct dt_ids *out);
 /* The constraints that the last DT_CROSSES was about. */
 void dt_crossed(const struct dt *t, struct dt_crossed *out);
 
+/* What makes constraints that would cross share points instead. */
+struct dt_split {
+    struct dt_point
+        *point; /* owns, as the next two: to be added; they get the ids from dt_next_id on */
+    struct dt_constraint *released; /* declared ones, to be released */
+    struct dt_constraint *added;    /* to be declared; all sorted */
+    size_t n_points, n_released, n_added;
+    size_t split;     /* constraints that are replaced by parts, declared ones and others */
+    double deviation; /* the largest distance of such a part from its constraint */
+    struct dt_crossed crossed;
+};
+
+/* Plans n constraints for a set whose triangulation is current (else DT_UNTRIANGULATED), and changes nothing: to carry it
+ * out, dt_add_many the points, dt_release, dt_constrain, which then do not fail but for memory. In rounds, all crossings are
+ * found exactly, each is rounded once to the nearest place that dt_coordinate_ok accepts, and all constraints through it
+ * are replaced by their parts; a point that would coincide with one that is there is not added. Borders of a number whose
+ * parts come to lie on one another cancel out in pairs. From the second round on, a crossing that is some units of the last
+ * place from an end of one of the two moves there. The plan does not depend on the order of c[]. After 16 rounds with
+ * crossings left: DT_CROSSES, *out names the least constraints whose parts cross. Else as dt_constrain; *out is empty if it
+ * fails. Cost: linear in all constraints, and in those asked for O(n log n) if they are short, plus the crossings. */
+enum dt_status dt_plan_split(struct dt *t, const struct dt_constraint *c, size_t n,
+                             const struct dt_options *opt, struct dt_split *out, uint32_t *missing);
+void dt_split_clear(struct dt_split *out);
+
 /* dt_delete_many of points that may be ends of constraints, which are released. (dt_delete_many refuses such an id:
  * DT_CONSTRAINED, and puts it into *missing.) */
 enum dt_status dt_delete_cascade(struct dt *t, const uint32_t *ids, size_t n,

@@ -200,8 +200,8 @@ enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop)
 
 /* ---- declaring ---- */
 
-static enum dt_status check_declarable(const struct dt *t, const struct dt_constraint *c, size_t n,
-                                       uint32_t *missing)
+enum dt_status dt_constrainable(const struct dt *t, const struct dt_constraint *c, size_t n,
+                                uint32_t *missing)
 {
     for (size_t i = 0; i < n; i++) {
         if (i + DT_AHEAD < n) {
@@ -355,7 +355,7 @@ enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t 
                             const struct dt_options *opt, size_t *added, uint32_t *missing)
 {
     struct dt_stop work = dt_stop_of(opt);
-    enum dt_status status = check_declarable(t, c, n, missing);
+    enum dt_status status = dt_constrainable(t, c, n, missing);
     *added = 0;
     if (status == DT_OK)
         status = dt_refresh(t, opt);

@@ -12,6 +12,10 @@ enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop);
 enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work);
 void dt_release_row(struct dt *t, uint32_t row);
 
+/* Whether the constraints can be declared, as dt_constrain says, whatever they cross. */
+enum dt_status dt_constrainable(const struct dt *t, const struct dt_constraint *c, size_t n,
+                                uint32_t *missing);
+
 /* Whether id is an end of a constraint. */
 static inline bool dt_is_end(const struct dt *t, uint32_t id)
 {

@@ -1,0 +1,246 @@
+/* crossings.c - see crossings.h. Boxes are halved as long as that makes fewer pairs to look at; a segment is in both halves
+ * if it meets both. */
+#include "core/constraints/crossings.h"
+
+#include <math.h>
+
+#include "core/exact/bignum.h"
+#include "core/exact/box.h"
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+#include "core/memory/sort.h"
+
+/* ---- two segments ---- */
+
+static bool separates(const struct dt_segment *a, const struct dt_segment *b)
+{
+    return dt_orient2d(a->p, a->q, b->p) * dt_orient2d(a->p, a->q, b->q) < 0;
+}
+
+static struct dt_box box_of(const struct dt_segment *s)
+{
+    return dt_box_of((const struct dt_point[]){s->p, s->q}, 2);
+}
+
+bool dt_segments_cross(const struct dt_segment *a, const struct dt_segment *b)
+{
+    struct dt_box one = box_of(a), other = box_of(b);
+    return dt_box_overlaps(&one, &other) && separates(a, b) && separates(b, a);
+}
+
+/* *r = (b - a) x (d - c) */
+static void cross(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d,
+                  struct dt_big *r)
+{
+    struct dt_big x, y, left;
+    dt_big_difference(b.x, a.x, &x);
+    dt_big_difference(d.y, c.y, &y);
+    dt_big_multiply(&x, &y, &left);
+    dt_big_difference(b.y, a.y, &x);
+    dt_big_difference(d.x, c.x, &y);
+    dt_big_multiply(&x, &y, r);
+    dt_big_subtract(&left, r, r);
+}
+
+/* from + (to - from) num / den, rounded. A polynomial of degree three over one of degree two: numbers of 2,560 bits have
+ * room, and tell the quotient from the middle of two doubles. */
+static double round_place(double from, double to, const struct dt_big *num,
+                          const struct dt_big *den)
+{
+    const double least = 0x1p-142;
+    struct dt_big x, y;
+    dt_big_difference(to, from, &x);
+    dt_big_multiply(&x, num, &x);
+    dt_big_of(from, &y);
+    dt_big_multiply(&y, den, &y);
+    dt_big_add(&x, &y, &x);
+    if (x.sign == 0)
+        return 0;
+    dt_big_divide(&x, den, &x);
+    double v = dt_big_nearest(&x);
+    if (fabs(v) < least)
+        v = fabs(v) > least / 2 ? copysign(least, v) : 0;
+    return v;
+}
+
+struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b)
+{
+    struct dt_big num, den;
+    cross(a->p, a->q, b->p, b->q, &den);
+    cross(a->p, b->p, b->p, b->q, &num);
+    return (struct dt_point){round_place(a->p.x, a->q.x, &num, &den),
+                             round_place(a->p.y, a->q.y, &num, &den)};
+}
+
+/* ---- all ---- */
+
+enum { FEW = 8 };
+
+struct search {
+    const struct dt_segment *s;
+    struct dt_stop *work;
+    struct dt_pairs *out;
+    uint32_t *list; /* owns: stack of the segments in the boxes around this one */
+    size_t n, cap;
+};
+
+static enum dt_status add_pair(struct dt_pairs *out, uint32_t a, uint32_t b)
+{
+    if (out->n == out->cap) {
+        size_t cap = out->cap == 0 ? 64 : out->cap + out->cap / 2;
+        uint64_t *v = dt_array_grow(out->v, out->n, cap, sizeof *v);
+        if (v == NULL)
+            return DT_NOMEM;
+        out->v = v;
+        out->cap = cap;
+    }
+    out->v[out->n++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+    return DT_OK;
+}
+
+/* Every pair of the last n in the list. */
+static enum dt_status look_at_all(struct search *f, size_t n)
+{
+    const uint32_t *v = f->list + f->n - n;
+    enum dt_status status = DT_OK;
+    for (size_t i = 0; i < n && status == DT_OK; i++) {
+        for (size_t k = i + 1; k < n && status == DT_OK; k++) {
+            const struct dt_segment *a = &f->s[v[i]], *b = &f->s[v[k]];
+            if ((a->fresh || b->fresh) && dt_segments_cross(a, b))
+                status = add_pair(f->out, v[i], v[k]);
+        }
+        if (status == DT_OK)
+            status = dt_work(f->work, n - i);
+    }
+    return status;
+}
+
+static bool meets(const struct dt_segment *s, const struct dt_box *b)
+{
+    struct dt_box around = box_of(s);
+    if (!dt_box_overlaps(&around, b))
+        return false;
+    bool rising = (s->p.x < s->q.x) == (s->p.y < s->q.y);
+    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
+                    right = {b->hi.x, rising ? b->lo.y : b->hi.y};
+    return dt_orient2d(s->p, s->q, left) * dt_orient2d(s->p, s->q, right) <= 0;
+}
+
+/* Appends those of n from `from` on that meet the box. */
+static enum dt_status choose(struct search *f, size_t from, size_t n, const struct dt_box *b)
+{
+    if (f->cap - f->n < n) {
+        size_t cap = f->cap + f->cap / 2 + n;
+        uint32_t *list = dt_array_grow(f->list, f->n, cap, sizeof *list);
+        if (list == NULL)
+            return DT_NOMEM;
+        f->list = list;
+        f->cap = cap;
+    }
+    for (size_t i = from; i < from + n; i++)
+        if (meets(&f->s[f->list[i]], b))
+            f->list[f->n++] = f->list[i];
+    return dt_work(f->work, n);
+}
+
+/* The pairs of the n segments from `from` on with one that is fresh, at most. */
+static double count_pairs(const struct search *f, size_t from, size_t n)
+{
+    size_t fresh = 0;
+    for (size_t i = from; i < from + n; i++)
+        fresh += f->s[f->list[i]].fresh;
+    return (double)fresh * (double)n;
+}
+
+/* A place between, in the range of the predicates. */
+static double middle(double lo, double hi)
+{
+    double mid = lo / 2 + hi / 2;
+    return fabs(mid) < 0x1p-140 ? 0 : mid;
+}
+
+static void halve(const struct dt_box *b, unsigned axis, struct dt_box half[2])
+{
+    half[0] = half[1] = *b;
+    if (axis == 0)
+        half[0].hi.x = half[1].lo.x = middle(b->lo.x, b->hi.x);
+    else
+        half[0].hi.y = half[1].lo.y = middle(b->lo.y, b->hi.y);
+}
+
+static enum dt_status search(struct search *f, const struct dt_box *box, size_t n);
+
+/* Halves the box of the last n segments, unless that does not help. */
+static enum dt_status search_halves(struct search *f, const struct dt_box *box, unsigned axis,
+                                    size_t n, bool *helps)
+{
+    size_t from = f->n - n;
+    struct dt_box half[2];
+    halve(box, axis, half);
+    enum dt_status status = choose(f, from, n, &half[0]);
+    size_t first = f->n - from - n;
+    if (status == DT_OK)
+        status = choose(f, from, n, &half[1]);
+    size_t second = f->n - from - n - first;
+    double pairs = count_pairs(f, from, n),
+           left = count_pairs(f, from + n, first) + count_pairs(f, from + n + first, second);
+    *helps = left < 0.9 * pairs;
+    if (status == DT_OK && *helps)
+        status = search(f, &half[1], second);
+    f->n = from + n + first;
+    if (status == DT_OK && *helps)
+        status = search(f, &half[0], first);
+    f->n = from + n;
+    return status;
+}
+
+/* The pairs of the last n segments of the list, which are in the box. */
+static enum dt_status search(struct search *f, const struct dt_box *box, size_t n)
+{
+    bool helps = false;
+    unsigned axis = dt_box_axis(box);
+    enum dt_status status = DT_OK;
+    if (n < 2 || count_pairs(f, f->n - n, n) == 0)
+        return DT_OK;
+    for (unsigned k = 0; k < 2 && n > FEW && status == DT_OK && !helps; k++)
+        status = search_halves(f, box, k == 0 ? axis : 1 - axis, n, &helps);
+    return status == DT_OK && !helps ? look_at_all(f, n) : status;
+}
+
+/* All that overlap the box of those that are fresh. */
+static enum dt_status begin(struct search *f, size_t n, struct dt_box *box)
+{
+    size_t fresh = 0;
+    f->list = dt_array_new(n + 1, sizeof *f->list);
+    f->cap = n + 1;
+    for (size_t i = 0; i < n; i++)
+        if (f->s[i].fresh) {
+            struct dt_box around = box_of(&f->s[i]);
+            *box = fresh++ == 0 ? around : dt_box_join(*box, around);
+        }
+    for (size_t i = 0; i < n && fresh > 0 && f->list != NULL; i++) {
+        struct dt_box around = box_of(&f->s[i]);
+        if (dt_box_overlaps(&around, box))
+            f->list[f->n++] = (uint32_t)i;
+    }
+    return f->list == NULL ? DT_NOMEM : dt_work(f->work, n);
+}
+
+enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop *work,
+                            struct dt_pairs *out)
+{
+    struct search f = {.s = s, .work = work, .out = out};
+    struct dt_box box = {{0, 0}, {0, 0}};
+    out->n = 0;
+    enum dt_status status = begin(&f, n, &box);
+    if (status == DT_OK)
+        status = search(&f, &box, f.n);
+    dt_array_free(f.list);
+    size_t kept = 0;
+    dt_sort_keys(out->v, out->n);
+    for (size_t i = 0; i < out->n; i++)
+        if (kept == 0 || out->v[kept - 1] != out->v[i])
+            out->v[kept++] = out->v[i];
+    out->n = kept;
+    return status;
+}

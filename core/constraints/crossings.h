@@ -1,0 +1,30 @@
+/* crossings.h - where segments cross: every pair, and the place, rounded once.
+ *
+ * Two segments cross if either has the ends of the other on opposite sides. All signs are exact. */
+#ifndef DT_CROSSINGS_H
+#define DT_CROSSINGS_H
+
+#include "core/control/stop.h"
+
+struct dt_segment {
+    struct dt_point p, q;
+    bool fresh; /* crossings of two that are not are known: there are none */
+};
+
+/* Pairs of numbers of segments, the lower one in the upper half. Start with {0}. */
+struct dt_pairs {
+    uint64_t *v; /* owns `cap` */
+    size_t n, cap;
+};
+
+bool dt_segments_cross(const struct dt_segment *a, const struct dt_segment *b);
+
+/* Puts the pairs that cross, at least one of them fresh, into *out, sorted. Cost: O(n log n) for short segments, and their
+ * product for those that are in the same places. */
+enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop *work,
+                            struct dt_pairs *out);
+
+/* Where two segments that cross do so: either coordinate is the nearest one that dt_coordinate_ok accepts, ties to even. */
+struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b);
+
+#endif
