@@ -25,6 +25,12 @@ void body_columns(struct body *b, size_t coordinates, size_t values)
     b->width = coordinates + values;
 }
 
+void body_words(struct body *b)
+{
+    body_columns(b, 0, 1);
+    b->words = true;
+}
+
 /* Bytes of a point. */
 static size_t point_bytes(const struct body *b)
 {
@@ -101,6 +107,8 @@ static bool is_plain(const struct body *b)
 /* The error for number i of a point. */
 static enum body_fault judge(const struct body *b, size_t i, double v)
 {
+    if (b->words)
+        return BODY_GOOD;
     if (i >= b->coordinates)
         return isinf(v) ? BODY_VALUE : BODY_GOOD;
     return isnan(v) ? BODY_NUMBER : b->coordinates_ok(&v, 1) ? BODY_GOOD : BODY_RANGE;

@@ -46,6 +46,7 @@ struct body {
         *xy; /* owns: x, y and the values of each point read so far; NULL once there is a fault */
     size_t n, cap;             /* points */
     size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
+    bool words;                /* BODY_BINARY: a point is 8 bytes of any kind */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
     size_t part; /* BODY_BINARY: bytes of the next point that have come; behind the others in xy */
@@ -66,6 +67,9 @@ void body_free(struct body *b);
 /* To be called after body_init: a point has this number of coordinates (2 or 0), and values after them: finite numbers or
  * nan. */
 void body_columns(struct body *b, size_t coordinates, size_t values);
+
+/* The same for a binary body whose points are 8 bytes of any kind, which take the place of a number. */
+void body_words(struct body *b);
 
 /* Parses bytes[n]; returns the number of bytes consumed (0: it needs more), or -1 if the framing is broken (a NUL
  * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:

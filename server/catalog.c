@@ -35,7 +35,8 @@ static void print_command(FILE *out, const struct command *c)
     static const char *const body[] = {[LOAD_NOTHING] = "null",
                                        [LOAD_POINTS] = "\"points\"",
                                        [LOAD_PLACES] = "\"places\"",
-                                       [LOAD_VALUES] = "\"values\""};
+                                       [LOAD_VALUES] = "\"values\"",
+                                       [LOAD_PAIRS] = "\"pairs\""};
     fputc('{', out);
     print_text(out, "name", c->name);
     print_text(out, "usage", c->usage);

@@ -133,6 +133,18 @@ uint32_t record_version(enum record_type type)
     return type >= RECORD_CONSTRAIN ? RECORD_VERSION : RECORD_VERSION_PLAIN;
 }
 
+uint32_t record_most(enum record_type part)
+{
+    return part == RECORD_CHUNK    ? RECORD_POINTS
+           : part == RECORD_VALUES ? RECORD_MOST_VALUES
+                                   : RECORD_CONSTRAINTS;
+}
+
+uint32_t record_parts(enum record_type part, uint32_t n)
+{
+    return n / record_most(part) + (n % record_most(part) > 0);
+}
+
 size_t record_item_size(enum record_type type)
 {
     switch (type) {

@@ -172,6 +172,10 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
 /* The least version of a segment that may have records of this type. */
 uint32_t record_version(enum record_type type);
 
+/* The items of one record of this type at most, of those that a LOAD may have as parts; and how many records n items take. */
+uint32_t record_most(enum record_type part);
+uint32_t record_parts(enum record_type part, uint32_t n);
+
 /* Bytes of an item of this type; 0 for types without items, whose n may be anything. */
 size_t record_item_size(enum record_type type);
 

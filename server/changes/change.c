@@ -93,14 +93,35 @@ static enum dt_status delete_ends(struct dt *dt, struct change *c, const struct 
     return dt_delete_cascade(dt, c->ids, c->n, opt, &c->deleted, &c->missing);
 }
 
+/* The rows become constraints. */
+static bool split_pairs(struct change *c)
+{
+    const uint32_t *id = (const uint32_t *)(const void *)c->rows;
+    if (c->rows == NULL)
+        return true;
+    c->constraints = dt_pages_grow(c->pages, NULL, 0, ((size_t)c->n + 1) * sizeof *c->constraints);
+    for (size_t i = 0; c->constraints != NULL && i < c->n; i++)
+        c->constraints[i] = (struct record_constraint){id[2 * i], id[2 * i + 1], c->first};
+    if (c->constraints == NULL)
+        return false;
+    dt_pages_release(c->rows);
+    c->rows = NULL;
+    c->first = 0;
+    return true;
+}
+
 static enum dt_status declare(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
+    if (!split_pairs(c))
+        return DT_NOMEM;
     return constraint_declare(dt, c->constraints, c->n, opt, &c->constrained, &c->missing);
 }
 
 static enum dt_status release(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
     size_t *released = &c->constrained;
+    if (!split_pairs(c))
+        return DT_NOMEM;
     struct dt_constraint *missing = &c->crossed.one;
     return c->a == RELEASE_LISTED
                ? constraint_release(dt, c->constraints, c->n, opt, released, missing)

@@ -47,8 +47,8 @@ enum change_code {
  *     SET       field, n pairs
  *     RUN       a column of n values
  *     FDROP     field
- *     CONSTRAIN n constraints
- *     RELEASE   a: which, as in RECORD_RELEASE; first, or n constraints
+ *     CONSTRAIN n constraints; or rows, which are n pairs of ids, and first: what they are, as in record_constraint
+ *     RELEASE   a: which, as in RECORD_RELEASE; first, or the same as CONSTRAIN
  *     CASCADE   n ids
  *     MOVES     n moves */
 struct change {
@@ -57,9 +57,9 @@ struct change {
     struct name field; /* the columns have their own names */
     uint32_t first, n;
     double a, b;
-    double *rows;            /* owns, from dt_pages_grow: points, each with its values; or NULL */
-    struct dt_point *points; /* owns n, from dt_pages_grow */
-    uint32_t *ids;           /* owns n */
+    double *rows; /* owns, from dt_pages_grow: points, each with its values; pairs; or NULL */
+    struct dt_point *points;               /* owns n, from dt_pages_grow */
+    uint32_t *ids;                         /* owns n */
     struct record_value *pairs;            /* owns n */
     struct record_constraint *constraints; /* owns n, from dt_pages_grow */
     struct record_move *moves;             /* owns n */

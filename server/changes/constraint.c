@@ -62,11 +62,13 @@ enum dt_status constraint_release_of(struct dt *dt, bool all, uint32_t what,
 
 size_t constraint_declare_memory(const struct dt *dt, uint32_t n)
 {
-    return n * sizeof(struct dt_constraint) + dt_constrain_memory(dt, n);
+    size_t row = sizeof(struct dt_constraint) + sizeof(struct record_constraint);
+    return n * row + dt_constrain_memory(dt, n);
 }
 
 size_t constraint_release_memory(const struct dt *dt, uint32_t n)
 {
     size_t rows = n == DT_NONE ? dt_constraints_count(dt) : n;
-    return rows * (sizeof(struct dt_constraint) + sizeof(uint32_t));
+    size_t row = sizeof(struct dt_constraint) + sizeof(struct record_constraint);
+    return rows * (row + sizeof(uint32_t));
 }

@@ -2,6 +2,7 @@
 #include "server/command/command.h"
 
 #include "server/changes/constraint.h"
+#include "server/jobs/submit.h"
 #include "server/replies/query.h"
 
 #include <stdlib.h>
@@ -106,6 +107,29 @@ bool read_releases(struct server *s, const struct dataset *set, const struct req
     c->a = RELEASE_NUMBER;
     c->first = f.what;
     return true;
+}
+
+/* CONSTRAINB and RELEASEB, when their pairs have come. */
+void cmd_constrainb(struct server *s, struct dataset *set, const struct request *q,
+                    struct answer *a)
+{
+    struct chosen f;
+    struct submission *x = submission_new(s, a, a->command->change, &q->word[1]);
+    if (x == NULL)
+        return;
+    bool good = read_chosen(a, q, &f);
+    if (good && f.at + 1 != q->n) {
+        answer_usage(a);
+        good = false;
+    }
+    x->change.n = (uint32_t)a->body->body.n;
+    if (!good || !submit_reserve(s, a, set, x)) {
+        job_free(s, &x->job);
+        return;
+    }
+    x->change.first = f.what;
+    x->change.rows = load_take(a->body, &x->job.memory);
+    submit(s, a, set, x);
 }
 
 /* ---- CONSTRAINTS ---- */

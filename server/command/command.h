@@ -180,7 +180,7 @@ command_handler cmd_load, cmd_fsetb;                 /* cmd_load.c */
 change_reader read_expiry, read_new_points, read_ids_to_delete, read_move; /* cmd_data.c */
 change_reader read_values_to_set, read_existing_field;                     /* cmd_field.c */
 command_handler cmd_triangulate, cmd_check, cmd_digest;                    /* cmd_build.c */
-command_handler cmd_constraints;                                           /* cmd_constraint.c */
+command_handler cmd_constraints, cmd_constrainb;                           /* cmd_constraint.c */
 change_reader read_constraints, read_releases;                             /* cmd_constraint.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */

@@ -78,12 +78,18 @@ struct announced {
     size_t values; /* of a row, besides its coordinates */
 };
 
+/* The index of the word that counts the rows. */
+static size_t count_at(const struct load_shape *shape, const struct request *q)
+{
+    return shape->rows == LOAD_PAIRS ? q->n - 1 : shape->count;
+}
+
 /* False: the line does not say how long the body is. */
 static bool read_line(const struct load_shape *shape, const struct request *q, struct announced *b)
 {
     struct word names = load_field_names(shape, q);
-    bool counted = shape->count < (names.len > 0 ? q->n - 2 : q->n);
-    const struct word *n = &q->word[shape->count];
+    bool counted = count_at(shape, q) < (names.len > 0 ? q->n - 2 : q->n);
+    const struct word *n = &q->word[count_at(shape, q)];
     *b = (struct announced){.form = !shape->lines ? BODY_BINARY
                                     : counted     ? BODY_LINES
                                                   : BODY_DOT,
@@ -103,7 +109,10 @@ static void begin(struct server *s, const struct load_shape *shape, const struct
     l->shape = shape;
     size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
     body_init(&l->body, b->form, b->count, most, dt_coordinates_ok);
-    body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
+    if (shape->rows == LOAD_PAIRS)
+        body_words(&l->body);
+    else
+        body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
     a->next = ANSWER_BODY;
     a->load = l;
@@ -114,7 +123,7 @@ void load_start(struct server *s, const struct load_shape *shape, const struct r
 {
     struct announced b;
     if (!read_line(shape, q, &b)) {
-        const struct word *w = &q->word[shape->count];
+        const struct word *w = &q->word[count_at(shape, q)];
         answer_err(a, ERR_NUMBER, "%.*s is not a number of points",
                    (int)(w->len < 32 ? w->len : 32), w->text);
         a->closes = true;
@@ -147,8 +156,10 @@ static const char *row_name(const struct load *l)
 {
     if (l->body.form != BODY_BINARY)
         return "line";
-    static const char *const name[] = {
-        [LOAD_POINTS] = "point", [LOAD_PLACES] = "place", [LOAD_VALUES] = "value"};
+    static const char *const name[] = {[LOAD_POINTS] = "point",
+                                       [LOAD_PLACES] = "place",
+                                       [LOAD_VALUES] = "value",
+                                       [LOAD_PAIRS] = "pair"};
     return name[l->shape->rows];
 }
 
@@ -156,7 +167,8 @@ static const char *outcome(const struct load *l)
 {
     static const char *const text[] = {[LOAD_POINTS] = "; nothing was loaded",
                                        [LOAD_PLACES] = "",
-                                       [LOAD_VALUES] = "; no value was set"};
+                                       [LOAD_VALUES] = "; no value was set",
+                                       [LOAD_PAIRS] = "; nothing has changed"};
     return text[l->shape->rows];
 }
 

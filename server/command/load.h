@@ -11,7 +11,13 @@
 #include "server/jobs/server.h"
 
 /* The body of a command's requests. */
-enum load_rows { LOAD_NOTHING, LOAD_POINTS /* to be added to the set */, LOAD_PLACES, LOAD_VALUES };
+enum load_rows {
+    LOAD_NOTHING,
+    LOAD_POINTS, /* to be added to the set */
+    LOAD_PLACES,
+    LOAD_VALUES,
+    LOAD_PAIRS /* of ids; the last word counts them */
+};
 struct load_shape {
     enum load_rows rows; /* LOAD_NOTHING: no body */
     unsigned count;      /* the index of the word that counts the rows */

@@ -24,9 +24,9 @@ enum {
     MUCH = 1 << 20 /* bytes whose end in the queue is reported before the sync */
 };
 
-enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_TEND };
+enum piece_kind { PIECE_BYTES, PIECE_LOAD, PIECE_ROTATE, PIECE_TEND };
 
-/* An element of the queue: many small records, the points of a large one, or a command. */
+/* An element of the queue: many small records, the items of a large one, or a command. */
 struct piece {
     struct list_link link; /* first */
     enum piece_kind kind;
@@ -37,9 +37,10 @@ struct piece {
     uint32_t
         version; /* PIECE_ROTATE: the log begins a segment of this version by itself; 0: log_rotate did */
     struct buf bytes;       /* owns; PIECE_BYTES: encoded records */
-    double *xy;             /* owns; PIECE_POINTS */
-    struct columns *values; /* owns; PIECE_POINTS: those that come with the points, or NULL */
-    struct record record;   /* PIECE_POINTS: the ADD; its name is in `name` */
+    void *items;            /* owns; PIECE_LOAD: as many as its record says */
+    struct columns *values; /* owns; PIECE_LOAD: those that come with the points, or NULL */
+    struct record
+        record; /* PIECE_LOAD: the first one, but of the type of its parts; its name is in `name` */
     char name[RECORD_NAME_LIMIT];
 };
 
@@ -115,7 +116,7 @@ static void free_piece(struct log *log, struct piece *p)
 {
     atomic_fetch_add(&log->freed, p->size);
     buf_free(&p->bytes);
-    dt_pages_release(p->xy);
+    dt_pages_release(p->items);
     columns_free(p->values);
     free(p->lineage);
     free(p);
@@ -185,37 +186,38 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
     return lsn;
 }
 
-/* Gives the piece the points and the values. */
-static void take_load(struct log *log, struct piece *p, const struct record *r, double *xy,
+/* Gives the piece the items and the values. */
+static void take_load(struct log *log, struct piece *p, const struct record *r, void *items,
                       struct columns *v)
 {
     memcpy(p->name, r->name, r->name_len);
     p->record = *r;
     p->record.name = p->name;
-    p->xy = xy;
+    p->items = items;
     p->values = v;
-    measure(log, p, (r->n * 2 + (v == NULL ? 0 : v->count * v->n)) * sizeof *xy);
+    measure(log, p,
+            r->n * record_item_size(r->type) + (v == NULL ? 0 : v->count * v->n) * sizeof *v->v);
     p->last = log->next - 1;
     p->records = 1;
     log->queue.records++;
 }
 
-uint64_t log_append_load(struct log *log, struct record *r, double *xy, struct columns *v)
+uint64_t log_append_load(struct log *log, struct record *r, void *items, struct columns *v)
 {
     pthread_mutex_lock(&log->mutex);
-    struct piece *p = new_piece(log, PIECE_POINTS);
-    r->type = RECORD_LOAD;
+    begin_version(log, r->type);
+    struct piece *p = new_piece(log, PIECE_LOAD);
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + (r->n + RECORD_POINTS - 1) / RECORD_POINTS + columns_records(v);
+    log->next += 2 + record_parts(r->type, r->n) + columns_records(v);
     uint64_t last = log->next - 1;
     if (p != NULL)
-        take_load(log, p, r, xy, v);
+        take_load(log, p, r, items, v);
     else
         lose(log);
     pthread_mutex_unlock(&log->mutex);
     if (p == NULL) {
-        dt_pages_release(xy);
+        dt_pages_release(items);
         columns_free(v);
     }
     return last;
@@ -333,8 +335,8 @@ static void carry_out(struct log *log, struct piece *p)
     case PIECE_BYTES:
         log_file_write(&log->file, &p->bytes);
         break;
-    case PIECE_POINTS:
-        log_file_write_load(&log->file, &p->record, p->xy, p->values);
+    case PIECE_LOAD:
+        log_file_write_load(&log->file, &p->record, p->items, p->values);
         break;
     case PIECE_ROTATE:
         rotate(log, p);

@@ -140,19 +140,22 @@ static void write_column(struct log_file *f, const struct columns *v, size_t col
     } while (at < v->n && f->error == 0);
 }
 
-void log_file_write_load(struct log_file *f, const struct record *load, const double *xy,
+void log_file_write_load(struct log_file *f, const struct record *load, const void *items,
                          const struct columns *v)
 {
     struct buf out = {0};
     struct record r = *load;
+    const size_t size = record_item_size(load->type); /* in memory, too */
+    const uint32_t most = record_most(load->type);
+    r.type = RECORD_LOAD;
     r.n = 0;
     record_write(&out, &r);
-    r.type = RECORD_CHUNK;
+    r.type = load->type;
     r.name_len = 0;
     for (uint32_t at = 0; at < load->n && f->error == 0; at += r.n) {
         r.lsn++;
-        r.n = load->n - at < RECORD_POINTS ? load->n - at : RECORD_POINTS;
-        r.items = xy + 2 * (size_t)at;
+        r.n = load->n - at < most ? load->n - at : most;
+        r.items = (const char *)items + at * size;
         record_write(&out, &r);
         log_file_write(f, &out);
     }

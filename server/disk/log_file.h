@@ -51,8 +51,9 @@ void log_file_mark(struct log_file *f);
 /* Writes and consumes all of b, whole records. */
 void log_file_write(struct log_file *f, struct buf *b);
 
-/* Writes a LOAD of load->n points xy[2n], or none, and of the values v, unless NULL, as its records; load->lsn is that of the first. */
-void log_file_write_load(struct log_file *f, const struct record *load, const double *xy,
+/* Writes a LOAD of load->n items, or none, in records of load->type, and of the values v, unless NULL; load->lsn is that of the
+ * first record. */
+void log_file_write_load(struct log_file *f, const struct record *load, const void *items,
                          const struct columns *v);
 
 /* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were

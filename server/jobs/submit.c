@@ -13,16 +13,20 @@
 
 /* ---- the log ---- */
 
-/* Appends a change that needs several records. Its points and values move to the log. */
+/* Appends a change that needs several records. Its items and values move to the log. */
 static uint64_t append_long(struct log *log, const struct dataset *set, struct change *c)
 {
-    bool points = c->kind->items == ITEMS_POINTS; /* otherwise a LOAD of no points */
-    struct record r = {.name = set->name,
+    bool constraints = c->kind->items == ITEMS_CONSTRAINTS;
+    bool points = c->kind->items == ITEMS_POINTS; /* a column is a LOAD of no points */
+    struct record r = {.type = constraints ? c->kind->record : RECORD_CHUNK,
+                       .name = set->name,
                        .name_len = set->name_len,
-                       .first = points ? c->first : dt_next_id(set->current->dt),
-                       .n = points ? c->n : 0};
-    uint64_t lsn = log_append_load(log, &r, (double *)c->points, c->columns);
+                       .first = points || constraints ? c->first : dt_next_id(set->current->dt),
+                       .n = points || constraints ? c->n : 0};
+    void *items = constraints ? (void *)c->constraints : c->points;
+    uint64_t lsn = log_append_load(log, &r, items, c->columns);
     c->points = NULL;
+    c->constraints = NULL;
     c->columns = NULL;
     return lsn;
 }

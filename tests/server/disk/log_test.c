@@ -248,7 +248,7 @@ static double *points(size_t n)
 
 TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
 {
-    struct record r = {.name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
+    struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
     struct bench b;
     begin(&b, LOG_ALWAYS);
     log_append_load(b.log, &r, points(r.n), NULL);
@@ -261,7 +261,7 @@ TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
 /* What is left of the record is not the beginning of one. */
 TEST(large_load_whose_record_is_written_in_part_is_a_failed_log)
 {
-    struct record r = {.name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
+    struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
     struct bench b;
     double *xy = points(r.n);
     for (size_t i = 0; i < 2 * (size_t)r.n; i++)
@@ -497,7 +497,7 @@ TEST(bytes_in_the_queue_are_counted_until_they_are_written)
         last = append(&b);
     size_t small = log_queued(b.log);
     CHECK(small >= RECORDS * 20 && small < RECORDS * 20 * 8);
-    struct record r = {.name = "t", .name_len = 1, .n = POINTS};
+    struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = POINTS};
     last = log_append_load(b.log, &r, points(POINTS), NULL);
     CHECK(log_queued(b.log) == small + POINTS * 16);
     await_durable(&b, last);
@@ -528,7 +528,7 @@ TEST(digest_of_a_log_is_read_as_it_was_written_and_continues)
     struct recovery r;
     struct log_status before;
     begin(&b, LOG_ALWAYS);
-    struct record add = {.name = "t", .name_len = 1, .n = 100000};
+    struct record add = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = 100000};
     log_append_load(b.log, &add, dt_pages_grow(NULL, NULL, 0, 100000 * 2 * sizeof(double)), NULL);
     append_nothing(&b);
     log_rotate(b.log, NULL);

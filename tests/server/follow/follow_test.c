@@ -14,6 +14,32 @@
 
 enum { LARGE = 70000 };
 
+/* The rows of the set's lattice become lines, and a part of them is released, in several records each. */
+static void constrain_large(const struct node *n)
+{
+    uint32_t *pair = malloc(2 * LARGE * sizeof *pair), pairs = 0;
+    char line[100];
+    int fd = daemon_connect(&n->d);
+    CHECK(pair != NULL);
+    for (uint32_t i = 0; i + 1 < LARGE; i++) {
+        if (i % 300 == 299)
+            continue;
+        pair[2 * pairs] = i + 1;
+        pair[2 * pairs++ + 1] = i;
+    }
+    snprintf(line, sizeof line, "CONSTRAINB large OF 5 %" PRIu32 "\n", pairs);
+    say(fd, line);
+    say_bytes(fd, pair, pairs * 2 * sizeof *pair);
+    CHECK(strncmp(hear_line(fd), "OK 0 added=", 11) == 0);
+    pairs -= 100;
+    snprintf(line, sizeof line, "RELEASEB large OF 5 %" PRIu32 "\n", pairs);
+    say(fd, line);
+    say_bytes(fd, pair, pairs * 2 * sizeof *pair);
+    CHECK(strncmp(hear_line(fd), "OK 0 released=", 14) == 0);
+    close(fd);
+    free(pair);
+}
+
 /* A set whose LOAD and whose values need several records. */
 static void load_large(const struct node *n)
 {
@@ -36,6 +62,7 @@ static void load_large(const struct node *n)
     close(fd);
     free(v);
     free(text);
+    constrain_large(n);
 }
 
 /* Every kind of change. */
