@@ -44,6 +44,22 @@ static unsigned victim(const struct client *c)
     return c->settled == 0 || test_below(20) == 0 ? NOBODY : test_below(c->settled);
 }
 
+/* About constraints, or an edit that minds them; many of these are refused. */
+static void compose_constraint(struct client *c, char *to)
+{
+    unsigned kind = test_below(10), a = test_below(c->ids + 1), b = test_below(c->ids + 1);
+    if (kind < 6)
+        snprintf(to, REQUEST_BYTES, "CONSTRAIN %s %sOF %u %u %u\n", c->set,
+                 kind < 2 ? "BORDER " : "", test_below(3), a, b);
+    else if (kind < 7)
+        snprintf(to, REQUEST_BYTES, "RELEASE %s %s\n", c->set, test_below(8) == 0 ? "ALL" : "OF 1");
+    else if (kind < 8)
+        snprintf(to, REQUEST_BYTES, "DEL %s %u CASCADE\n", c->set, victim(c));
+    else
+        snprintf(to, REQUEST_BYTES, "MOVE %s %u %u %u %u %u %u\n", c->set, a, place(), place(), b,
+                 place(), place());
+}
+
 static void compose(struct client *c, char *to)
 {
     unsigned kind = test_below(100), n = 1 + test_below(5);
@@ -60,6 +76,8 @@ static void compose(struct client *c, char *to)
         snprintf(to + at, REQUEST_BYTES - at, load ? "" : "\n");
     } else if (kind < 78) {
         snprintf(to, REQUEST_BYTES, "DEL %s %u\n", set, victim(c));
+    } else if (kind < 88) {
+        compose_constraint(c, to);
     } else if (kind < 94) {
         snprintf(to, REQUEST_BYTES, "MOVE %s %u %u %u\n", set, test_below(c->ids + 2), place(),
                  place());
@@ -138,8 +156,9 @@ static char *state(const struct daemon *d, const char *set)
     char request[200];
     size_t n;
     int fd = daemon_connect(d);
-    snprintf(request, sizeof request, "POINTS %s\nCOINCIDENT %s\nLISTS %s\nHULL %s\n", set, set,
-             set, set);
+    snprintf(request, sizeof request,
+             "POINTS %s\nCOINCIDENT %s\nLISTS %s\nHULL %s\nCONSTRAINTS %s\nEDGES %s CONSTRAINED\n",
+             set, set, set, set, set, set);
     say(fd, request);
     shutdown(fd, SHUT_WR);
     char *text = hear_all(fd, &n);

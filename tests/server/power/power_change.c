@@ -1,6 +1,7 @@
 /* power_change.c - see power_change.h. */
 #include "tests/server/power/power_change.h"
 
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 #include "tests/server/digest.h"
 #include "tests/test.h"
@@ -83,6 +84,25 @@ static void put_values(struct buf *to, const char *set, const struct request_cha
         buf_append(to, &c->points[i].x, sizeof c->points[i].x);
 }
 
+static void put_constraints(struct buf *to, const char *set, const struct request_change *c,
+                            const uint32_t *ids)
+{
+    if (c->kind == REQUEST_CONSTRAIN)
+        put(to, "CONSTRAIN %s OF %" PRIu32 " PATH", set, c->field);
+    else if (c->kind == REQUEST_RELEASE && c->n == 0)
+        put(to, "RELEASE %s ALL", set);
+    else if (c->kind == REQUEST_RELEASE)
+        put(to, "RELEASE %s OF %" PRIu32, set, c->field);
+    else
+        put(to, "%s %s", c->kind == REQUEST_MOVES ? "MOVE" : "DEL", set);
+    for (uint32_t i = 0; i < c->n; i++) {
+        put(to, " %" PRIu32, ids[i]);
+        if (c->kind == REQUEST_MOVES)
+            put(to, " %.17g %.17g", c->points[i].x, c->points[i].y);
+    }
+    put(to, "%s", c->kind == REQUEST_CASCADE ? " CASCADE\n" : "\n");
+}
+
 void request_change_write(struct buf *to, const char *set, const struct request_change *c,
                           const uint32_t *ids)
 {
@@ -134,6 +154,12 @@ void request_change_write(struct buf *to, const char *set, const struct request_
     case REQUEST_FDROP:
         put(to, "FDROP %s %s\n", set, field_name[c->field]);
         break;
+    case REQUEST_CONSTRAIN:
+    case REQUEST_RELEASE:
+    case REQUEST_CASCADE:
+    case REQUEST_MOVES:
+        put_constraints(to, set, c, ids);
+        break;
     }
     CHECK(!to->failed);
 }
@@ -172,6 +198,21 @@ static void add(struct model *m, const struct request_change *c, char reply[REPL
              added.first, added.added, added.coincident);
 }
 
+/* Whether the change has failed, for a reason that a request can have. */
+static bool refuse(enum dt_status status, char reply[REPLY_BYTES])
+{
+    static const char *const code[] = {[DT_NOPOINT] = "NOPOINT",
+                                       [DT_NOEDGE] = "SYNTAX",
+                                       [DT_CROSSES] = "CROSSES",
+                                       [DT_CONSTRAINED] = "CONSTRAINED",
+                                       [DT_NOCONSTRAINT] = "NOCONSTRAINT"};
+    if (status == DT_OK)
+        return false;
+    CHECK(status < sizeof code / sizeof code[0] && code[status] != NULL);
+    snprintf(reply, REPLY_BYTES, "ERR %s", code[status]);
+    return true;
+}
+
 static void change_points(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     uint32_t deleted, missing;
@@ -180,11 +221,65 @@ static void change_points(struct model *m, const struct request_change *c, char 
         status = dt_move(m->dt, c->id[0], c->points[0]);
     else
         status = dt_delete(m->dt, c->id, c->n, &deleted, &missing);
-    CHECK(status == DT_OK || status == DT_NOPOINT);
-    if (status == DT_NOPOINT)
-        snprintf(reply, REPLY_BYTES, "ERR NOPOINT");
-    else if (c->kind == REQUEST_DELETE)
+    if (!refuse(status, reply) && c->kind == REQUEST_DELETE)
         snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
+}
+
+static void constrain(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
+{
+    struct dt_constraint v[CHANGE_IDS];
+    size_t done, missing;
+    uint32_t id;
+    enum dt_status status = DT_OK;
+    size_t n = c->n - 1;
+    for (size_t i = 0; i < n; i++) {
+        v[i] = (struct dt_constraint){c->id[i], c->id[i + 1], false, c->field};
+        if (v[i].a == v[i].b)
+            status = DT_NOEDGE;
+    }
+    if (status == DT_OK)
+        status = c->kind == REQUEST_CONSTRAIN ? dt_constrain(m->dt, v, n, NULL, &done, &id)
+                                              : dt_release(m->dt, v, n, NULL, &done, &missing);
+    if (!refuse(status, reply))
+        snprintf(reply, REPLY_BYTES, "OK 0 %s=%zu",
+                 c->kind == REQUEST_CONSTRAIN ? "added" : "released", done);
+}
+
+static void release_all(struct model *m, char reply[REPLY_BYTES])
+{
+    struct dt_constraint *v;
+    size_t n, done, missing;
+    CHECK(dt_constraints(m->dt, NULL, DT_NONE, &v, &n) == DT_OK);
+    CHECK(dt_release(m->dt, v, n, NULL, &done, &missing) == DT_OK);
+    free(v);
+    snprintf(reply, REPLY_BYTES, "OK 0 released=%zu", done);
+}
+
+static void change_constraints(struct model *m, const struct request_change *c,
+                               char reply[REPLY_BYTES])
+{
+    uint32_t deleted, missing;
+    if (c->kind == REQUEST_RELEASE && c->n == 0)
+        release_all(m, reply);
+    else if (c->kind == REQUEST_CONSTRAIN || c->kind == REQUEST_RELEASE)
+        constrain(m, c, reply);
+    else if (c->kind == REQUEST_MOVES)
+        refuse(dt_move_many(m->dt, c->id, c->points, c->n, NULL, &missing), reply);
+    else if (!refuse(dt_delete_cascade(m->dt, c->id, c->n, NULL, &deleted, &missing), reply))
+        snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
+}
+
+/* Where constraints may cross, the model has the triangulation, too. False: they do, and cannot have one. */
+static bool make_live(struct model *m, const struct request_change *c)
+{
+    bool live = m->triangulated || c->kind == REQUEST_TRIANGULATE;
+    if (!live || (dt_constraints_count(m->dt) == 0 && c->kind != REQUEST_CONSTRAIN))
+        return true;
+    enum dt_status status = dt_triangulate(m->dt, NULL);
+    if (status == DT_OK)
+        status = dt_refresh(m->dt, NULL);
+    CHECK(status == DT_OK || (status == DT_CROSSES && !m->triangulated));
+    return status == DT_OK;
 }
 
 static void change_values(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
@@ -225,6 +320,8 @@ void model_apply(struct model *m, const struct request_change *c, char reply[REP
             snprintf(reply, REPLY_BYTES, "ERR EXISTS");
     } else if (m->dt == NULL) {
         snprintf(reply, REPLY_BYTES, "ERR NOSET");
+    } else if (!make_live(m, c)) {
+        snprintf(reply, REPLY_BYTES, "ERR CROSSES");
     } else if (c->kind == REQUEST_DROP) {
         model_clear(m);
     } else if (c->kind == REQUEST_TRIANGULATE) {
@@ -233,6 +330,8 @@ void model_apply(struct model *m, const struct request_change *c, char reply[REP
         change_values(m, c, reply);
     } else if (c->kind == REQUEST_FDROP) {
         drop_field(m, c, reply);
+    } else if (c->kind >= REQUEST_CONSTRAIN) {
+        change_constraints(m, c, reply);
     } else {
         change_points(m, c, reply);
     }

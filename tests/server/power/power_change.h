@@ -18,7 +18,11 @@ enum request_kind {
     REQUEST_TRIANGULATE,
     REQUEST_FSET,
     REQUEST_FSETB, /* of the ids from id[0] on */
-    REQUEST_FDROP
+    REQUEST_FDROP,
+    REQUEST_CONSTRAIN, /* the path of the ids, of the number `field` */
+    REQUEST_RELEASE,   /* the same, two of them; or all, if n is 0 */
+    REQUEST_CASCADE,
+    REQUEST_MOVES
 };
 
 enum { CHANGE_IDS = 8, CHANGE_FIELDS = 2, REPLY_BYTES = 128 };
@@ -30,7 +34,7 @@ struct request_change {
     uint32_t id[CHANGE_IDS];
     double tolerance;
     uint32_t fields; /* how many an addition has values for; these follow from its points */
-    uint32_t field;  /* of FSET, FSETB, FDROP */
+    uint32_t field;  /* of FSET, FSETB, FDROP; of CONSTRAIN, RELEASE */
 };
 
 void request_change_clear(struct request_change *c);

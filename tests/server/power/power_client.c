@@ -60,6 +60,25 @@ static struct request_change change_of_values(struct client *c, const struct str
     return change;
 }
 
+/* Short lines, which seldom cross; many are refused. */
+static struct request_change change_of_constraints(struct client *c, const struct stream *s)
+{
+    static const enum request_kind kinds[] = {REQUEST_CONSTRAIN, REQUEST_CONSTRAIN,
+                                              REQUEST_CONSTRAIN, REQUEST_RELEASE,
+                                              REQUEST_CASCADE,   REQUEST_MOVES};
+    struct request_change change = {.kind = kinds[below(c, 6)], .n = 2, .field = below(c, 2)};
+    change.id[0] = below(c, s->ids + 1);
+    change.id[1] = change.id[0] + 1 + below(c, 3);
+    change.id[2] = below(c, s->ids + 1);
+    if (change.kind == REQUEST_CONSTRAIN)
+        change.n += below(c, 2);
+    else if (change.kind == REQUEST_RELEASE && below(c, 6) == 0)
+        change.n = 0;
+    else if (change.kind == REQUEST_MOVES)
+        change.points = places(c, change.n);
+    return change;
+}
+
 /* Few places, so that points coincide; ids mostly of existing points. */
 static struct request_change change_own(struct client *c, const struct stream *s)
 {
@@ -67,6 +86,8 @@ static struct request_change change_own(struct client *c, const struct stream *s
     uint32_t kind = below(c, 100);
     if (below(c, 5) == 0)
         return change_of_values(c, s);
+    if (below(c, 5) == 0)
+        return change_of_constraints(c, s);
     if (s->ids > LARGE)
         kind += 42; /* a large set is dropped soon */
     if (kind < 54) {

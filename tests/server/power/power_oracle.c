@@ -157,7 +157,7 @@ static bool may_be_refused(const struct sent_change *sent)
 {
     enum request_kind kind = sent->change.kind;
     return sent->reply[0] == '\0' && kind != REQUEST_DELETE && kind != REQUEST_DROP &&
-           kind != REQUEST_FDROP;
+           kind != REQUEST_FDROP && kind != REQUEST_RELEASE && kind != REQUEST_CASCADE;
 }
 
 /* Of the changes that may have been refused, assumes that those whose bit in `which` is set were.
