@@ -1,4 +1,4 @@
-/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids, fields and time of expiry.
+/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids, fields, constraints and time of expiry.
  *
  * A load gives out ids without gaps. The copy gets a filler for each id that the original does not have, and deletes it
  * afterwards; so every point has the same id in the copy. A filler is at the place of the point before the gap: every coordinate
@@ -137,6 +137,60 @@ static enum delaunay_result send_all(struct copy *y)
     return r;
 }
 
+/* ---- constraints ---- */
+
+/* The line of a request that is sent when it is long, or the next constraint has another kind or number. */
+struct constraint_line {
+    struct copy *y;
+    struct buf text;
+    char head[120];
+    enum delaunay_result result;
+};
+
+static void send_constraints(struct constraint_line *l)
+{
+    if (l->result == DELAUNAY_OK && buf_len(&l->text) > 0)
+        l->result = send_line(l->y, &l->text);
+}
+
+/* A row `a b line|border k`. */
+static bool add_constraint(void *ctx, const struct delaunay_part *part)
+{
+    struct constraint_line *l = ctx;
+    char row[64], kind[8], head[sizeof l->head], ends[32];
+    unsigned a, b, k;
+    if (part->kind != DELAUNAY_PART_ROW)
+        return true;
+    snprintf(row, sizeof row, "%.*s", (int)part->len, part->text);
+    if (sscanf(row, "%u %u %7s %u", &a, &b, kind, &k) != 4) {
+        l->result = DELAUNAY_BROKEN;
+        return false;
+    }
+    bool border = strcmp(kind, "border") == 0;
+    snprintf(head, sizeof head, "CONSTRAIN %s%s OF %u", l->y->to, border ? " BORDER" : "", k);
+    if (strcmp(head, l->head) != 0 || buf_len(&l->text) >= LINE_ROOM)
+        send_constraints(l);
+    if (buf_len(&l->text) == 0)
+        buf_append_text(&l->text, head);
+    memcpy(l->head, head, sizeof head);
+    snprintf(ends, sizeof ends, " %u %u", a, b);
+    buf_append_text(&l->text, ends);
+    return l->result == DELAUNAY_OK;
+}
+
+static enum delaunay_result copy_constraints(struct copy *y)
+{
+    struct constraint_line l = {.y = y, .result = DELAUNAY_OK};
+    char line[100];
+    snprintf(line, sizeof line, "CONSTRAINTS %s", y->from);
+    enum delaunay_result r = delaunay_request(y->c[0], line, add_constraint, &l);
+    bool older =
+        r == DELAUNAY_REFUSED && strncmp(delaunay_status(y->c[0])->text, "ERR UNKNOWN ", 12) == 0;
+    send_constraints(&l);
+    buf_free(&l.text);
+    return l.result != DELAUNAY_OK || older ? l.result : r;
+}
+
 /* ---- what a load may not give ---- */
 
 /* A sum over the rows of a reply. */
@@ -235,6 +289,8 @@ static int store(struct copy *y)
     if (r != DELAUNAY_OK)
         return command_outcome(y->c[1], r);
     r = send_all(y);
+    if (r == DELAUNAY_OK)
+        r = copy_constraints(y);
     if (r == DELAUNAY_OK)
         r = finish(y, &equal);
     if (r == DELAUNAY_OK && equal)

@@ -174,6 +174,22 @@ TEST(copy_keeps_fields)
     cli_finish();
 }
 
+TEST(copy_keeps_constraints)
+{
+    cli_begin();
+    cli_run_well("ADD t 0 0  4 0  4 4  0 4  2 1  9 9");
+    cli_run_well("DEL t 4");
+    cli_run_well("triangulate t");
+    cli_run_well("constrain t BORDER OF 7 RING 0 1 2 3");
+    cli_run_well("constrain t BORDER OF 8 0 1");
+    cli_run_well("constrain t 0 5");
+    copy_to_u();
+    cli_expect("constraints u", "OK 6\n0 1 border 7\n0 1 border 8\n0 3 border 7\n0 5 line 0\n"
+                                "1 2 border 7\n2 3 border 7\n");
+    expect_equal_sets("LISTS");
+    cli_finish();
+}
+
 TEST(copy_places_filler_points_farther_from_the_points_than_the_tolerance)
 {
     cli_begin();

@@ -164,6 +164,44 @@ TEST(every_version_of_the_format_so_far_has_its_files)
     }
 }
 
+/* The version of the last file of that kind. */
+static unsigned last_version(const struct directory *dir, const char *prefix)
+{
+    char path[128], next[128];
+    struct segment header;
+    size_t n;
+    CHECK(directory_file(dir, prefix, 0, path));
+    for (unsigned i = 1; directory_file(dir, prefix, i, next); i++)
+        strcpy(path, next);
+    char *bytes = file_read(path, &n);
+    CHECK(segment_read(bytes, n, &header) > 0);
+    free(bytes);
+    return header.version;
+}
+
+TEST(only_files_with_constraints_have_version_5)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    carry_out(&d, "ADD t 0 0 4 0 0 4\nMOVE t 0 1 1\nSNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    CHECK(last_version(&dir, "log.") == 4 && last_version(&dir, "snapshot.") == 4);
+    carry_out(&d, "ADD t 5 5\nCONSTRAIN t 0 1\nDEL t 3\n");
+    CHECK(last_version(&dir, "log.") == 5 && last_version(&dir, "snapshot.") == 4);
+    daemon_stop(&d, SIGKILL);
+    d = directory_daemon(&dir, NULL); /* from segments of both versions */
+    converse(&d, "CONSTRAINTS t\nPOINTS t\n", "OK 1\n0 1 line 0\nOK 3\n0 1 1\n1 4 0\n2 0 4\n");
+    CHECK(last_version(&dir, "log.") == 4);
+    carry_out(&d, "SNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    CHECK(last_version(&dir, "log.") == 4 && last_version(&dir, "snapshot.") == 5);
+    carry_out(&d, "RELEASE t 0 1\nSNAPSHOT\n");
+    await_info(&d, "snapshots", 2);
+    CHECK(last_version(&dir, "snapshot.") == 4);
+    daemon_end(&d);
+    directory_remove(&dir);
+}
+
 /* An upgrade: a leader on files of every version so far, and a follower without any. */
 TEST(follower_of_a_leader_with_files_of_any_version_has_equal_sets)
 {
