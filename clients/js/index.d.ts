@@ -129,6 +129,8 @@ export class Client {
   load(set: string, points: Points, options?: LoadOptions): Promise<number>;
   load<P>(set: string, points: Iterable<P>, options: Accessors<P> & LoadOptions): Promise<number>;
   add(set: string, x: number, y: number): Promise<number>;
+  /** Moves a point, which keeps its id. */
+  move(set: string, id: number, x: number, y: number, options?: RequestOptions): Promise<void>;
   get(set: string, ids: Iterable<number>): Promise<Point[]>;
   points(set: string): Promise<{ ids: Uint32Array; coords: Float64Array }>;
   points(

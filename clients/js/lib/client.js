@@ -160,6 +160,11 @@ class Client extends Table {
     return Number((await this.request(`ADD ${checkSet(set)} ${x} ${y}`)).keys.first);
   }
 
+  /** Moves a point, which keeps its id. */
+  async move(set, id, x, y, options) {
+    await this.request(`MOVE ${checkSet(set)} ${Number(id)} ${Number(x)} ${Number(y)}`, options);
+  }
+
   /** {id, x, y} of each id, in the order of the request. */
   async get(set, ids) {
     return this.#points(`GET ${checkSet(set)} ${[...ids].join(' ')}`);

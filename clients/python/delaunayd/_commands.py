@@ -71,6 +71,10 @@ class Commands(Table):
         """Adds a point; returns its id."""
         return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), float(x), float(y))
 
+    def move(self, name: str, id: int, x: float, y: float) -> None:
+        """Moves a point, which keeps its id."""
+        return self._ask(protocol.nothing, "MOVE", set_name(name), int(id), float(x), float(y))
+
     def get(self, name: str, ids: Iterable[int]) -> List[Tuple[float, float]]:
         """The coordinates of points."""
         return self._ask(_coordinates, "GET", set_name(name), *(int(i) for i in ids))
