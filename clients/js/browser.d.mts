@@ -1,1 +1,1 @@
-export { Delaunator, Delaunator as default, Delaunay, LiveSet, Refused, Voronoi } from './index.js';
+export { Constrainautor, Delaunator, Delaunator as default, Delaunay, LiveSet, Refused, Voronoi, earcut } from './index.js';

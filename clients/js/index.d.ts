@@ -1,9 +1,11 @@
+import Constrainautor = require('./constrainautor');
 import Delaunator = require('./delaunator');
+import earcut = require('./earcut');
 import { Delaunay, Voronoi } from './d3-delaunay';
 import { LiveSet } from './live';
 import { Table } from './table';
 
-export { Delaunator, Delaunay, LiveSet, Voronoi };
+export { Constrainautor, Delaunator, Delaunay, LiveSet, Voronoi, earcut };
 
 /** Flat coordinates (x, y, x, y ...) or pairs. */
 export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;

@@ -7,5 +7,21 @@ const { Triangulation } = require('./lib/triangulation.js');
 const Delaunator = require('./delaunator.js');
 const { Delaunay, Voronoi } = require('./d3-delaunay.js');
 const { LiveSet } = require('./live.js');
+const Constrainautor = require('./constrainautor.js');
+const earcut = require('./earcut.js');
 
-module.exports = { Client, Delaunator, Delaunay, Disconnected, LiveSet, NONE, Refused, Triangulation, Voronoi, connect, useServer };
+module.exports = {
+  Client,
+  Constrainautor,
+  Delaunator,
+  Delaunay,
+  Disconnected,
+  LiveSet,
+  NONE,
+  Refused,
+  Triangulation,
+  Voronoi,
+  connect,
+  earcut,
+  useServer,
+};

@@ -1,3 +1,17 @@
 import delaunayd from './index.js';
 
-export const { Client, Delaunator, Delaunay, Disconnected, LiveSet, NONE, Refused, Triangulation, Voronoi, connect, useServer } = delaunayd;
+export const {
+  Client,
+  Constrainautor,
+  Delaunator,
+  Delaunay,
+  Disconnected,
+  LiveSet,
+  NONE,
+  Refused,
+  Triangulation,
+  Voronoi,
+  connect,
+  earcut,
+  useServer,
+} = delaunayd;

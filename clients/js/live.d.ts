@@ -1,7 +1,7 @@
 import { Accessors, Box, Points } from './index';
 
 /** A set of points in process that stays triangulated while points come, go and move. Errors have the codes of the daemon
- * (NUMBER, RANGE, NOPOINT, NOFIELD, NOMEM). Its memory is given back when the object is collected, or by free(). */
+ * (NUMBER, RANGE, NOPOINT, NOEDGE, NOFIELD, CROSSES, CONSTRAINED, NOCONSTRAINT, NOTDELAUNAY, NOMEM). Its memory is given back when the object is collected, or by free(). */
 export class LiveSet {
   static from(points: Points, options?: LiveSetOptions & { values?: ArrayLike<number> }): LiveSet;
   static from<P>(points: Iterable<P>, options: LiveSetOptions & Accessors<P> & { values?: ArrayLike<number> }): LiveSet;
@@ -18,6 +18,17 @@ export class LiveSet {
   /** Deletes points, all or none; returns how many. */
   delete(ids: Iterable<number>): number;
   move(id: number, x: number, y: number): void;
+
+  /** Pairs of ids become edges that stay, or chains of edges through the points on them, all or none; returns how many are new.
+   * CROSSES: two would cross where no point is. border: they are parts of the border of inside(). */
+  constrain(ids: Points, options?: { border?: boolean }): number;
+  /** The opposite, all or none; NOCONSTRAINT: one is not there. */
+  release(ids: Points, options?: { border?: boolean }): void;
+  /** Pairs: the edges that are parts of constraints. */
+  constrainedEdges(): Uint32Array;
+  /** The triangles inside the border, three ids each: from there every way out crosses it an odd number of times. None, unless
+   * it is closed. */
+  inside(options?: { clockwise?: boolean }): Uint32Array;
 
   point(id: number): [x: number, y: number];
   ids(): Uint32Array;

@@ -95,6 +95,39 @@ class LiveSet {
     withPlaces([x, y], () => this.#core.call('set_move', this.#mine, idOf(id), x, y));
   }
 
+  // ---- constraints ----
+
+  /** Pairs of ids, flat or not, become edges that stay, or chains of edges through the points on them, all or none; returns how many
+   * are new. border: they are parts of the border of inside(). */
+  constrain(ids, { border = false } = {}) {
+    this.#pairs('set_constrain', ids, border);
+    return this.#core.number(0);
+  }
+
+  /** The opposite of constrain(), all or none. */
+  release(ids, { border = false } = {}) {
+    this.#pairs('set_release', ids, border);
+  }
+
+  #pairs(name, ids, border) {
+    const list = Uint32Array.from(pairs(ids), idOf);
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.callWith(name, this.#mine, Uint32Array, list, list.length / 2, border);
+  }
+
+  /** Pairs: the edges that are parts of constraints. */
+  constrainedEdges() {
+    this.#core.call('set_constrained', this.#mine);
+    return this.#core.array(Uint32Array, 0);
+  }
+
+  /** The triangles inside the border, three ids each: from there every way out crosses it an odd number of times. */
+  inside({ clockwise = false } = {}) {
+    this.#core.call('set_triangulate', this.#mine);
+    this.#core.call('set_inside', this.#set, clockwise);
+    return this.#core.array(Uint32Array, 0);
+  }
+
   // ---- the triangulation ----
 
   /** [x, y] of a point. */

@@ -14,12 +14,17 @@ const STATUS = {
   2: 'TOOBIG a set holds at most 268435455 points',
   3: 'RANGE a coordinate is 0 or has a magnitude from 2^-142 to 2^201',
   4: 'NOPOINT no such point',
+  5: 'NOEDGE a constraint joins two points',
   7: 'NOFIELD the points have no values',
+  14: 'CONSTRAINED the point is an end of a constraint',
+  15: 'NOCONSTRAINT no such constraint',
+  16: 'NOTDELAUNAY with constraints there are neither cells nor natural neighbours',
 };
 
 const NOMEM = 1;
 const RANGE = 3;
 const NOPOINT = 4;
+const CROSSES = 13;
 
 let compiled = null;
 let small = null; // the instance for new sets
@@ -81,6 +86,7 @@ class Core {
    * their last argument, says. */
   call(name, ...args) {
     const status = this.#exports[name](...args, this.#results);
+    if (status === CROSSES) throw new Refused(this.#crossing());
     if (status !== 0) throw refusal(status);
   }
 
@@ -102,6 +108,11 @@ class Core {
   number(i) {
     this.#memory();
     return this.#words[i];
+  }
+
+  #crossing() {
+    const [a, b, c, d] = [0, 1, 2, 3].map((i) => this.number(i));
+    return `ERR CROSSES ${a} ${b} crosses ${c} ${d}`;
   }
 
   /** The n doubles that the last call has written. */

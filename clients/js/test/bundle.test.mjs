@@ -11,7 +11,7 @@ const read = (name) => readFileSync(new URL(`../${name}`, import.meta.url), 'utf
 test('browser.js is up to date (make bundle)', () => {
   const bundle = read('browser.js');
   for (const name of ['module', 'errors', 'points', 'core', 'line', 'mesh', 'path', 'voronoi']) assert.ok(bundle.includes(read(`lib/${name}.js`)), name);
-  for (const name of ['delaunator', 'd3-delaunay', 'live']) assert.ok(bundle.includes(read(`${name}.js`)), name);
+  for (const name of ['delaunator', 'd3-delaunay', 'live', 'constrainautor', 'earcut']) assert.ok(bundle.includes(read(`${name}.js`)), name);
 });
 
 test('browser.js runs where there is nothing of Node, as a script and as a module', async () => {

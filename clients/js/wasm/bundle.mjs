@@ -6,7 +6,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 
 const MODULES = ['lib/module', 'lib/errors', 'lib/points', 'lib/core', 'lib/line', 'lib/mesh', 'lib/path', 'lib/voronoi'];
-const ENTRIES = ['delaunator', 'd3-delaunay', 'live'];
+const ENTRIES = ['delaunator', 'd3-delaunay', 'live', 'constrainautor', 'earcut'];
 
 const at = (name) => new URL(`../${name}`, import.meta.url);
 const read = (name) => readFileSync(at(name), 'utf8');
@@ -22,7 +22,7 @@ const wrap = (name) => `modules['${name.split('/').pop()}.js'] = (module, requir
 
 writeFileSync(
   at('browser.js'),
-  `// Delaunator, Delaunay, Voronoi and LiveSet for browsers: globalThis.delaunayd, or import browser.mjs. Made of the files named below by
+  `// Delaunator, Delaunay, Voronoi, LiveSet, Constrainautor and earcut for browsers: globalThis.delaunayd, or import browser.mjs. Made of the files named below by
 // \`make bundle\`; not to be edited.
 (() => {
 const modules = {};
@@ -38,7 +38,9 @@ const require = (path) => {
 };
 ${[...MODULES, ...ENTRIES].map(wrap).join('')}
 globalThis.delaunayd = {
+  Constrainautor: require('./constrainautor.js'),
   Delaunator: require('./delaunator.js'),
+  earcut: require('./earcut.js'),
   ...require('./d3-delaunay.js'),
   ...require('./live.js'),
   Refused: require('./errors.js').Refused,

@@ -43,6 +43,6 @@ fi
 check "the module has at most 140 KB, compressed" is_small
 check "the module imports nothing" has_no_imports
 check "what runs in process passes its tests with the new module" \
-    env DELAUNAYD="$build/delaunayd" node --test "$js"/test/{browser,bundle,d3,delaunator,live}.test.mjs
+    env DELAUNAYD="$build/delaunayd" node --test "$js"/test/{browser,bundle,constraints,d3,delaunator,live}.test.mjs
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

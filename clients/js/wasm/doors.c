@@ -5,6 +5,7 @@
  * other side. */
 #include "core/cells/centre.h"
 #include "core/delaunay_arrays.h"
+#include "core/delaunay_constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -300,6 +301,72 @@ enum dt_status door_set_contours(const struct dt *t, const double *level, uint32
         s = write_lines(line, lines, out);
     dt_contour_free(c);
     return s;
+}
+
+/* ---- constraints, as pairs of ids ---- */
+
+/* The caller frees them. */
+static struct dt_constraint *constraints_of(const uint32_t *pair, uint32_t n, bool border)
+{
+    struct dt_constraint *c = room(n, sizeof *c);
+    for (uint32_t i = 0; c != NULL && i < n; i++)
+        c[i] = (struct dt_constraint){pair[2 * i], pair[2 * i + 1], border, border};
+    return c;
+}
+
+/* Lines, or parts of the border of one region. out: how many are new; or, if it is DT_CROSSES, the ends of one and of the
+ * other; or the id that is wrong. */
+DOOR(set_constrain)
+enum dt_status door_set_constrain(struct dt *t, const uint32_t *pair, uint32_t n, bool border,
+                                  uint32_t *out)
+{
+    size_t added;
+    struct dt_constraint *c = constraints_of(pair, n, border);
+    enum dt_status s = c == NULL ? DT_NOMEM : dt_constrain(t, c, n, NULL, &added, out);
+    if (s == DT_OK)
+        out[0] = (uint32_t)added;
+    if (s == DT_CROSSES) {
+        struct dt_crossed two;
+        dt_crossed(t, &two);
+        memcpy(out, (const uint32_t[]){two.one.a, two.one.b, two.other.a, two.other.b}, 16);
+    }
+    free(c);
+    return s;
+}
+
+/* out: which one is not there. */
+DOOR(set_release)
+enum dt_status door_set_release(struct dt *t, const uint32_t *pair, uint32_t n, bool border,
+                                uint32_t *out)
+{
+    size_t released, missing = 0;
+    struct dt_constraint *c = constraints_of(pair, n, border);
+    enum dt_status s = c == NULL ? DT_NOMEM : dt_release(t, c, n, NULL, &released, &missing);
+    out[0] = (uint32_t)missing;
+    free(c);
+    return s;
+}
+
+/* out: the pairs of the edges that are parts of constraints. */
+DOOR(set_constrained) enum dt_status door_set_constrained(const struct dt *t, uint32_t *out)
+{
+    struct dt_ids edges = {0};
+    enum dt_status s = dt_constrained_edges(t, &edges);
+    if (s == DT_OK)
+        give(out, edges.v, edges.n);
+    return end(s, edges.v, NULL);
+}
+
+/* out: the triangles inside the border. */
+DOOR(set_inside) enum dt_status door_set_inside(struct dt *t, bool cw, uint32_t *out)
+{
+    struct dt_ids rows = {0};
+    enum dt_status s = dt_survey(t, NULL);
+    if (s == DT_OK)
+        s = dt_inside(t, DT_NONE, DT_TRIANGLES, cw, NULL, &rows);
+    if (s == DT_OK)
+        give(out, rows.v, rows.n);
+    return end(s, rows.v, NULL);
 }
 
 /* ---- Voronoi cells ---- */

@@ -1,0 +1,3 @@
+import Constrainautor from './constrainautor.js';
+
+export { Constrainautor as default };

@@ -1,0 +1,4 @@
+import earcut from './earcut.js';
+
+export const { deviation, flatten } = earcut;
+export { earcut as default };
