@@ -118,23 +118,12 @@ void server_finish_abandoned(struct server *s, struct job *j)
     buf_free(&out);
 }
 
-static void deliver_all(struct server *s, struct list *done,
-                        void (*deliver)(void *ctx, struct job *j), void *ctx)
-{
-    for (struct job *j; (j = list_pop(done)) != NULL;)
-        if (job_is_early(s, j))
-            list_append(&s->early, &j->work.link);
-        else
-            deliver(ctx, j);
-}
-
 void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j), void *ctx)
 {
     struct list done = {0};
     workers_collect(s->workers, &done);
-    deliver_all(s, &done, deliver, ctx);
-    list_move(&done, &s->early);
-    deliver_all(s, &done, deliver, ctx);
+    for (struct job *j; (j = list_pop(&done)) != NULL;)
+        deliver(ctx, j);
 }
 
 static void deliver_abandoned(void *ctx, struct job *j)

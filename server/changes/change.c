@@ -235,6 +235,8 @@ enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_opti
     enum dt_status status = c->kind->edit(dt, c, opt);
     if (status == DT_CROSSES)
         dt_crossed(dt, &c->crossed);
+    if (status == DT_OK && (c->kind->flags & CHANGE_GROWS) != 0)
+        c->first = c->added.first;
     return status;
 }
 

@@ -66,6 +66,7 @@ struct change {
     struct columns *columns;               /* owns */
     struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
+    uint64_t lsn; /* of its record in the log; 0: it has none, or none yet */
     struct dt_added added;
     uint32_t deleted, missing; /* missing: of DT_NOPOINT, the first id that does not exist */
     size_t constrained;        /* how many constraints it has declared, or released */
@@ -115,7 +116,8 @@ void change_set_rows(struct change *c, double *rows);
 /* The coincidence tolerance of the set that it creates, if it creates one. */
 double change_tolerance(const struct change *c);
 
-/* Edits the set's points, values or constraints, as the kind of change says; its outcome is in *c. */
+/* Edits the set's points, values or constraints, as the kind of change says; its outcome is in *c, whose `first` is then the id of
+ * the first new point. */
 enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt);
 
 /* Frees what it owns. */

@@ -21,6 +21,7 @@ struct build {
     double ms;
     const char *fault;
     struct dt_crossed crossed; /* of DT_CROSSES */
+    struct change change;      /* of a set that had no triangulation */
 };
 
 static void append_counts(struct answer *a, const struct dt_summary *sum)
@@ -91,7 +92,7 @@ static void keep_result(const struct job *j, struct dataset_result *r)
 static void finish_triangulation(struct server *s, struct job *j, struct answer *a)
 {
     if (!j->set->triangulated)
-        submit_at_once(s, j->set, CHANGE_TRIANGULATE, 0);
+        submit_commit(s, j->set, &((struct build *)j)->change);
     keep_result(j, &j->set->triangulation);
     answer_triangulation(a, j->set, ((struct build *)j)->ms);
 }
@@ -152,7 +153,9 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
         answer_out_of_memory(a);
         return;
     }
-    b->job.logged = true;
+    change_init(&b->change, CHANGE_TRIANGULATE, &(struct word){set->name, set->name_len});
+    b->job.acknowledges = true;
+    b->job.change = set->triangulated ? NULL : &b->change;
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = rebuild;

@@ -195,7 +195,7 @@ static bool step(struct follower *f)
 static bool is_settled(const struct server *s)
 {
     for (const struct job *j = job_first(s); j != NULL; j = job_next(s, j))
-        if (j->logged)
+        if (j->acknowledges)
             return false;
     const struct log_status *log = durable_status(s);
     return log->state != LOG_FAILED && log->durable == log_last(durable_log(s));

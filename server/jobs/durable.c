@@ -55,6 +55,37 @@ struct log *durable_log(const struct server *s)
     return is_running(s->durable) ? s->durable->log : NULL;
 }
 
+struct log *durable_log_of(const struct server *s, const struct dataset *set)
+{
+    return set->temporary ? NULL : durable_log(s);
+}
+
+/* Appends a change that needs several records. Its items and values move to the log. */
+static uint64_t append_long(struct log *log, const struct dataset *set, struct change *c)
+{
+    bool constraints = c->kind->items == ITEMS_CONSTRAINTS;
+    bool points = c->kind->items == ITEMS_POINTS; /* a column is a LOAD of no points */
+    struct record r = {.type = constraints ? c->kind->record : RECORD_CHUNK,
+                       .name = set->name,
+                       .name_len = set->name_len,
+                       .first = points || constraints ? c->first : dt_next_id(set->current->dt),
+                       .n = points || constraints ? c->n : 0};
+    void *items = constraints ? (void *)c->constraints : c->points;
+    uint64_t lsn = log_append_load(log, &r, items, c->columns);
+    c->points = NULL;
+    c->constraints = NULL;
+    c->columns = NULL;
+    return lsn;
+}
+
+void durable_append(struct log *log, const struct dataset *set, struct change *c)
+{
+    if (log == NULL)
+        return;
+    struct record r = change_encode(c);
+    c->lsn = change_is_long(c) ? append_long(log, set, c) : log_append(log, &r);
+}
+
 uint64_t durable_lsn(const struct server *s, const struct dataset *set)
 {
     return set != NULL ? set->current->lsn : s->dropped;

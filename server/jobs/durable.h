@@ -4,6 +4,7 @@
 #ifndef SERVER_DURABLE_H
 #define SERVER_DURABLE_H
 
+#include "server/changes/change.h"
 #include "server/disk/backup.h"
 #include "server/disk/log.h"
 #include "server/disk/recover.h"
@@ -97,6 +98,13 @@ uint64_t durable_last_lsn(const struct server *s);
 
 /* NULL without --data, and while the directory is being read. */
 struct log *durable_log(const struct server *s);
+
+/* The log of changes of the set; NULL also if the set is temporary. */
+struct log *durable_log_of(const struct server *s, const struct dataset *set);
+
+/* Appends a change that has been applied to the set: c->lsn, 0 if there is no log. Items and values of a change that needs several
+ * records move to the log. Any thread may call while nobody else reads or edits the set. */
+void durable_append(struct log *log, const struct dataset *set, struct change *c);
 
 /* For INFO. */
 struct durable_facts {

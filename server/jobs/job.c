@@ -93,6 +93,10 @@ static void run(struct job *j)
         j->options.disposable = true;
     }
     j->run(j);
+    if (j->log != NULL && j->status == DT_OK && edits_in_place(j)) {
+        durable_append(j->log, j->set, j->change);
+        j->base->lsn = j->change->lsn; /* before others can read what has changed */
+    }
 }
 
 /* Under the version's lock, except for a build of a copy, which needs it only for copying. */
@@ -163,7 +167,7 @@ static void submit_to_worker(struct server *s, struct answer *a, struct job *j,
 static void take_back(struct server *s, struct job *j)
 {
     j->set->writer = NULL;
-    j->set->exclusive = j->base->edited = false;
+    j->set->exclusive = false;
     version_unpin(&s->sets, j->base);
     job_free(s, j);
 }
@@ -314,8 +318,9 @@ void job_change(struct server *s, struct answer *a, struct job *j, struct datase
     j->set = set;
     j->base = version_pin(set->current);
     j->dt = in_place ? j->base->dt : NULL;
+    j->log = j->change != NULL ? durable_log_of(s, set) : NULL;
     set->writer = j;
-    set->exclusive = j->base->edited = in_place;
+    set->exclusive = in_place;
     start(s, a, j, weight);
 }
 
@@ -366,7 +371,7 @@ void job_beside(struct server *s, struct answer *a, struct job *j, struct datase
     m->change = j;
     m->make = make;
     m->job.what = j->what;
-    m->job.logged = j->logged;
+    m->job.acknowledges = j->acknowledges;
     m->job.set = set;
     job_read(s, a, &m->job, set->current, weight);
 }
@@ -395,29 +400,11 @@ static void publish(struct server *s, struct job *j)
         version_free(j->fresh);
     }
     j->set->writer = NULL;
-    j->set->exclusive = j->base->edited = false;
+    j->set->exclusive = false;
     if (j->status == DT_OK && !j->set->born)
         j->set->born = true;
     if (memory)
         server_limit_pages(s);
-}
-
-bool job_is_early(const struct server *s, const struct job *j)
-{
-    return j->set == NULL && j->base != NULL && j->base->edited && j->owner != 0 &&
-           j->status != DT_CANCELLED && durable_log(s) != NULL;
-}
-
-bool job_give_up_early(struct server *s, struct job *j)
-{
-    const struct work *w = list_first(&s->early);
-    while (w != NULL && w != &j->work)
-        w = list_next(&s->early, w);
-    if (w == NULL)
-        return false;
-    list_remove(&j->work.link);
-    j->status = DT_CANCELLED;
-    return true;
 }
 
 /* Sets the changes that the reply acknowledges or shows. A writer without a record, such as an update of the
@@ -427,10 +414,10 @@ static void note_changes(const struct job *j, struct answer *a)
     a->lsn = 0;
     if (j->base == NULL || j->status == DT_CANCELLED)
         return;
-    if (j->logged)
+    if (j->acknowledges)
         a->lsn = j->set->current->lsn;
     else if (j->base->lsn > a->shown)
-        a->shown = j->base->lsn;
+        a->shown = j->base->lsn; /* at least that of what it has read */
 }
 
 /* The order: the set counts its own memory from publish on, so that of the job is released before. The end of the job

@@ -28,13 +28,15 @@ struct job {
     struct list_link link; /* in server.jobs */
     void (*run)(struct job *j);
     void (*end)(struct server *s, struct job *j, struct answer *a);
-    const char *what;    /* for the progress line; NULL: none */
-    uint64_t owner;      /* the id of the connection that gets the reply; 0: none */
-    int64_t queued_ns;   /* when it was submitted to the workers; 0: it ran at once */
-    int64_t began_ns;    /* when a worker began */
-    struct dataset *set; /* its edits wait for the end of the job; NULL: they do not */
-    bool changes;        /* it was submitted by job_change */
-    bool logged;         /* it ends with a record in the log if it succeeds */
+    const char *what;      /* for the progress line; NULL: none */
+    uint64_t owner;        /* the id of the connection that gets the reply; 0: none */
+    int64_t queued_ns;     /* when it was submitted to the workers; 0: it ran at once */
+    int64_t began_ns;      /* when a worker began */
+    struct dataset *set;   /* its edits wait for the end of the job; NULL: they do not */
+    bool changes;          /* it was submitted by job_change */
+    bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
+    struct change *change; /* borrows; for the log if the job succeeds; NULL: none */
+    struct log *log; /* borrows; gets the change of a job that edits in place; NULL: no log does */
     bool copies;   /* it changes a copy if there is memory, so that the set can be read meanwhile */
     size_t points; /* that it adds, deletes or moves */
     struct version *base;  /* pinned: the version that it reads or changes; NULL: none */
@@ -106,10 +108,6 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
 /* Cancels the job because the server is stopping, unless it changes points or makes a piece of a reply. */
 void job_drain(struct job *j);
 
-/* Whether a finished job may have read an edit that is not in the log yet: then it is kept in server.early
- * until the edit ends. */
-bool job_is_early(const struct server *s, const struct job *j);
-
 /* The first job of the workers, and the next one; NULL: there is none. */
 static inline struct job *job_first(const struct server *s)
 {
@@ -120,9 +118,6 @@ static inline struct job *job_next(const struct server *s, const struct job *j)
 {
     return list_owner(list_next(&s->jobs, &j->link), offsetof(struct job, link));
 }
-
-/* Removes the job from server.early, if it is there, to be ended now as cancelled. */
-bool job_give_up_early(struct server *s, struct job *j);
 
 /* Ends a job that the workers have done, and frees it: its end answers its owner through a, which may be NULL. */
 void job_finish(struct server *s, struct job *j, struct answer *a);

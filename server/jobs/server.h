@@ -65,18 +65,17 @@ struct server {
         enum reply_code code;
         const char *why; /* borrows; NULL: changes are possible */
     } read_only;
-    bool follows;             /* it has a leader, or begins with one */
-    bool without_followers;   /* there are fewer than --min-followers */
-    struct watching watching; /* the sets that clients watch */
-    struct list jobs;         /* those of the workers, until they are collected and ended */
-    struct list early;        /* of these, finished readers that wait for an edit (job_is_early) */
-    struct dt_pages *pages;   /* owns; the page cache for large arrays (keep.h) */
-    uint64_t uses;            /* of the cache, at the last tick */
-    unsigned idle_ticks;      /* ticks in a row without a use */
-    atomic_bool excess;       /* the cache exceeds its limit (keep_turn_end) */
-    bool releasing;           /* a job is returning pages */
-    bool preparing;           /* a job is prefaulting pages */
-    size_t expected;          /* bytes to prefault for points that are being received */
+    bool follows;                   /* it has a leader, or begins with one */
+    bool without_followers;         /* there are fewer than --min-followers */
+    struct watching watching;       /* the sets that clients watch */
+    struct list jobs;               /* those of the workers, until they are collected and ended */
+    struct dt_pages *pages;         /* owns; the page cache for large arrays (keep.h) */
+    uint64_t uses;                  /* of the cache, at the last tick */
+    unsigned idle_ticks;            /* ticks in a row without a use */
+    atomic_bool excess;             /* the cache exceeds its limit (keep_turn_end) */
+    bool releasing;                 /* a job is returning pages */
+    bool preparing;                 /* a job is prefaulting pages */
+    size_t expected;                /* bytes to prefault for points that are being received */
     const struct command *commands; /* borrows; the table, server/commands.c */
     size_t command_count;
     /* Appends the facts of a section of INFO (server/info.h), for Redis's clients. */

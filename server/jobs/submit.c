@@ -13,49 +13,22 @@
 
 /* ---- the log ---- */
 
-/* Appends a change that needs several records. Its items and values move to the log. */
-static uint64_t append_long(struct log *log, const struct dataset *set, struct change *c)
-{
-    bool constraints = c->kind->items == ITEMS_CONSTRAINTS;
-    bool points = c->kind->items == ITEMS_POINTS; /* a column is a LOAD of no points */
-    struct record r = {.type = constraints ? c->kind->record : RECORD_CHUNK,
-                       .name = set->name,
-                       .name_len = set->name_len,
-                       .first = points || constraints ? c->first : dt_next_id(set->current->dt),
-                       .n = points || constraints ? c->n : 0};
-    void *items = constraints ? (void *)c->constraints : c->points;
-    uint64_t lsn = log_append_load(log, &r, items, c->columns);
-    c->points = NULL;
-    c->constraints = NULL;
-    c->columns = NULL;
-    return lsn;
-}
-
-/* The lsn of the change; 0: there is no log, or the set is not in it. */
-static uint64_t append(struct server *s, const struct dataset *set, struct change *c)
-{
-    struct log *log = set->temporary ? NULL : durable_log(s);
-    if (log == NULL)
-        return 0;
-    struct record r = change_encode(c);
-    return change_is_long(c) ? append_long(log, set, c) : log_append(log, &r);
-}
-
-/* The change has been applied to the set, which has a new version. */
-static void commit(struct server *s, struct dataset *set, struct change *c)
+void submit_commit(struct server *s, struct dataset *set, struct change *c)
 {
     if (c->kind->note != NULL)
         c->kind->note(&s->sets, set, c);
-    set->current->lsn = append(s, set, c);
-    registry_set_version(&s->sets, set, registry_version(&s->sets, set->current->lsn));
+    if (c->lsn == 0)
+        durable_append(durable_log_of(s, set), set, c);
+    set->current->lsn = c->lsn;
+    registry_set_version(&s->sets, set, registry_version(&s->sets, c->lsn));
 }
 
 /* A snapshot that pins the set now does not have its DROP, so the lsn is not the set's. */
 static void drop(struct server *s, struct dataset *set, struct change *c)
 {
-    uint64_t lsn = append(s, set, c);
+    durable_append(durable_log_of(s, set), set, c);
     if (!set->temporary)
-        s->dropped = lsn;
+        s->dropped = c->lsn;
     registry_drop(&s->sets, set);
 }
 
@@ -67,7 +40,7 @@ void submit_at_once(struct server *s, struct dataset *set, enum change_code code
     if (code == CHANGE_DROP)
         drop(s, set, &c);
     else
-        commit(s, set, &c);
+        submit_commit(s, set, &c);
 }
 
 /* ---- memory ---- */
@@ -262,9 +235,7 @@ static void finish(struct server *s, struct job *j, struct answer *a)
     } else if (answer_constraint(a, j->status, c)) {
         return;
     } else if (job_succeeded(j, a)) {
-        if ((c->kind->flags & CHANGE_GROWS) != 0)
-            c->first = c->added.first;
-        commit(s, j->set, c);
+        submit_commit(s, j->set, c);
         answer_facts(a, c);
         answer_version(a, j->set->version);
         after_edit(s, a, j->set);
@@ -348,7 +319,8 @@ struct submission *submission_new(struct server *s, struct answer *a, enum chang
     }
     change_init(&x->change, code, set);
     x->change.pages = s->pages;
-    x->job.logged = true;
+    x->job.acknowledges = true;
+    x->job.change = &x->change;
     return x;
 }
 
@@ -362,7 +334,7 @@ static void answer_at_once(struct server *s, struct answer *a, struct dataset *s
         return;
     }
     set->born = true;
-    commit(s, set, c);
+    submit_commit(s, set, c);
     a->lsn = durable_lsn(s, set);
     answer_changed(a, set->version);
 }

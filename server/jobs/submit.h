@@ -33,6 +33,9 @@ bool submit_reserve(struct server *s, struct answer *a, const struct dataset *se
  * change, and the version. */
 void submit(struct server *s, struct answer *a, struct dataset *set, struct submission *x);
 
+/* The change has been applied to the set, which gets a new version; it is appended to the log unless it is there already. */
+void submit_commit(struct server *s, struct dataset *set, struct change *c);
+
 /* Carries out a change that needs no job and no answer: of a kind without `edit`. A set that is dropped is freed. */
 void submit_at_once(struct server *s, struct dataset *set, enum change_code code, double a);
 

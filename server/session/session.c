@@ -330,8 +330,8 @@ static void on_later(struct timer *t)
     conn_again(&s->conn);
 }
 
-/* The deadline has passed. The request is answered now if it waits in a queue, or if its job has finished but waits for
- * an edit. Any other job is cancelled, and its end brings the answer. */
+/* The deadline has passed. The request is answered now if it waits in a queue. A job is cancelled, and its end brings the
+ * answer. */
 static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
@@ -341,8 +341,6 @@ static void pass_deadline(struct timer *t)
     s->timed_out = true;
     if (s->state == SESSION_WORKING) {
         s->job->cancel = true;
-        if (job_give_up_early(s->server, s->job))
-            session_job_done(s, s->job);
     } else if (in_line) {
         give_up(s);
         conn_again(&s->conn);

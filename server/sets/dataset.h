@@ -30,11 +30,10 @@ struct version {
     struct rwlock lock;        /* of dt, see above */
     struct dt_summary sum;     /* of dt after the last completed edit */
     struct reservation memory; /* sum.memory */
-    uint64_t lsn;              /* of its last change in the log; 0: none, or without --data */
+    _Atomic uint64_t
+        lsn; /* of its last change in the log; 0: none, or without --data. A worker that edits in place sets it */
     atomic_bool
         asked; /* a request has read its triangulation; reactors that share the world set it */
-    bool
-        edited; /* a job edits it in place, or has done so and the log does not have the edit yet */
 };
 
 /* What a job has found about a set, for requests that waited for it. */

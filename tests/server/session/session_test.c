@@ -66,28 +66,3 @@ TEST(request_whose_turn_comes_after_its_deadline_is_not_carried_out)
     CHECK(b.l.server.sets.sets == 0 && buf_len(&s->conn.in) == 0 && s->deadline_ms == 0);
     end(&b);
 }
-
-static void answer_its_status(struct server *s, struct job *j, struct answer *a)
-{
-    (void)s;
-    if (a != NULL)
-        answer_status(a, j->status);
-}
-
-/* A worker has the result, but an edit that it may show is not in the log yet. */
-TEST(request_whose_result_waits_for_the_log_is_answered_when_its_time_is_over)
-{
-    char reply[100] = "";
-    struct bench b;
-    begin(&b);
-    struct session *s = b.session;
-    s->job = job_new(sizeof *s->job, NULL, answer_its_status);
-    s->state = SESSION_WORKING;
-    list_append(&b.l.server.early, &s->job->work.link);
-    s->deadline.run(&s->deadline);
-    conn_turn(&s->conn);
-    CHECK(read(b.client, reply, sizeof reply - 1) > 0);
-    CHECK_MSG(strncmp(reply, "ERR TIMEOUT ", 12) == 0, "%s", reply);
-    CHECK(list_is_empty(&b.l.server.early) && s->state == SESSION_READING);
-    end(&b);
-}
