@@ -1,5 +1,5 @@
-/* dataset.h - named sets, their versions, and the queues of requests that wait for them. Only the I/O
- * thread uses them, apart from the lock.
+/* dataset.h - named sets, their versions, and the queues of requests that wait for them. A reactor uses them that is alone in
+ * the world (loop.h), or shares it and is inside the gate of its set, or has closed that gate and edits the set.
  *
  * A version is a set's points and triangulation, with a reference count: the set refers to its current
  * version, jobs and replies to the version that they read. Edits change it in place. A build of points that no load has
@@ -8,8 +8,8 @@
  *
  * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
  * moment (dt_view_begin), piece by piece; edits go on in between. The lock separates the pieces that
- * workers and the snapshot thread read from edits; either holds it for about a millisecond. The I/O
- * thread reads without the lock while no job edits in place, and never waits for it.
+ * workers and the snapshot thread read from edits; either holds it for about a millisecond. Reactors
+ * read without the lock while no job edits in place, and never wait for it.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
  * in a queue (wait.h). If the job edits in place, `exclusive` is set too, and readers also wait. */
