@@ -38,6 +38,7 @@ static bool init_gates(struct server *s, unsigned n)
     if (s->world == NULL || !lanes_init(&s->in_world, n) || !lanes_init(&s->sets.lanes, n))
         return false;
     gate_init(s->world, &s->in_world);
+    s->sets.world = s->world;
     return true;
 }
 

@@ -3,6 +3,7 @@
 
 #include "server/system/random.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -197,8 +198,15 @@ static bool rehash(struct registry *r)
     return true;
 }
 
+/* A reactor that shares the world has no business here. */
+static void check_alone(const struct registry *r)
+{
+    assert(r->world == NULL || gate_is_closed(r->world));
+}
+
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance)
 {
+    check_alone(r);
     if (r->sets >= r->buckets && !rehash(r))
         return NULL;
     struct dataset *set = calloc(1, sizeof *set);
@@ -254,6 +262,7 @@ static void free_set(struct registry *r, struct dataset *set)
 
 void registry_drop(struct registry *r, struct dataset *set)
 {
+    check_alone(r);
     if (set->watched != NULL && r->dropped != NULL)
         r->dropped(set);
     struct dataset **at = bucket_of(r, set->name, set->name_len);
@@ -441,6 +450,7 @@ size_t registry_scan(const struct registry *r, size_t cursor,
 
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v)
 {
+    check_alone(r);
     v->lsn = set->current->lsn;
     version_unpin(r, set->current);
     set->current = v;

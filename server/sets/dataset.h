@@ -73,7 +73,9 @@ struct registry {
     size_t buckets, sets;
     size_t expiring;           /* sets that are dropped at some time, */
     struct list expiring_sets; /* in the order of registry_next_expiring */
-    struct budget *budget;     /* borrows; of all versions; NULL: none */
+    const struct gate
+        *world; /* borrows; closed while sets come and go, which is checked; NULL: none */
+    struct budget *budget; /* borrows; of all versions; NULL: none */
     struct lanes
         lanes; /* owns; of reactors that are inside the gate of a set; empty: there is one reactor */
     struct dt_pages *pages;    /* borrows; for the large arrays of sets; NULL: none */

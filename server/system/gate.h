@@ -62,10 +62,16 @@ void gate_close(struct gate *g);
 void gate_open_and_enter(struct gate *g, unsigned lane);
 void gate_open(struct gate *g);
 
+/* Whether a thread has closed the gate, or is closing it. */
+static inline bool gate_is_closed(const struct gate *g)
+{
+    return atomic_load_explicit(&g->closed, memory_order_relaxed) != 0;
+}
+
 /* Whether somebody waits until this lane leaves. */
 static inline bool gate_is_wanted(struct gate *g)
 {
-    return atomic_load_explicit(&g->closed, memory_order_relaxed) != 0;
+    return gate_is_closed(g);
 }
 
 #endif

@@ -182,3 +182,24 @@ TEST(edit_that_turns_out_to_need_a_worker_is_carried_out_once)
     CHECK_STR(hear_line(fd), "ERR NOPOINT there is no point 0; nothing was deleted");
     daemon_end(&d);
 }
+
+/* The registry of sets checks that. */
+TEST(sets_come_and_go_while_a_reactor_is_alone)
+{
+    static const char *const arguments[] = {"--reactors", "3", NULL};
+    static const char *const request[] = {"CREATE t TOL 1", "ADD t 0 0", "ADD u 0 0",
+                                          "EXPIRE u 0.001", "DROP t",    "CREATE v TEMPORARY"};
+    struct daemon d = daemon_start(arguments);
+    for (int i = 0; i < 6; i++) {
+        int fd = daemon_connect(&d);
+        for (size_t k = 0; k < sizeof request / sizeof request[0]; k++) {
+            say(fd, request[k]);
+            say(fd, "\n");
+            CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+        }
+        close(fd);
+        while (daemon_info(&d, "sets") > 0)
+            pause_ms(10);
+    }
+    daemon_end(&d);
+}
