@@ -50,10 +50,48 @@ static bool crosses(const struct dt *t, const struct dt_constraint *c, struct dt
            covers_crossed(t, p, q);
 }
 
-/* Finds the least constraint that the way of c crosses. Cost: the number of constraints. */
-static void report_crossing(struct dt *t, const struct dt_constraint *c, struct dt_point a,
-                            struct dt_point b)
+/* Two that cross: *out becomes these, unless it is found already and comes first. */
+static void keep_first(struct dt_crossed *out, struct dt_constraint a, struct dt_constraint b,
+                       bool *found)
 {
+    bool swap = dt_constraint_compare(&a, &b) < 0;
+    struct dt_crossed pair = {swap ? b : a, swap ? a : b};
+    int sign = *found ? dt_constraint_compare(&pair.one, &out->one) : -1;
+    if (sign == 0)
+        sign = dt_constraint_compare(&pair.other, &out->other);
+    if (sign < 0)
+        *out = pair;
+    *found = true;
+}
+
+enum dt_status dt_name_crossed(struct dt *t, uint32_t id, struct dt_stop *work)
+{
+    const struct dt_declared *d = &t->constraints->declared;
+    bool found = false;
+    for (uint32_t row = dt_declared_first(d, id); row != DT_NONE;
+         row = dt_declared_next(d, row, id)) {
+        enum dt_status status = dt_work(work, d->rows);
+        if (status != DT_OK)
+            return status;
+        struct dt_constraint own = dt_declared_get(d, row);
+        uint32_t a = dt_points_vertex(&t->points, own.a), b = dt_points_vertex(&t->points, own.b);
+        if (a == b || dt_enforce_look(enforcer(t), a, b, NULL) != DT_OK ||
+            t->constraints->enforcer.crossed.n == 0)
+            continue;
+        for (uint32_t i = 0; i < d->end; i++) {
+            struct dt_constraint other = dt_declared_get(d, i);
+            if (dt_declared_is_live(d, i) && crosses(t, &other, t->points.xy[a], t->points.xy[b]))
+                keep_first(&t->constraints->crossed, own, other, &found);
+        }
+    }
+    return DT_CROSSES;
+}
+
+/* Finds the least constraint that the way of c, which was looked at last, crosses. Cost: the number of constraints. */
+static void report_crossing(struct dt *t, const struct dt_constraint *c)
+{
+    struct dt_point a = t->points.xy[dt_points_vertex(&t->points, c->a)];
+    struct dt_point b = t->points.xy[dt_points_vertex(&t->points, c->b)];
     const struct dt_declared *d = &t->constraints->declared;
     struct dt_crossed *out = &t->constraints->crossed;
     bool found = false;
@@ -85,10 +123,8 @@ static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struc
         return dt_work(work, 1);
     struct dt_enforcer *e = enforcer(t);
     enum dt_status status = dt_enforce_look(e, a, b, work);
-    if (status == DT_OK && e->crossed.n > 0) {
-        report_crossing(t, c, t->points.xy[a], t->points.xy[b]);
+    if (status == DT_OK && e->crossed.n > 0)
         status = DT_CROSSES;
-    }
     if (status == DT_OK)
         status = dt_enforce(e);
     if (status == DT_OK)
@@ -96,10 +132,33 @@ static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struc
     return status;
 }
 
+/* The same; dt_crossed will name what is crossed. */
+static enum dt_status enforce_or_name(struct dt *t, const struct dt_constraint *c,
+                                      struct dt_stop *work)
+{
+    enum dt_status status = enforce(t, c, work), named;
+    if (status != DT_CROSSES)
+        return status;
+    named = dt_work(work, t->constraints->declared.rows);
+    if (named == DT_OK)
+        report_crossing(t, c);
+    return named == DT_OK ? DT_CROSSES : named;
+}
+
 enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work)
 {
     struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
     return enforce(t, &c, work);
+}
+
+void dt_forget_regions(struct dt *t, uint32_t id)
+{
+    const struct dt_declared *d = &t->constraints->declared;
+    for (uint32_t row = dt_declared_first(d, id); row != DT_NONE;
+         row = dt_declared_next(d, row, id)) {
+        struct dt_constraint c = dt_declared_get(d, row);
+        forget_regions(t, &c);
+    }
 }
 
 void dt_release_row(struct dt *t, uint32_t row)
@@ -125,7 +184,7 @@ static enum dt_status constrain_sorted(struct dt *t, struct dt_stop *stop)
     if (status == DT_OK)
         status = dt_fixed_begin(&t->mesh);
     for (size_t i = 0; i < n && status == DT_OK; i++)
-        status = enforce(t, &c[i], stop);
+        status = enforce_or_name(t, &c[i], stop);
     free(c);
     return status;
 }
@@ -287,7 +346,7 @@ static enum dt_status declare(struct dt *t, struct dt_constraint c, struct dt_st
     *row = DT_NONE;
     if (status != DT_OK || dt_declared_find(d, &c) != DT_NONE)
         return status;
-    status = dt_is_live(t) ? enforce(t, &c, work) : DT_OK;
+    status = dt_is_live(t) ? enforce_or_name(t, &c, work) : DT_OK;
     if (status != DT_OK)
         return status;
     status = dt_declared_add(d, &c, row);

@@ -8,13 +8,21 @@
  * their order, that crosses one before it, and the least of these. After a failure the mesh is to be built again. */
 enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop);
 
-/* The constraint of the row becomes a chain of edges, or is released; the mesh is current. */
+/* The constraint of the row becomes a chain of edges, or is released; the mesh is current. DT_CROSSES names nothing. */
 enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work);
 void dt_release_row(struct dt *t, uint32_t row);
+
+/* Returns DT_CROSSES, and dt_crossed will name, of the constraints at id and those that they would cross as the mesh is, the
+ * first in their order that crosses one before it, and the least of these; or fails. Cost: the constraints, for each one
+ * at id. */
+enum dt_status dt_name_crossed(struct dt *t, uint32_t id, struct dt_stop *work);
 
 /* Whether the constraints can be declared, as dt_constrain says, whatever they cross. */
 enum dt_status dt_constrainable(const struct dt *t, const struct dt_constraint *c, size_t n,
                                 uint32_t *missing);
+
+/* To be called when the vertex of id has moved with its constraints. */
+void dt_forget_regions(struct dt *t, uint32_t id);
 
 /* Whether id is an end of a constraint. */
 static inline bool dt_is_end(const struct dt *t, uint32_t id)

@@ -113,11 +113,12 @@ static bool has_fixed_spoke(const struct dt_mesh *m, uint32_t first)
 }
 
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                              struct dt_point to, struct dt_stop *work, struct dt_flips *f,
-                              bool *allowed)
+                              struct dt_point to, bool bound, struct dt_stop *work,
+                              struct dt_flips *f, bool *allowed)
 {
     enum dt_status status = DT_OK;
-    *allowed = !dt_on_hull(m, v) && (m->fixed == NULL || !has_fixed_spoke(m, m->leaving[v]));
+    *allowed =
+        !dt_on_hull(m, v) && (bound || m->fixed == NULL || !has_fixed_spoke(m, m->leaving[v]));
     f->suspects = f->flipped = 0;
     uint32_t first = m->leaving[v], h = first;
     if (!*allowed)

@@ -21,11 +21,12 @@ struct dt_flips {
 };
 
 /* *allowed: whether the star of vertex v allows it to move from xy[v] to `to`; false for vertices on the
- * hull, and where very many edges would have to be flipped. Lists in *f the edges of the star that are
- * not Delaunay then. Nothing is changed. Cost: the degree of v, taken off the work. */
+ * hull, and where very many edges would have to be flipped; also for those with fixed edges, unless these are `bound` to the
+ * vertex and move along. Lists in *f the edges of the star that are not Delaunay then. Nothing is changed. Cost: the degree
+ * of v, taken off the work. */
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                              struct dt_point to, struct dt_stop *work, struct dt_flips *f,
-                              bool *allowed);
+                              struct dt_point to, bool bound, struct dt_stop *work,
+                              struct dt_flips *f, bool *allowed);
 
 /* v has moved, as its star allowed: flips the edges that are not Delaunay. scratch: has the work, and the
  * callback for changed stars. A failure (what the work says; DT_TOOBIG: too many flips) leaves the mesh with

@@ -1,7 +1,7 @@
 /* judged.c - edits of points of a set with constraints.
  *
- * Usually the mesh is edited as without constraints: the vertex's own constraints are released, and return when it has
- * moved. Where that fails because constraints would cross on the way, or where a tolerance makes the edit more than
+ * Usually the mesh is edited as without constraints: a vertex moves within its star, and its constraints with it; or these
+ * are released, and return when it has moved. Where that fails because constraints would cross on the way, or where a tolerance makes the edit more than
  * one of a vertex, the edit is judged as a whole: a copy of the points is edited and built. If that succeeds, the set
  * is edited and built, too. */
 #include "core/edit/constrain.h"
@@ -10,6 +10,8 @@
 
 #include "core/edit/update.h"
 #include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
+#include "core/mesh/hull.h"
 
 /* ---- judged as a whole ---- */
 
@@ -117,7 +119,7 @@ enum dt_status dt_constrained_delete(struct dt *t, const uint32_t *ids, size_t n
 /* ---- moves ---- */
 
 /* The constraints at id: the next of them are kept, or none. */
-static enum dt_status keep_rows(struct dt *t, uint32_t id, size_t n)
+static enum dt_status keep_rows(struct dt *t, uint32_t id, size_t n, struct dt_stop *work)
 {
     const struct dt_declared *d = &t->constraints->declared;
     enum dt_status status = DT_OK;
@@ -129,6 +131,8 @@ static enum dt_status keep_rows(struct dt *t, uint32_t id, size_t n)
     }
     if (status == DT_OK)
         return DT_OK;
+    if (status == DT_CROSSES)
+        status = dt_name_crossed(t, id, work);
     row = dt_declared_first(d, id);
     for (; kept > 0; kept--, row = dt_declared_next(d, row, id))
         dt_release_row(t, row);
@@ -156,21 +160,83 @@ static bool moves_alone(struct dt *t, uint32_t id, struct dt_point to)
            dt_points_find(p, to, dt_points_vertex(p, id)) == DT_NONE;
 }
 
-/* A failure leaves the set as it was, or without a mesh. */
-static enum dt_status move_with_rows(struct dt *t, uint32_t id, struct dt_point to,
-                                     struct dt_stop *work)
+enum { MANY = 16 };
+
+/* The vertices to which constraints at id lead, into end[MANY]; MANY + 1: there are more. */
+static uint32_t list_ends(const struct dt *t, uint32_t id, uint32_t *end)
 {
+    const struct dt_declared *d = &t->constraints->declared;
+    uint32_t n = 0;
+    for (uint32_t row = dt_declared_first(d, id); row != DT_NONE && n <= MANY;
+         row = dt_declared_next(d, row, id), n++)
+        if (n < MANY)
+            end[n] = dt_points_vertex(&t->points, d->row[row].end[d->row[row].end[0] == id]);
+    return n;
+}
+
+/* *own: whether every fixed edge of vertex v, of id, is a constraint of its own and of no other, to the vertex at the other
+ * end; false where there are many. */
+static enum dt_status look_at_own(const struct dt *t, uint32_t id, uint32_t v, struct dt_stop *work,
+                                  bool *own)
+{
+    const struct dt_mesh *m = &t->mesh;
+    enum dt_status status = DT_OK;
+    uint32_t end[MANY], n = list_ends(t, id, end), found = 0, steps = 0, h = m->leaving[v];
+    *own = n <= MANY;
+    while (*own && status == DT_OK) {
+        uint32_t covers = dt_is_fixed(m, h) ? dt_fixed_count(m, h) : 0, known = 0;
+        for (uint32_t i = 0; covers > 0 && i < n; i++)
+            known += end[i] == dt_dest(m, h);
+        found += known;
+        *own = known == covers;
+        if ((++steps & DT_WORK_MASK) == 0)
+            status = dt_work(work, DT_WORK_BLOCK);
+        h = dt_turn_ccw(m, h);
+        if (h == m->leaving[v])
+            break;
+    }
+    *own = *own && found == n;
+    return status;
+}
+
+/* The constraints at id move along with its vertex, as edges, if the star of that allows it. */
+static enum dt_status shift_with_rows(struct dt *t, uint32_t id, struct dt_point to,
+                                      struct dt_stop *work, bool *moved)
+{
+    uint32_t v = dt_points_vertex(&t->points, id);
+    bool own;
+    *moved = false;
+    if (!dt_is_end(t, id) || t->points.id[v] != id || dt_on_hull(&t->mesh, v))
+        return DT_OK;
+    enum dt_status status = look_at_own(t, id, v, work, &own);
+    if (status == DT_OK && own)
+        status = dt_update_shift(t, v, to, work, moved);
+    if (*moved)
+        dt_forget_regions(t, id);
+    return status;
+}
+
+/* A failure leaves the set as it was, or without a mesh. *final: constraints would cross where the point comes to. */
+static enum dt_status move_with_rows(struct dt *t, uint32_t id, struct dt_point to,
+                                     struct dt_stop *work, bool *final)
+{
+    bool moved;
+    enum dt_status status = shift_with_rows(t, id, to, work, &moved);
+    *final = false;
+    if (status != DT_OK || moved)
+        return status;
     struct dt_point from = dt_points_xy(&t->points, id);
     size_t n = release_rows(t, id);
-    enum dt_status status = dt_update_move(t, id, to, work);
+    status = dt_update_move(t, id, to, work);
     if (status == DT_OK) {
-        status = t->current ? keep_rows(t, id, n) : DT_OK;
+        status = t->current ? keep_rows(t, id, n, work) : DT_OK;
+        *final = status == DT_CROSSES;
         if (status == DT_OK)
             return DT_OK;
         if (dt_update_move(t, id, from, NULL) != DT_OK)
             t->current = false;
     }
-    if (t->current && keep_rows(t, id, n) != DT_OK)
+    if (t->current && keep_rows(t, id, n, NULL) != DT_OK)
         t->current = false;
     return status;
 }
@@ -180,15 +246,19 @@ enum dt_status dt_constrained_move(struct dt *t, uint32_t id, struct dt_point to
 {
     struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = dt_refresh(t, opt);
+    if (status == DT_OK)
+        dt_update_fetch(t, dt_points_vertex(&t->points, id));
     if (status == DT_OK && t->points.tol > 0)
         status = dt_points_index(&t->points, &work);
     if (status != DT_OK)
         return status;
+    bool final = false;
     status = DT_CROSSES;
     if (moves_alone(t, id, to))
-        status = move_with_rows(t, id, to, &work);
-    return status == DT_CROSSES ? edit_as_a_whole(t, &(struct points_edit){&id, &to, 1}, opt)
-                                : status;
+        status = move_with_rows(t, id, to, &work, &final);
+    return status == DT_CROSSES && !final
+               ? edit_as_a_whole(t, &(struct points_edit){&id, &to, 1}, opt)
+               : status;
 }
 
 static int compare_ids(const void *a, const void *b)
@@ -227,7 +297,8 @@ static enum dt_status move_one(struct dt *t, uint32_t id, struct dt_point to)
 {
     if (!dt_is_constrained(t) || !dt_is_live(t))
         return dt_update_move(t, id, to, NULL);
-    return move_with_rows(t, id, to, NULL);
+    bool final;
+    return move_with_rows(t, id, to, NULL, &final);
 }
 
 /* Moves one point after the other. A failure, or constraints that would cross on the way, moves the first ones back. */

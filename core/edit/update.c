@@ -365,12 +365,12 @@ static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to,
 }
 
 /* The same within the star of v, if that allows it. */
-static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to,
+static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to, bool bound,
                                     struct dt_stop *work, bool *moved)
 {
     struct dt_point from = t->points.xy[v];
     struct dt_flips f;
-    enum dt_status status = dt_star_allows(&t->mesh, t->points.xy, v, to, work, &f, moved);
+    enum dt_status status = dt_star_allows(&t->mesh, t->points.xy, v, to, bound, work, &f, moved);
     if (status != DT_OK || !*moved)
         return status;
     dt_points_shift(&t->points, v, to);
@@ -444,6 +444,19 @@ static bool stays_alone(const struct dt_points *p, uint32_t v, struct dt_point t
            (p->tol == 0 || dt_points_find(p, to, v) == DT_NONE);
 }
 
+enum dt_status dt_update_shift(struct dt *t, uint32_t v, struct dt_point to, struct dt_stop *work,
+                               bool *moved)
+{
+    *moved = false;
+    to = (struct dt_point){to.x + 0.0, to.y + 0.0};
+    enum dt_status status = index_places(t, work);
+    t->scratch.work = work;
+    if (status == DT_OK && stays_alone(&t->points, v, to))
+        status = move_by_flips(t, v, to, true, work, moved);
+    commit(t);
+    return status;
+}
+
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work)
 {
     struct dt_points *p = &t->points;
@@ -460,7 +473,7 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
     bool moved = false;
     t->scratch.work = work;
     if (status == DT_OK && t->current && v != DT_NONE && stays_alone(p, v, to))
-        status = move_by_flips(t, v, to, work, &moved);
+        status = move_by_flips(t, v, to, false, work, &moved);
     if (status == DT_OK && !moved)
         status = move_anywhere(t, id, to, v, work);
     commit(t);

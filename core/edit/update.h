@@ -17,6 +17,11 @@ enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, str
                                 bool disposable);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work);
 
+/* Moves vertex v, without aliases, if its star allows that with the fixed edges that it has, which are the constraints of
+ * its own, to its new place; *moved. */
+enum dt_status dt_update_shift(struct dt *t, uint32_t v, struct dt_point to, struct dt_stop *work,
+                               bool *moved);
+
 /* dt_add_many within an edit that has begun (dt_views_edit_begin). */
 enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
                                   const struct dt_options *opt, struct dt_added *out);

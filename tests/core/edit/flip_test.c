@@ -24,7 +24,7 @@ static struct dt *set_of(const struct dt_point *p, uint32_t n)
 static int shift(struct dt *t, uint32_t v, struct dt_point to, struct dt_flips *f)
 {
     bool allowed;
-    CHECK(dt_star_allows(&t->mesh, t->points.xy, v, to, NULL, f, &allowed) == DT_OK);
+    CHECK(dt_star_allows(&t->mesh, t->points.xy, v, to, false, NULL, f, &allowed) == DT_OK);
     if (!allowed)
         return -1;
     struct dt_point from = t->points.xy[v];
@@ -145,7 +145,8 @@ TEST(flips_are_taken_back_wherever_work_ends)
     for (uint64_t steps = 0; status == DT_TOOLONG; steps++, tries++) {
         struct dt_stop work = {.left = steps};
         bool allowed;
-        CHECK(dt_star_allows(&t->mesh, t->points.xy, hub, beside, NULL, &f, &allowed) == DT_OK);
+        CHECK(dt_star_allows(&t->mesh, t->points.xy, hub, beside, false, NULL, &f, &allowed) ==
+              DT_OK);
         CHECK(allowed);
         t->scratch.work = &work;
         t->points.xy[hub] = beside;
