@@ -12,6 +12,7 @@
 #ifndef DT_DELAUNAY_ARRAYS_H
 #define DT_DELAUNAY_ARRAYS_H
 
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 
 #ifdef __cplusplus
@@ -36,6 +37,21 @@ struct dt_arrays;
 enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out);
 void dt_arrays_free(struct dt_arrays *a); /* NULL: nothing */
+
+/* The same with constraints: lines between the points end[2 i] and end[2 i + 1], or, if `border`, parts of the border of one region.
+ * DT_CROSSES: wrong[0 .. 1] and wrong[2 .. 3] are the ends of two that cross; DT_NOPOINT, DT_NOEDGE: wrong[0] is no point, or both
+ * ends of one. Natural neighbours are refused (DT_NOTDELAUNAY). Cost beyond dt_arrays_new: as of dt_constrain. */
+enum dt_status dt_arrays_constrained(const struct dt_point *p, size_t n, const uint32_t *end,
+                                     size_t constraints, bool border, struct dt_pages *pages,
+                                     unsigned workers, uint32_t *triangle, struct dt_arrays **out,
+                                     uint32_t wrong[4]);
+
+/* The pairs a < b, ascending, of the edges that are parts of constraints. *out: as of dt_arrays_within. */
+enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_ids *out);
+
+/* inside[row]: whether that row of triangle[], which has what dt_arrays_constrained wrote, is inside the border; none is
+ * if there is no border or it is not closed. Cost: linear. */
+enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside);
 
 /* Those of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
 void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5]);

@@ -1,4 +1,4 @@
-/* arrays.c - the life of struct dt_arrays, and its tables. */
+/* arrays.c - the life of struct dt_arrays, its tables, and its constraints. */
 #include "core/arrays/arrays.h"
 
 #include <stdlib.h>
@@ -98,15 +98,53 @@ static void measure(struct dt_arrays *a)
     a->size = box.hi.x - box.lo.x + (box.hi.y - box.lo.y);
 }
 
-static enum dt_status triangulate(struct dt_arrays *a, const struct dt_point *p, size_t n,
+/* What the triangulation is made of. */
+struct input {
+    const struct dt_point *p;
+    size_t n;
+    const uint32_t *end; /* two for each constraint */
+    size_t constraints;
+    bool border;
+    uint32_t *wrong; /* of constraints that are refused; NULL: there are none */
+};
+
+static enum dt_status declare(struct dt *t, const struct input *in, const struct dt_options *opt)
+{
+    size_t added;
+    struct dt_constraint *c = dt_array_new(in->constraints, sizeof *c);
+    for (size_t i = 0; c != NULL && i < in->constraints; i++)
+        c[i] = (struct dt_constraint){in->end[2 * i], in->end[2 * i + 1], in->border, in->border};
+    enum dt_status s =
+        c == NULL ? DT_NOMEM : dt_constrain(t, c, in->constraints, opt, &added, in->wrong);
+    dt_array_free(c);
+    return s;
+}
+
+/* Constraints are declared before, so that a build finds all of their edges at once. */
+static enum dt_status build(struct dt *t, const struct input *in, const struct dt_options *opt,
+                            struct dt_added *added)
+{
+    enum dt_status s = dt_add_many(t, in->p, in->n, opt, added);
+    if (s == DT_OK && in->constraints > 0)
+        s = declare(t, in, opt);
+    if (s == DT_OK)
+        s = dt_triangulate(t, opt);
+    if (s == DT_OK && in->wrong != NULL)
+        s = dt_survey(t, opt);
+    if (s == DT_CROSSES) {
+        struct dt_crossed two;
+        dt_crossed(t, &two);
+        memcpy(in->wrong, (uint32_t[]){two.one.a, two.one.b, two.other.a, two.other.b},
+               4 * sizeof *in->wrong);
+    }
+    return s == DT_OK ? dt_prepare(t, opt) : s;
+}
+
+static enum dt_status triangulate(struct dt_arrays *a, const struct input *in,
                                   const struct dt_options *opt, uint32_t *triangle)
 {
     struct dt_added added;
-    enum dt_status s = dt_add_many(a->t, p, n, opt, &added);
-    if (s == DT_OK)
-        s = dt_triangulate(a->t, opt);
-    if (s == DT_OK)
-        s = dt_prepare(a->t, opt);
+    enum dt_status s = build(a->t, in, opt, &added);
     if (s == DT_OK && added.coincident > 0)
         s = find_heirs(a, added.added, added.coincident);
     if (s == DT_OK)
@@ -114,8 +152,8 @@ static enum dt_status triangulate(struct dt_arrays *a, const struct dt_point *p,
     return s == DT_OK ? dt_flat_rows(a->t, false, triangle, &a->place_of) : s;
 }
 
-static enum dt_status make(const struct dt_point *p, size_t n, struct dt_pages *pages,
-                           unsigned workers, uint32_t *triangle, struct dt_arrays **out)
+static enum dt_status make(const struct input *in, struct dt_pages *pages, unsigned workers,
+                           uint32_t *triangle, struct dt_arrays **out)
 {
     struct dt_workers w;
     struct dt_arrays *a = calloc(1, sizeof *a);
@@ -124,7 +162,7 @@ static enum dt_status make(const struct dt_point *p, size_t n, struct dt_pages *
     if (a != NULL)
         a->t = dt_new_in(0, pages);
     if (a != NULL && a->t != NULL)
-        s = triangulate(a, p, n, &(struct dt_options){.pool = &w.pool}, triangle);
+        s = triangulate(a, in, &(struct dt_options){.pool = &w.pool}, triangle);
     if (s != DT_OK) {
         dt_arrays_free(a);
         a = NULL;
@@ -133,11 +171,43 @@ static enum dt_status make(const struct dt_point *p, size_t n, struct dt_pages *
     return s;
 }
 
+enum dt_status dt_arrays_constrained(const struct dt_point *p, size_t n, const uint32_t *end,
+                                     size_t constraints, bool border, struct dt_pages *pages,
+                                     unsigned workers, uint32_t *triangle, struct dt_arrays **out,
+                                     uint32_t wrong[4])
+{
+    fenv_t caller = dt_call_begin();
+    enum dt_status s =
+        make(&(struct input){p, n, end, constraints, border, wrong}, pages, workers, triangle, out);
+    dt_call_end(&caller);
+    return s;
+}
+
 enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out)
 {
+    return dt_arrays_constrained(p, n, NULL, 0, false, pages, workers, triangle, out, NULL);
+}
+
+/* ---- constraints ---- */
+
+enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_ids *out)
+{
+    return dt_constrained_edges(a->t, out);
+}
+
+enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside)
+{
+    struct dt_ids rows = {0};
+    struct dt_summary sum;
     fenv_t caller = dt_call_begin();
-    enum dt_status s = make(p, n, pages, workers, triangle, out);
+    enum dt_status s = dt_inside(a->t, DT_NONE, DT_TRIANGLES, false, NULL, &rows);
+    dt_summary(a->t, &sum);
+    for (size_t i = 0, at = 0; s == DT_OK && i < sum.triangles; i++) {
+        inside[i] = at < rows.n && memcmp(&triangle[3 * i], &rows.v[at], 3 * sizeof *rows.v) == 0;
+        at += inside[i] ? 3 : 0;
+    }
+    free(rows.v);
     dt_call_end(&caller);
     return s;
 }

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from ctypes import POINTER, byref, c_double, c_int, c_size_t, c_uint, c_uint32, c_void_p
+from ctypes import POINTER, byref, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_void_p
 from pathlib import Path
 from typing import Any, List, Optional
 
@@ -17,7 +17,7 @@ _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next on
 LINEAR, NATURAL, LAPLACE = range(3)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
-_NOMEM, _TOOBIG, _RANGE = 1, 2, 3  # enum dt_status
+_NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES = 1, 2, 3, 4, 5, 13  # enum dt_status
 
 
 class Counts(ctypes.Structure):
@@ -34,6 +34,11 @@ class Ids(ctypes.Structure):
 
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
+    "dt_arrays_constrained": [
+        c_void_p, c_size_t, c_void_p, c_size_t, c_bool, c_void_p, c_uint, c_void_p, POINTER(c_void_p), POINTER(c_uint32)
+    ],
+    "dt_arrays_constrained_edges": [c_void_p, POINTER(Ids)],
+    "dt_arrays_inside": [c_void_p, c_void_p, c_void_p],
     "dt_arrays_counts": [c_void_p, POINTER(Counts)],
     "dt_arrays_table": [c_void_p, c_int, c_void_p],
     "dt_arrays_twins": [c_void_p, c_void_p],
@@ -104,7 +109,16 @@ def check(status: int, what: str) -> None:
         raise ValueError(what + ": magnitudes other than 0 are at least 2^-142 and at most 2^201")
     if status == _TOOBIG:
         raise ValueError(what + ": there are too many")
+    if status == NOPOINT:
+        raise ValueError(what + " does not exist")
+    if status == NOEDGE:
+        raise ValueError(what + " is both ends of a segment")
+    if status == CROSSES:
+        raise ValueError(what + " cross where no point is")
     raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))
 
 
-__all__ = ["COINCIDENT", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "byref", "check", "library"]
+__all__ = [
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT",
+    "byref", "check", "library",
+]

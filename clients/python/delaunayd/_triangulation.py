@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 
 from . import _library
-from ._library import COINCIDENT, EDGES, HULL, byref, check
+from ._library import COINCIDENT, CROSSES, EDGES, HULL, NOEDGE, NOPOINT, byref, check
 
 if TYPE_CHECKING:
-    from ._types import Floats, Ints, Numbers
+    from ._types import Floats, Ints, NDArray, Numbers
 
 TOLERANCE: float = 100 * float(np.finfo(np.float64).eps)  # SciPy's, of places beside the hull
 
@@ -40,20 +40,36 @@ def _first_bad(points: Floats) -> str:
     return "points[%d] is %s" % (bad.argmax(), points[bad.argmax()]) if bad.any() else "%d points" % len(points)
 
 
+def _first_wrong(status: int, points: Floats, wrong: Any) -> str:
+    if status == CROSSES:
+        return "segments [%d, %d] and [%d, %d]" % tuple(wrong)
+    return "point %d" % wrong[0] if status in (NOPOINT, NOEDGE) else _first_bad(points)
+
+
 class Triangulation:
-    """Of points of shape (n, 2), contiguous; `simplices`: the triangles, sorted, each counterclockwise from its smallest point."""
+    """Of points of shape (n, 2), contiguous; with `segments`, pairs of points, contiguous, the constrained one; `simplices`: the triangles, sorted, each counterclockwise from its smallest point."""
 
     _handle: Any = None
 
-    def __init__(self, points: Floats, workers: Optional[int] = None):
+    def __init__(
+        self, points: Floats, workers: Optional[int] = None, segments: Optional[Ints] = None, border: bool = False
+    ):
         self._library = _library.library()
         n = len(points)
         rows = np.empty((2 * n, 3), dtype=np.int32)  # there are fewer; pages that are not touched cost nothing
         handle = ctypes.c_void_p()
-        status = self._library.dt_arrays_new(
-            points.ctypes.data, n, _library.pages, workers_of(workers), rows.ctypes.data, byref(handle)
-        )
-        check(status, _first_bad(points) if status != 0 else "")
+        if segments is None:
+            status = self._library.dt_arrays_new(
+                points.ctypes.data, n, _library.pages, workers_of(workers), rows.ctypes.data, byref(handle)
+            )
+            check(status, _first_bad(points) if status != 0 else "")
+        else:
+            wrong = (ctypes.c_uint32 * 4)()
+            status = self._library.dt_arrays_constrained(
+                points.ctypes.data, n, segments.ctypes.data, len(segments), border, _library.pages, workers_of(workers),
+                rows.ctypes.data, byref(handle), wrong
+            )
+            check(status, _first_wrong(status, points, wrong) if status != 0 else "")
         self._handle = handle
         self.counts = _library.Counts()
         self._library.dt_arrays_counts(handle, byref(self.counts))
@@ -88,6 +104,31 @@ class Triangulation:
         self._library.dt_arrays_twins(self._handle, twins.ctypes.data)
         twins //= 3  # the side that begins at corner k + 1 is opposite corner k; -1 stays -1
         return np.roll(twins, -1, axis=1)
+
+    # ---- constraints ----
+
+    def constrained_edges(self) -> Ints:
+        """The edges that are parts of segments, the smaller point first, sorted."""
+        found = _library.Ids()
+        try:
+            check(self._library.dt_arrays_constrained_edges(self._handle, byref(found)), "edges")
+            return self._copied(found).astype(np.int32).reshape(-1, 2)
+        finally:
+            self._library.dt_arrays_release(found.v)
+
+    def inside(self) -> NDArray[Any]:
+        """Whether each triangle is inside the border."""
+        inside = np.zeros(len(self.simplices), dtype=bool)
+        status = self._library.dt_arrays_inside(self._handle, self.simplices.ctypes.data, inside.ctypes.data)
+        check(status, "the border")
+        return inside
+
+    @staticmethod
+    def _copied(found: Any) -> NDArray[Any]:
+        numbers = np.empty(found.n, dtype=np.uint32)
+        if found.n > 0:
+            ctypes.memmove(numbers.ctypes.data, found.v, 4 * found.n)
+        return numbers
 
     # ---- places of shape (n, 2), contiguous ----
 
@@ -137,9 +178,7 @@ class Triangulation:
         )
         try:
             check(status, "places and distances")
-            numbers = np.empty(found.n, dtype=np.uint32)
-            if found.n > 0:
-                ctypes.memmove(numbers.ctypes.data, found.v, 4 * found.n)
+            numbers = self._copied(found)
         finally:
             self._library.dt_arrays_release(found.v)
         return numbers.astype(np.int64), end.astype(np.int64)

@@ -2,6 +2,8 @@
 
     from delaunayd.spatial import Delaunay
 
+ConstrainedDelaunay keeps segments, and knows what is inside a polygon; SciPy has nothing like it.
+
 Differences from SciPy's:
 
 - Triangles are exact, canonical and sorted, each counterclockwise from its smallest point. Where more than three points lie on a
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from ._types import ArrayLike, Floats, Ints, NDArray
     from .client import Client
 
-__all__ = ["Delaunay", "tsearch"]
+__all__ = ["ConstrainedDelaunay", "Delaunay", "tsearch"]
 
 _HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
 
@@ -62,9 +64,11 @@ def _check_options(furthest_site: bool, options: Any) -> List[str]:
 class _Moment:
     """Points, their triangulation, and what has been derived from it. It never changes: add_points makes another one."""
 
-    def __init__(self, points: Floats, workers: Optional[int]):
+    def __init__(
+        self, points: Floats, workers: Optional[int], segments: Optional[Ints] = None, border: bool = False
+    ):
         self.points = points
-        self.triangulation = Triangulation(points, workers)
+        self.triangulation = Triangulation(points, workers, segments, border)
         self.cache: Dict[str, Any] = {}
 
 
@@ -330,6 +334,78 @@ class Delaunay:
         """The numbers of all points at most r from each place of shape (..., 2), ascending, as cKDTree.query_ball_point: a list, or
         an array of lists of the shape (...). `return_length`: only how many there are. `r` is broadcast to that shape."""
         return _near.query_ball_point(self._now, _finite(x), r, eps, p, workers, return_length)
+
+
+class ConstrainedDelaunay(Delaunay):
+    """The constrained Delaunay triangulation of points of shape (n, 2) and segments of shape (m, 2), pairs of points: every
+    segment is an edge, or a chain of edges through the points on it, and all other edges are Delaunay. ValueError, which names
+    them, if two segments cross where no point is.
+
+    `border`: the segments are the border of a region, in any order and direction, with holes, islands in holes and so on;
+    `inside` tells the triangles in it. `from_rings` makes that of a polygon.
+
+    It has all that Delaunay has, but add_points and natural neighbours; the paraboloid does not decide which edges there are."""
+
+    def __init__(
+        self, points: ArrayLike, segments: ArrayLike, border: bool = False, *, workers: Optional[int] = None
+    ):
+        self.segments: Ints = _checked_segments(segments)
+        self.border = border
+        self._shared, self.ids = None, None
+        self._begin(_checked(points), False, workers)
+
+    def _begin(self, points: Floats, incremental: bool, workers: Optional[int]) -> None:
+        self._incremental, self._workers = incremental, workers
+        self._now = _Moment(points, workers, self.segments, self.border)
+
+    @classmethod
+    def from_rings(cls, *rings: ArrayLike, workers: Optional[int] = None) -> "ConstrainedDelaunay":
+        """That of a polygon, or of several: rings of shape (k, 2), closed or not. What is enclosed an odd number of times is inside.
+        The points are those of all rings, one after the other."""
+        corners = [_checked(ring) for ring in rings]
+        if len(corners) == 0:
+            raise ValueError("No rings given")
+        begin = np.cumsum([0] + [len(ring) for ring in corners])
+        sides = [np.column_stack([np.arange(a, b), np.r_[a + 1 : b, a]]) for a, b in zip(begin, begin[1:]) if b - a > 2]
+        return cls(np.concatenate(corners), np.concatenate([np.empty((0, 2), int)] + sides), border=True, workers=workers)
+
+    def __repr__(self) -> str:
+        return "<delaunayd.spatial.ConstrainedDelaunay of %d points, %d segments, %d triangles>" % (
+            self.npoints,
+            len(self.segments),
+            self.nsimplex,
+        )
+
+    def __reduce__(self) -> Any:
+        return _restore_constrained, (type(self), self.points, self.segments, self.border, self._workers)
+
+    @property
+    def constrained_edges(self) -> Ints:
+        """The edges that are parts of segments, the smaller point first, sorted, shape (n, 2)."""
+        edges: Ints = self._cached("constrained_edges", lambda now: now.triangulation.constrained_edges())
+        return edges
+
+    @property
+    def inside(self) -> NDArray[Any]:
+        """Whether each triangle is inside the border; none is, unless it is closed and `border` was given. `simplices[d.inside]`
+        are those that are, and matplotlib's Triangulation takes `mask=~d.inside`."""
+        mask: NDArray[Any] = self._cached("inside", lambda now: now.triangulation.inside())
+        return mask
+
+
+def _checked_segments(segments: ArrayLike) -> Ints:
+    pairs = np.asarray(segments)
+    if pairs.size == 0:
+        pairs = np.empty((0, 2), dtype=np.int32)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
+        raise ValueError("segments must have the shape (m, 2) and be numbers of points")
+    if pairs.size > 0 and not (pairs.min() >= 0 and pairs.max() < 2**31):
+        raise ValueError("segments must be numbers of points, from 0 on")
+    return np.ascontiguousarray(pairs, dtype=np.int32)
+
+
+def _restore_constrained(kind: Any, points: Floats, segments: Ints, border: bool, workers: Optional[int]) -> Any:
+    return kind(points, segments, border, workers=workers)
 
 
 def tsearch(tri: Delaunay, xi: ArrayLike) -> Ints:
