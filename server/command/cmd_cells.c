@@ -275,6 +275,8 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
                          enum row_form form, struct answer *a)
 {
     struct version *v = set->current;
+    if (!check_delaunay(a, set))
+        return;
     struct cells_job *j = job_new(sizeof *j, run_cells, end_cells);
     if (j == NULL) {
         answer_out_of_memory(a);
@@ -370,7 +372,7 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
     double radius;
     struct version *v = set->current;
     bool light = v->sum.points <= STARS_AT_ONCE;
-    if (!read_length(a, &q->word[2], "radius", &radius))
+    if (!read_length(a, &q->word[2], "radius", &radius) || !check_delaunay(a, set))
         return;
     struct alpha_job *j = job_new(sizeof *j, run_alpha, end_alpha);
     if (j != NULL && !light)

@@ -27,6 +27,12 @@ static bool read_method(const struct word *w, enum dt_interpolation *how)
     return false;
 }
 
+/* Whether values can be found by this method; else the ERR line has been written. */
+static bool check_method(struct answer *a, const struct dataset *set, enum dt_interpolation how)
+{
+    return how == DT_LINEAR || how == DT_CLOSEST || check_delaunay(a, set);
+}
+
 void cmd_weights(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = QUERY_WEIGHTS, .how = DT_LINEAR};
@@ -34,7 +40,7 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
     if (q->n > 4 && (!method || query.how == DT_CLOSEST))
         answer_usage(a);
-    else if (read_place(a, q, &query.place))
+    else if (check_method(a, set, query.how) && read_place(a, q, &query.place))
         query_answer(s, a, set, &query);
 }
 
@@ -164,7 +170,8 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE, &surface))
+        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE, &surface) ||
+        !check_method(a, set, surface.how))
         return;
     if (end == 3)
         answer_usage(a);
@@ -181,7 +188,8 @@ void cmd_interpolateb(struct server *s, struct dataset *set, const struct reques
 {
     struct surface surface;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE, &surface))
+        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE, &surface) ||
+        !check_method(a, set, surface.how))
         return;
     surface.binary = true;
     surface.places.n = a->body->body.n;
@@ -229,7 +237,8 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct surface surface;
     if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
-        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_BINARY, &surface))
+        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_BINARY, &surface) &&
+        check_method(a, set, surface.how))
         surface_answer(s, a, set, &surface);
 }
 

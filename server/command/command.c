@@ -44,6 +44,14 @@ static bool check_words(struct answer *a, const struct command *c, const struct 
     return words;
 }
 
+bool check_delaunay(struct answer *a, const struct dataset *set)
+{
+    bool constrained = dt_constraints_count(set->current->dt) > 0;
+    if (constrained)
+        answer_status(a, DT_NOTDELAUNAY);
+    return !constrained;
+}
+
 bool check_write_role(struct answer *a)
 {
     if (a->role == ROLE_WRITE)

@@ -104,6 +104,9 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 /* The error of a request whose words are not those that its command takes. */
 void answer_usage(struct answer *a);
 
+/* Whether every edge of the set's triangulation is Delaunay; with constraints not: the ERR line has been written. */
+bool check_delaunay(struct answer *a, const struct dataset *set);
+
 /* Whether the asker's role lets it write; if not, the ERR line has been written. */
 bool check_write_role(struct answer *a);
 
