@@ -352,13 +352,11 @@ static uint32_t set_most(struct dt_region_range *range, uint32_t lo, uint32_t hi
     return range[mid].most = most > after ? most : after;
 }
 
-/* Arrays become as large as they need to be. */
-static void shrink(struct dt_regions *r)
+/* The array becomes as large as it needs to be: bytes > 0. */
+static void *shrink(void *array, size_t bytes)
 {
-    struct dt_region_range *range = realloc(r->range, (r->ranges + (size_t)1) * sizeof *range);
-    bool *inside = realloc(r->inside, r->faces * sizeof *inside);
-    r->range = range != NULL ? range : r->range;
-    r->inside = inside != NULL ? inside : r->inside;
+    void *less = realloc(array, bytes);
+    return less != NULL ? less : array;
 }
 
 static void finish_ranges(struct dt_regions *r)
@@ -369,7 +367,8 @@ static void finish_ranges(struct dt_regions *r)
             r->range[kept++] = r->range[i];
     r->ranges = kept;
     set_most(r->range, 0, kept);
-    shrink(r);
+    r->range = shrink(r->range, (r->ranges + (size_t)1) * sizeof *r->range);
+    r->inside = shrink(r->inside, (r->faces + (size_t)1) * sizeof *r->inside);
 }
 
 static void add_half(const struct survey *s, uint32_t h, struct dt_sum *sum)
