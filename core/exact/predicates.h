@@ -7,6 +7,11 @@
 #ifndef DT_PREDICATES_H
 #define DT_PREDICATES_H
 
+#ifndef __SIZEOF_INT128__
+#error                                                                                             \
+    "the core needs a compiler with __int128: on 32-bit machines build it for WebAssembly (make wasm), where clang has it"
+#endif
+
 #include "core/delaunay.h"
 #include "core/exact/bounds.h"
 #include "core/exact/lanes.h"
