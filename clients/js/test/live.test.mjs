@@ -1,6 +1,7 @@
 // The set in process, compared with the daemon after the same edits.
 
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { after, test } from 'node:test';
 import { Delaunator, LiveSet, NONE, connect } from '../index.mjs';
 
@@ -180,4 +181,23 @@ test('half edges and triangles are those of Delaunator', () => {
   const { triangles, halfedges } = LiveSet.from(points).triangulation({ clockwise: true });
   const d = new Delaunator(points);
   assert.deepEqual([triangles, halfedges], [d.triangles, d.halfedges]);
+});
+
+test('sets that nobody has any more give their memory back', () => {
+  const program = `const { LiveSet, Delaunator, Constrainautor } = require(${JSON.stringify(new URL('../index.js', import.meta.url).pathname)});
+    const points = Float64Array.from({ length: 20 }, Math.random);
+    const megabytes = () => process.memoryUsage().rss >> 20;
+    const turn = () => new Promise((done) => setTimeout(done, 50));
+    (async () => {
+      for (let i = 0; i < 50000; i++) LiveSet.from(points).free();
+      for (let i = 0; i < 50000; i++) new Delaunator(points);
+      const freed = megabytes();
+      for (let i = 0; i < 20000; i++) LiveSet.from(points);
+      for (let i = 0; i < 5000; i++) new Constrainautor(new Delaunator(points), [[0, 1]]);
+      const held = megabytes();
+      for (let i = 0; i < 6; i++) { globalThis.gc(); await turn(); }
+      console.log(JSON.stringify({ freed, held, later: megabytes() }));
+    })();`;
+  const { freed, held, later } = JSON.parse(execFileSync(process.execPath, ['--expose-gc', '-e', program], { encoding: 'utf8' }));
+  assert.ok(freed < 150 && held > freed + 100 && later < freed + 100, JSON.stringify({ freed, held, later }));
 });
