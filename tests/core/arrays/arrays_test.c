@@ -303,10 +303,15 @@ TEST_TIMEOUT(the_rounding_mode_of_the_caller_changes_nothing_and_stays, 60)
             struct dt_point p[2 * MOST];
             struct made usual, rounded;
             uint32_t row[2][MOST];
-            double z[MOST], value[2][MOST];
+            double z[MOST], radius[MOST], value[2][MOST], distance[2][2 * MOST];
+            uint32_t near[2][2 * MOST];
+            size_t end[2][MOST];
+            struct dt_ids within[2] = {{0}, {0}};
             family_points(f, p, 2 * MOST, test_random());
-            for (unsigned k = 0; k < MOST; k++)
+            for (unsigned k = 0; k < MOST; k++) {
                 z[k] = k / 7.0;
+                radius[k] = fabs(p[k].x);
+            }
             for (unsigned k = 0; k < 2; k++) {
                 struct made *m = k == 0 ? &usual : &rounded;
                 fesetround(k == 0 ? FE_TONEAREST : modes[i]);
@@ -314,12 +319,22 @@ TEST_TIMEOUT(the_rounding_mode_of_the_caller_changes_nothing_and_stays, 60)
                 CHECK(dt_arrays_locate(m->a, p + MOST, MOST, 0x1p-45, 1, row[k]) == DT_OK);
                 CHECK(dt_arrays_values(m->a, z, DT_NATURAL, HUGE_VAL, p + MOST, MOST, 0, -1, 1,
                                        value[k]) == DT_OK);
+                CHECK(dt_arrays_nearest(m->a, p + MOST, MOST, 2, 1, near[k], distance[k]) == DT_OK);
+                CHECK(dt_arrays_within(m->a, p + MOST, radius, MOST, 1, &within[k], end[k]) ==
+                      DT_OK);
                 CHECK(fegetround() == (k == 0 ? FE_TONEAREST : modes[i]));
                 fesetround(FE_TONEAREST);
             }
             CHECK(memcmp(usual.triangle, rounded.triangle, 12 * (size_t)usual.sum.triangles) == 0);
             CHECK(memcmp(row[0], row[1], sizeof row[0]) == 0);
             CHECK(memcmp(value[0], value[1], sizeof value[0]) == 0);
+            CHECK(memcmp(near[0], near[1], sizeof near[0]) == 0);
+            CHECK(memcmp(distance[0], distance[1], sizeof distance[0]) == 0);
+            CHECK(memcmp(end[0], end[1], sizeof end[0]) == 0);
+            CHECK(within[0].n == 0 ||
+                  memcmp(within[0].v, within[1].v, within[0].n * sizeof *within[0].v) == 0);
+            dt_arrays_release(within[0].v);
+            dt_arrays_release(within[1].v);
             dt_arrays_free(usual.a);
             dt_arrays_free(rounded.a);
         }
