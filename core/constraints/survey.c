@@ -356,7 +356,9 @@ static uint32_t set_most(struct dt_region_range *range, uint32_t lo, uint32_t hi
 static void *shrink(void *array, size_t bytes)
 {
     void *less = realloc(array, bytes);
-    return less != NULL ? less : array;
+    if (less == NULL)
+        return array;
+    return less;
 }
 
 static void finish_ranges(struct dt_regions *r)
