@@ -1,4 +1,4 @@
-/* body.h - parses the points or values that follow LOAD, LOADB and FSETB, incrementally.
+/* body.h - parses the points, values or pairs that follow LOAD, LOADB, FSETB and the like, incrementally.
  *
  *   BODY_DOT     lines `x y` up to a line that holds a single `.`
  *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, not as points

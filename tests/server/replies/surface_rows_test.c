@@ -98,17 +98,38 @@ static struct text reply_during(struct local *l, const char *raster, const char 
 }
 
 /* One raster, with the set edited after its first pieces. */
-static void check_moment(const char *raster, const char *edits, unsigned threads)
+static void check_moment_of(const char *before, const char *raster, const char *edits,
+                            unsigned threads)
 {
     struct local l;
     bool whole;
     start_surface(&l, threads);
+    CHECK(strstr(local_ask(&l, before), "ERR") == NULL);
     struct text want = reply_to(&l, raster), got = reply_during(&l, raster, edits, &whole);
     CHECK(strncmp(want.bytes, "OK ", 3) == 0 && want.n > 300000);
     CHECK_MSG(whole && is_same(&got, &want), "%u: %s, %s", threads, raster, edits);
     free(want.bytes);
     free(got.bytes);
     local_stop(&l);
+}
+
+static void check_moment(const char *raster, const char *edits, unsigned threads)
+{
+    check_moment_of("", raster, edits, threads);
+}
+
+/* After an edit a copy of the set is read, which has the same constraints, also between aliases. */
+TEST_TIMEOUT(values_of_a_set_with_constraints_are_those_of_the_moment, 60)
+{
+    static const char before[] = "ADD t 1 1 1 1 99 98\nCONSTRAIN t PATH 0 1 2\n"
+                                 "RELEASE t 1 2\n";
+    for (size_t i = 0; i < RASTERS; i++) {
+        if (strstr(rasters[i], "natural") != NULL || strstr(rasters[i], "laplace") != NULL)
+            continue;
+        check_moment_of(before, rasters[i], "RELEASE t ALL\nMOVE t 7 50.5 50.25\n", 2);
+        check_moment_of(before, rasters[i], "CONSTRAIN t 1 2\n", 0);
+        check_moment_of(before, rasters[i], "DEL t 0 CASCADE\n", 2);
+    }
 }
 
 TEST_TIMEOUT(values_are_those_of_the_moment_of_the_request, 120)

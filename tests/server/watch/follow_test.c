@@ -24,10 +24,17 @@ static void random_edit(char *line, size_t size, uint32_t ids, bool lattice)
     size_t at;
     random_place(place, sizeof place, lattice);
     uint32_t id = ids == 0 ? 0 : test_below(ids);
-    switch (test_below(8)) {
+    switch (test_below(10)) {
     case 0:
     case 1:
         snprintf(line, size, "ADD t %s\n", place);
+        break;
+    case 8:
+        snprintf(line, size, "CONSTRAIN t %u %u\n", (unsigned)id, (unsigned)(id / 2));
+        break;
+    case 9:
+        snprintf(line, size, test_below(3) > 0 ? "DEL t %u CASCADE\n" : "RELEASE t ALL\n",
+                 (unsigned)id);
         break;
     case 2:
         at = (size_t)snprintf(line, size, "ADD t");
