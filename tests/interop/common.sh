@@ -15,16 +15,24 @@ leave() {
 }
 trap leave EXIT
 
-# Runs the command as one test; shows the end of what it prints if it fails.
+# Runs the command as one test; if it fails, shows the end of what it prints, and of what the shell has carried out: some failures come
+# once in fifty runs.
 count() { # NAME COMMAND...
-    local name=$1
+    local name=$1 status=0
     shift
-    if "$@" >"$scratch/out" 2>&1; then
+    exec 9>"$scratch/trace"
+    BASH_XTRACEFD=9
+    set -x
+    "$@" >"$scratch/out" 2>&1 || status=1
+    { set +x; } 2>/dev/null
+    exec 9>&-
+    if [ "$status" -eq 0 ]; then
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
         echo "FAIL $name"
         tail -n 30 "$scratch/out"
+        tail -n 30 "$scratch/trace"
     fi
 }
 
