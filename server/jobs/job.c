@@ -318,7 +318,7 @@ void job_change(struct server *s, struct answer *a, struct job *j, struct datase
     j->set = set;
     j->base = version_pin(set->current);
     j->dt = in_place ? j->base->dt : NULL;
-    j->log = j->change != NULL ? durable_log_of(s, set) : NULL;
+    j->log = j->change != NULL && set->born ? durable_log_of(s, set) : NULL;
     set->writer = j;
     set->exclusive = in_place;
     start(s, a, j, weight);

@@ -36,7 +36,9 @@ struct job {
     bool changes;          /* it was submitted by job_change */
     bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
     struct change *change; /* borrows; for the log if the job succeeds; NULL: none */
-    struct log *log; /* borrows; gets the change of a job that edits in place; NULL: no log does */
+    /* Borrows; gets the change of a job that edits in place a set that is born; NULL: none. The change that creates a set is
+     * logged when the set is born, because a snapshot has born sets only. */
+    struct log *log;
     bool copies;   /* it changes a copy if there is memory, so that the set can be read meanwhile */
     size_t points; /* that it adds, deletes or moves */
     struct version *base;  /* pinned: the version that it reads or changes; NULL: none */

@@ -57,13 +57,37 @@ static void drop_t(struct waiter *w)
     CHECK(a.next == ANSWER_DONE && set_t(b) == NULL);
 }
 
+static void await_snapshot(struct bench *b)
+{
+    struct durable_facts facts;
+    do {
+        await_durable_event(b);
+        durable_facts(&b->l.server, &facts);
+    } while (facts.snapshots == 0);
+}
+
+/* What a restart would find, after the server has stopped. */
+static void recover(struct bench *b, struct datadir *dir, struct recovery *r)
+{
+    CHECK(datadir_open(dir, b->dir.path, false));
+    recovery_init(r, dir);
+    recovery_run(r);
+    CHECK_MSG(r->result == RECOVERY_OK, "%s", r->why);
+}
+
+static void end_recovery(struct bench *b, struct datadir *dir, struct recovery *r)
+{
+    recovery_clear(r);
+    datadir_close(dir);
+    directory_remove(&b->dir);
+}
+
 /* The snapshot pins the set while it is being dropped. If the snapshot said that the set has the change
  * that drops it, recovery would skip that change, and the set would be back. */
 TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
 {
     struct datadir dir;
     struct recovery r;
-    struct durable_facts facts;
     struct bench b;
     begin(&b, 0);
     local_ask(&b.l, "ADD t 1 1\nADD u 2 2\n");
@@ -75,20 +99,12 @@ TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
     CHECK(strncmp(local_ask(&b.l, "SNAPSHOT\n"), "OK 0 lsn=2", 10) == 0);
     set->exclusive = false;
     wait_call(&set->queue);
-    do {
-        await_durable_event(&b);
-        durable_facts(&b.l.server, &facts);
-    } while (facts.snapshots == 0);
+    await_snapshot(&b);
     local_stop(&b.l);
-    CHECK(datadir_open(&dir, b.dir.path, false));
-    recovery_init(&r, &dir);
-    recovery_run(&r);
-    CHECK_MSG(r.result == RECOVERY_OK, "%s", r.why);
+    recover(&b, &dir, &r);
     CHECK(registry_find(&r.replay.sets, &(struct word){"u", 1}) != NULL);
     CHECK(registry_find(&r.replay.sets, &(struct word){"t", 1}) == NULL);
-    recovery_clear(&r);
-    datadir_close(&dir);
-    directory_remove(&b.dir);
+    end_recovery(&b, &dir, &r);
 }
 
 /* ---- what the reply of a worker's query shows ---- */
@@ -237,6 +253,31 @@ TEST(edit_is_in_the_log_from_when_others_can_read_it)
         collect(&b);
     CHECK(!set_t(&b)->exclusive && owned.lsn == before + 1 && v->lsn == before + 1);
     end(&b);
+}
+
+/* A snapshot has no set that is not born yet. So it must not claim to have the change that creates the set. */
+TEST(set_that_a_worker_has_filled_before_a_snapshot_begins_is_restored)
+{
+    char request[2000] = "ADD t";
+    struct datadir dir;
+    struct recovery r;
+    struct bench b;
+    begin(&b, 1);
+    for (int i = 0; i < 200; i++)
+        sprintf(request + strlen(request), " %d %d", i % 10, i / 10);
+    ask(&b, request);
+    struct pollfd event = {.fd = workers_event(b.l.server.workers), .events = POLLIN};
+    CHECK(poll(&event, 1, 10000) == 1); /* the worker is done, but no reactor has ended the job */
+    CHECK(strncmp(local_ask(&b.l, "SNAPSHOT\n"), "OK 0 lsn=0", 10) == 0);
+    while (tellings == 0)
+        collect(&b);
+    CHECK(owned.lsn == 1);
+    await_snapshot(&b);
+    local_stop(&b.l);
+    recover(&b, &dir, &r);
+    struct dataset *set = registry_find(&r.replay.sets, &(struct word){"t", 1});
+    CHECK(set != NULL && dt_next_id(set->current->dt) == 200);
+    end_recovery(&b, &dir, &r);
 }
 
 TEST(version_made_by_a_build_has_the_changes_of_the_version_before_it)
