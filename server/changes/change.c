@@ -262,6 +262,11 @@ double change_tolerance(const struct change *c)
     return (c->kind->flags & CHANGE_NEW) != 0 ? c->a : 0;
 }
 
+bool change_is_void(const struct change *c)
+{
+    return c->kind->items == ITEMS_CONSTRAINTS && c->constrained == 0;
+}
+
 void change_clear(struct change *c)
 {
     dt_pages_release(c->rows);

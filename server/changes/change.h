@@ -120,6 +120,9 @@ double change_tolerance(const struct change *c);
  * the first new point. */
 enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt);
 
+/* Whether the change has been applied and has changed nothing: it gets no record, and the set no new version. */
+bool change_is_void(const struct change *c);
+
 /* Frees what it owns. */
 void change_clear(struct change *c);
 

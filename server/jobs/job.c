@@ -93,7 +93,7 @@ static void run(struct job *j)
         j->options.disposable = true;
     }
     j->run(j);
-    if (j->log != NULL && j->status == DT_OK && edits_in_place(j)) {
+    if (j->log != NULL && j->status == DT_OK && edits_in_place(j) && !change_is_void(j->change)) {
         durable_append(j->log, j->set, j->change);
         j->base->lsn = j->change->lsn; /* before others can read what has changed */
     }

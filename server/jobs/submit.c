@@ -235,7 +235,8 @@ static void finish(struct server *s, struct job *j, struct answer *a)
     } else if (answer_constraint(a, j->status, c)) {
         return;
     } else if (job_succeeded(j, a)) {
-        submit_commit(s, j->set, c);
+        if (!change_is_void(c))
+            submit_commit(s, j->set, c);
         answer_facts(a, c);
         answer_version(a, j->set->version);
         after_edit(s, a, j->set);

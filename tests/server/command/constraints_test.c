@@ -66,6 +66,22 @@ TEST(what_needs_every_edge_to_be_delaunay_is_refused_with_constraints)
     local_stop(&l);
 }
 
+TEST(constraint_that_is_there_already_changes_nothing)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, SQUARE "CONSTRAIN t 0 2\n");
+    uint64_t version = local_set(&l, "t")->version;
+    expect_last(&l, "CONSTRAIN t 2 0\n", "OK 0 added=0");
+    CHECK(local_set(&l, "t")->version == version);
+    expect_last(&l, "RELEASE t 0 2\n", "OK 0 released=1");
+    CHECK(local_set(&l, "t")->version > version);
+    version = local_set(&l, "t")->version;
+    expect_last(&l, "RELEASE t ALL\n", "OK 0 released=0");
+    CHECK(local_set(&l, "t")->version == version);
+    local_stop(&l);
+}
+
 TEST(constraint_requests_of_another_form_are_refused)
 {
     static const struct {
