@@ -31,7 +31,7 @@ static bool start_reactor(struct server *s, unsigned i)
     return r->ahead != NULL && stats_init(&r->stats) && loop_init(&r->loop, s->world, i);
 }
 
-/* What several reactors need. */
+/* Makes the gates of the world and of sets, which several reactors need. */
 static bool init_gates(struct server *s, unsigned n)
 {
     s->world = malloc(sizeof *s->world);

@@ -1,9 +1,9 @@
 /* split.c - plans what makes constraints that cross share points instead; see core/delaunay_constraints.h.
  *
  * A round finds all crossings of the parts that there are, rounds each to a place, and cuts the parts there. Rounding moves
- * parts, so that these may cross others in the next round. Two that are almost parallel could go on to do that for long, one
- * unit of the last place further each time; so from the second round on, a crossing near an end of one of the two moves
- * there: within one unit, two, four and so on. Nothing depends on the order of constraints: crossings are found
+ * parts, so that these may cross others in the next round. Two parts that are almost parallel could cross again for many rounds,
+ * one unit of the last place further each time. So from the second round on, a crossing near an end of one of the two
+ * moves to that end: within one unit, two, four and so on. Nothing depends on the order of constraints: crossings are found
  * exactly, new points are numbered in the order of their places, and rounding is monotone, so that places follow one
  * another along a part as the crossings do. */
 #include <math.h>

@@ -19,8 +19,8 @@ struct submission {
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set);
 
-/* Whether reactors that share the world may submit such a change of the set, each within the gate of its set: nothing but the set
- * and the log changes, unless the change turns out to need a worker. */
+/* Whether a reactor that shares the world may submit such a change, within the gate of the set. Then nothing but the set and the log
+ * changes, unless the change turns out to need a worker. */
 bool submit_shares(const struct dataset *set, enum change_code code);
 
 /* Checks the limits and the memory for a change of the set, NULL for a new one; a long job reserves that memory. The change needs
