@@ -7,6 +7,7 @@
 
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 /* The reply to the last request of several. */
 static void expect_last(struct local *l, const char *requests, const char *want)
