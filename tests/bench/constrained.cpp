@@ -3,7 +3,11 @@
  *     constrained POINTS LONG_POINTS LONG
  *
  * First POINTS random points in rows of about a thousand, with constraints along the rows; ids are in random order. Then LONG
- * constraints across all of LONG_POINTS random points. Both programs get the same; the best of three runs that alternate. */
+ * constraints across all of LONG_POINTS random points. Both programs get the same; the best of three runs that alternate.
+ *
+ * Then edits of the core's sets of LONG_POINTS points with a constraint for every third point, to a neighbour, beside those
+ * of the same points without: ns for one, the best of three. Moves go a tenth of the mean distance between points, or six
+ * tenths; those that constraints refuse are left out. */
 #include <stdatomic.h>
 extern "C" {
 #include "core/delaunay_constraints.h"
@@ -14,6 +18,7 @@ extern "C" {
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -157,11 +162,122 @@ static void measure(const char *name, const job &j)
            core[0] / cgal[0], bulk[0], bulk[0] / cgal[0]);
 }
 
+/* ---- live ---- */
+
+enum { MOVE_NEAR, MOVE_FAR, ADD, DELETE, EDITS };
+
+static std::vector<dt_constraint> to_neighbours(const dt *t, size_t n)
+{
+    std::vector<dt_constraint> c;
+    dt_ids ring = {nullptr, 0, 0};
+    uint32_t representative;
+    bool boundary;
+    for (uint32_t i = 0; i < n; i += 3) {
+        ring.n = 0;
+        if (dt_ring(t, i, false, &ring, &representative, &boundary) != DT_OK)
+            exit(1);
+        c.push_back({i, ring.v[i / 3 % ring.n], false, 0});
+    }
+    free(ring.v);
+    return c;
+}
+
+struct move {
+    uint32_t id;
+    dt_point to;
+};
+
+/* Moves random points of t by up to half of `step`. Returns those moves that are not refused. */
+static std::vector<move> try_moves(dt *t, size_t n, double step)
+{
+    std::mt19937_64 bits(2);
+    std::uniform_real_distribution<double> offset(-step / 2, step / 2);
+    std::vector<move> done;
+    for (size_t i = 0; i < n / 5; i++) {
+        uint32_t id = static_cast<uint32_t>(bits() % n);
+        dt_point p;
+        dt_get(t, id, &p);
+        p.x += offset(bits);
+        p.y += offset(bits);
+        if (dt_move(t, id, p) == DT_OK)
+            done.push_back({id, p});
+    }
+    return done;
+}
+
+static dt *live_set(const job &j)
+{
+    size_t count;
+    dt_added added;
+    uint32_t missing;
+    dt *t = dt_new(0);
+    if (dt_add(t, j.points.data(), j.points.size(), &added) != DT_OK ||
+        dt_triangulate(t, nullptr) != DT_OK || dt_prepare(t, nullptr) != DT_OK ||
+        dt_constrain(t, j.constraints.data(), j.constraints.size(), nullptr, &count, &missing) !=
+            DT_OK)
+        exit(1);
+    return t;
+}
+
+/* Best of itself and the ns since `start`, for each of n edits; *start becomes now. */
+static void note(double &ns, double &start, size_t n)
+{
+    double now = seconds();
+    ns = std::min(ns, 1e9 * (now - start) / static_cast<double>(n));
+    start = now;
+}
+
+static void edit_live(const job &j, const std::vector<move> moves[2], double ns[EDITS])
+{
+    size_t n = j.points.size();
+    dt_added added;
+    uint32_t missing, deleted;
+    dt *t = live_set(j);
+    job more = random_points(n + n / 5);
+    double start = seconds();
+    for (int far = 0; far < 2; far++) {
+        for (const move &m : moves[far])
+            dt_move(t, m.id, m.to);
+        note(ns[far ? MOVE_FAR : MOVE_NEAR], start, moves[far].size());
+    }
+    for (size_t i = n; i < n + n / 5; i++)
+        dt_add(t, &more.points[i], 1, &added);
+    note(ns[ADD], start, n / 5);
+    for (uint32_t id = static_cast<uint32_t>(n); id < n + n / 5; id++)
+        dt_delete(t, &id, 1, &deleted, &missing);
+    note(ns[DELETE], start, n / 5);
+    dt_free(t);
+}
+
+static void measure_live(const job &without)
+{
+    static const char *const name[] = {"MOVE near", "MOVE far", "ADD", "DEL"};
+    double ns[2][EDITS] = {{1e9, 1e9, 1e9, 1e9}, {1e9, 1e9, 1e9, 1e9}};
+    size_t n = without.points.size();
+    double apart = 1 / std::sqrt(static_cast<double>(n));
+    job with = without;
+    dt *t = live_set(without);
+    with.constraints = to_neighbours(t, n);
+    dt_free(t);
+    t = live_set(with);
+    const std::vector<move> moves[2] = {try_moves(t, n, apart / 10),
+                                        try_moves(t, n, apart * 6 / 10)};
+    dt_free(t);
+    for (int i = 0; i < 3; i++) {
+        edit_live(without, moves, ns[0]);
+        edit_live(with, moves, ns[1]);
+    }
+    for (int i = 0; i < EDITS; i++)
+        printf("%-10s points %8zu  without constraints %.0f ns  with %.0f = %.2f\n", name[i], n,
+               ns[0][i], ns[1][i], ns[1][i] / ns[0][i]);
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 4)
         return 2;
     measure("paths", paths(strtoull(argv[1], nullptr, 10)));
     measure("across", across(strtoull(argv[2], nullptr, 10), strtoull(argv[3], nullptr, 10)));
+    measure_live(random_points(strtoull(argv[2], nullptr, 10)));
     return 0;
 }
