@@ -81,6 +81,8 @@ static enum dt_status add_face(struct around *a, uint32_t face)
     a->faces++;
     a->last = face;
     uint32_t n = dt_regions_of(r, face, NULL, 0);
+    if (n == 0)
+        return DT_OK;
     enum dt_status status = dt_ids_reserve(&a->regions, n);
     if (status == DT_OK)
         a->regions.n += dt_regions_of(r, face, a->regions.v + a->regions.n, n);

@@ -183,7 +183,7 @@ tidy() {
 check() {
     have cppcheck || return
     code core proto server clients tests/bench | grep '\.c$' |
-        xargs -r cppcheck -q -j 2 --std=c11 -D_GNU_SOURCE -I. --enable=warning,portability --inline-suppr \
+        xargs -r cppcheck -q -j 2 --std=c11 -D_GNU_SOURCE -D__SIZEOF_INT128__=16 -I. --enable=warning,portability --inline-suppr \
             --suppress=internalAstError \
             --template='{file}:{line}: {message} [cppcheck {id}]' --template-location='' 2>&1 | grep .
 }
