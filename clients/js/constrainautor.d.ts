@@ -17,7 +17,7 @@ declare class Constrainautor {
 }
 
 declare namespace Constrainautor {
-  interface DelaunatorLike {
+  export interface DelaunatorLike {
     coords: ArrayLike<number>;
     triangles: Uint32Array;
     halfedges: Int32Array;

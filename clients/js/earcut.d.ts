@@ -4,14 +4,14 @@ declare function earcut(data: ArrayLike<number>, holeIndices?: ArrayLike<number>
 
 declare namespace earcut {
   /** How much the area of the triangles differs from that of the polygon, relative to it. */
-  function deviation(
+  export function deviation(
     data: ArrayLike<number>,
     holeIndices: readonly number[] | null | undefined,
     dim: number,
     triangles: ArrayLike<number>,
   ): number;
   /** The rings of a GeoJSON polygon as arguments. */
-  function flatten(rings: ArrayLike<ArrayLike<ArrayLike<number>>>): { vertices: number[]; holes: number[]; dimensions: number };
+  export function flatten(rings: ArrayLike<ArrayLike<ArrayLike<number>>>): { vertices: number[]; holes: number[]; dimensions: number };
   export { earcut as default };
 }
 

@@ -1,6 +1,8 @@
 // Compiled, not run: what users write has the types that they expect.
 import { type Change, Client, connect, LiveSet, type Mirror, Refused, Triangulation } from 'delaunayd';
+import Constrainautor from 'delaunayd/constrainautor';
 import Delaunator from 'delaunayd/delaunator';
+import earcut from 'delaunayd/earcut';
 import { Delaunay, type Polygon, Voronoi } from 'delaunayd/d3-delaunay';
 
 export async function asynchronous(): Promise<number> {
@@ -31,6 +33,15 @@ export function synchronous(): Polygon {
   const found: number = delaunay.find(1, 2, 0) + [...delaunay.neighbors(0)].length + d.hull.length + named.triangles.length;
   const path: string = delaunay.render() + delaunay.voronoi([0, 0, found, 1]).renderCell(0);
   return path === '' ? [] : delaunay.hullPolygon();
+}
+
+export function constrained(): number[] {
+  const edges: [number, number][] = [[0, 1]];
+  const del: Constrainautor.DelaunatorLike = Delaunator.from([[0, 0], [1, 0], [0, 1]]);
+  const con = new Constrainautor(del, edges).constrainAll(edges);
+  const { vertices, holes, dimensions } = earcut.flatten([[[0, 0], [1, 0], [0, 1]]]);
+  const corners: number[] = earcut(vertices, holes, dimensions);
+  return con.isConstrained(con.findEdge(0, 1)) && earcut.deviation(vertices, holes, 2, corners) === 0 ? corners : [];
 }
 
 // As with d3's types.
