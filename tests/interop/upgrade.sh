@@ -11,7 +11,8 @@ build_next() {
     mkdir -p "$tree/build" && cp -a Makefile core proto server "$tree" && cp -a --parents clients/rules.mk tests/rules.mk tests/*/rules.mk "$tree" &&
         cp -a "$build"/{core,proto,server} "$tree/build" || return
     version=$(sed -n 's/^ *RECORD_VERSION = \([0-9]*\),$/\1/p' $header)
-    sed -i "s/RECORD_VERSION = $version,/RECORD_VERSION = $((version + 1)),/" "$tree/$header"
+    # All its files have that version, also those that need no later one today.
+    sed -i -E "s/RECORD_VERSION(_PLAIN)? = [0-9]+,/RECORD_VERSION\\1 = $((version + 1)),/" "$tree/$header"
     ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd && mv "$tree/build/delaunayd" "$scratch/next"
 }
 
@@ -59,7 +60,7 @@ upgraded_daemon_continues() {
 }
 
 old_program_refuses_the_files_of_a_new_one() {
-    end a && "${program[old]}" --port 0 --data "$scratch/a" 2>"$scratch/refusal" </dev/null
+    end a && timeout 60 "${program[old]}" --port 0 --data "$scratch/a" 2>"$scratch/refusal" </dev/null
     grep -q 'later version' "$scratch/refusal"
 }
 
