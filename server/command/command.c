@@ -7,6 +7,7 @@
 #include "server/jobs/durable.h"
 #include "server/jobs/submit.h"
 #include "server/jobs/upkeep.h"
+#include "server/ops/cost.h"
 #include "server/ops/limits.h"
 #include "server/replies/stream.h"
 
@@ -324,10 +325,18 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
 
 /* ---- changes ---- */
 
+/* Whether a reactor that shares the world tries the edit: otherwise reading the request would be in vain. Two words are the least
+ * that an item of an edit with many items takes. */
+static bool edits_at_once(const struct dataset *set, const struct command *c,
+                          const struct request *q)
+{
+    return submit_shares(set, c->change) && cost_at_once(COST_EDIT, q->n / 2);
+}
+
 void cmd_change(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct command *c = a->command;
-    if (loop_is_sharing(&a->reactor->loop) && !submit_shares(set, c->change) && !world_alone(a))
+    if (loop_is_sharing(&a->reactor->loop) && !edits_at_once(set, c, q) && !world_alone(a))
         return;
     struct submission *x = submission_new(s, a, c->change, &q->word[1]);
     if (x == NULL)
