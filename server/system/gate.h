@@ -24,8 +24,8 @@ enum { GATE_LINE = 64 };
 struct gate;
 
 struct lane {
-    _Alignas(
-        GATE_LINE) _Atomic(const struct gate *) inside; /* that its thread shares; NULL: none */
+    /* The gate that its thread shares; NULL: none. */
+    _Alignas(GATE_LINE) _Atomic(const struct gate *) inside;
     atomic_uint left; /* how often it has left a gate that was closed */
 };
 
@@ -62,16 +62,10 @@ void gate_close(struct gate *g);
 void gate_open_and_enter(struct gate *g, unsigned lane);
 void gate_open(struct gate *g);
 
-/* Whether a thread has closed the gate, or is closing it. */
+/* Whether a thread has closed the gate, or is closing it and waits until all lanes have left. */
 static inline bool gate_is_closed(const struct gate *g)
 {
     return atomic_load_explicit(&g->closed, memory_order_relaxed) != 0;
-}
-
-/* Whether somebody waits until this lane leaves. */
-static inline bool gate_is_wanted(struct gate *g)
-{
-    return gate_is_closed(g);
 }
 
 #endif

@@ -92,7 +92,7 @@ void loop_share(struct loop *loop)
     if (loop->alone) {
         gate_open_and_enter(loop->world, loop->lane);
         loop->alone = false;
-    } else if (gate_is_wanted(loop->world)) {
+    } else if (gate_is_closed(loop->world)) {
         loop_leave(loop);
         loop_enter(loop);
     }
