@@ -1097,7 +1097,7 @@ const { LiveSet } = require('./live.js');
 
 const CLOCKWISE = { clockwise: true };
 
-/** The numbers in place, where there are as many. */
+/** Writes the numbers into the same array if it has as many. */
 function replace(del, name, numbers) {
   if (del[name].length === numbers.length) del[name].set(numbers);
   else del[name] = numbers;
@@ -1201,7 +1201,7 @@ class Constrainautor {
     return ending;
   }
 
-  /** Those that coincide with earlier ones. */
+  /** Points that coincide with earlier points. */
   untriangulatedPoints() {
     return Array.from(this.#set.coincident()).filter((_, i) => i % 2 === 0);
   }
@@ -1223,7 +1223,7 @@ function addSides(pairs, from, to) {
 }
 
 /** data: the coordinates of all corners, dim for each, of which the first two count; holeIndices: the corners where holes begin.
- * Returns three corners for each triangle. What is enclosed an odd number of times is inside. */
+ * Returns three corners for each triangle. A place is inside if it is enclosed an odd number of times. */
 function earcut(data, holeIndices, dim = 2) {
   const corners = Math.floor(data.length / dim);
   const coords = Float64Array.from({ length: 2 * corners }, (_, i) => data[(i >> 1) * dim + (i & 1)]);
@@ -1246,7 +1246,7 @@ function ringArea(data, from, to, dim) {
   return sum;
 }
 
-/** How much the area of the triangles differs from that of the polygon, relative to it. */
+/** The relative difference between the area of the triangles and the area of the polygon. */
 earcut.deviation = (data, holeIndices, dim, triangles) => {
   const begins = [0, ...(holeIndices ?? []).map((i) => i * dim), data.length];
   const area = (i) => Math.abs(ringArea(data, begins[i], begins[i + 1], dim));

@@ -6,7 +6,7 @@ const { LiveSet } = require('./live.js');
 
 const CLOCKWISE = { clockwise: true };
 
-/** The numbers in place, where there are as many. */
+/** Writes the numbers into the same array if it has as many. */
 function replace(del, name, numbers) {
   if (del[name].length === numbers.length) del[name].set(numbers);
   else del[name] = numbers;
@@ -110,7 +110,7 @@ class Constrainautor {
     return ending;
   }
 
-  /** Those that coincide with earlier ones. */
+  /** Points that coincide with earlier points. */
   untriangulatedPoints() {
     return Array.from(this.#set.coincident()).filter((_, i) => i % 2 === 0);
   }

@@ -3,7 +3,7 @@
 declare function earcut(data: ArrayLike<number>, holeIndices?: ArrayLike<number> | null, dim?: number): number[];
 
 declare namespace earcut {
-  /** How much the area of the triangles differs from that of the polygon, relative to it. */
+  /** The relative difference between the area of the triangles and the area of the polygon. */
   export function deviation(
     data: ArrayLike<number>,
     holeIndices: readonly number[] | null | undefined,

@@ -9,7 +9,7 @@ function addSides(pairs, from, to) {
 }
 
 /** data: the coordinates of all corners, dim for each, of which the first two count; holeIndices: the corners where holes begin.
- * Returns three corners for each triangle. What is enclosed an odd number of times is inside. */
+ * Returns three corners for each triangle. A place is inside if it is enclosed an odd number of times. */
 function earcut(data, holeIndices, dim = 2) {
   const corners = Math.floor(data.length / dim);
   const coords = Float64Array.from({ length: 2 * corners }, (_, i) => data[(i >> 1) * dim + (i & 1)]);
@@ -32,7 +32,7 @@ function ringArea(data, from, to, dim) {
   return sum;
 }
 
-/** How much the area of the triangles differs from that of the polygon, relative to it. */
+/** The relative difference between the area of the triangles and the area of the polygon. */
 earcut.deviation = (data, holeIndices, dim, triangles) => {
   const begins = [0, ...(holeIndices ?? []).map((i) => i * dim), data.length];
   const area = (i) => Math.abs(ringArea(data, begins[i], begins[i + 1], dim));

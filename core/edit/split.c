@@ -19,7 +19,7 @@
 
 enum { ROUNDS = 16 };
 
-/* A part of a constraint, or all of it. */
+/* A part of a constraint, or a whole constraint. */
 struct part {
     uint32_t end[2]; /* ids, or those that new points will get */
     uint32_t origin; /* the constraint */
@@ -32,7 +32,7 @@ struct origin {
     bool declared, cut;
 };
 
-/* Where a part is cut. */
+/* A place at which a part is cut. */
 struct cut {
     uint32_t part, id;
     struct dt_point at, along; /* the place; the same, ascending along the part */
@@ -317,7 +317,7 @@ static void name_crossing(const struct plan *s, struct dt_crossed *out)
     }
 }
 
-/* How far r is from the line through p and q. */
+/* The distance of r from the line through p and q. */
 static double distance(struct dt_point p, struct dt_point q, struct dt_point r)
 {
     struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);

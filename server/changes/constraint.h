@@ -5,7 +5,7 @@
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
 
-/* What a RECORD_RELEASE is about: its `a`. */
+/* The `a` of a RECORD_RELEASE says what is released. */
 enum { RELEASE_LISTED, RELEASE_NUMBER, RELEASE_ALL };
 
 /* As they are in records, and in the core. */
@@ -28,7 +28,7 @@ static inline struct record_constraint constraint_record(const struct dt_constra
 enum dt_status constraint_declare(struct dt *dt, const struct record_constraint *c, size_t n,
                                   const struct dt_options *opt, size_t *added, uint32_t *missing);
 
-/* dt_release of these. DT_NOCONSTRAINT: *missing is the first that is not there. */
+/* dt_release of these. DT_NOCONSTRAINT: *missing is the first constraint that does not exist. */
 enum dt_status constraint_release(struct dt *dt, const struct record_constraint *c, size_t n,
                                   const struct dt_options *opt, size_t *released,
                                   struct dt_constraint *missing);

@@ -34,13 +34,11 @@ struct piece {
     uint64_t last;           /* the lsn of its last record */
     size_t size;             /* bytes of memory */
     struct lineage *lineage; /* owns; PIECE_ROTATE: from now on; NULL: the same */
-    uint32_t
-        version; /* PIECE_ROTATE: the log begins a segment of this version by itself; 0: log_rotate did */
-    struct buf bytes;       /* owns; PIECE_BYTES: encoded records */
-    void *items;            /* owns; PIECE_LOAD: as many as its record says */
-    struct columns *values; /* owns; PIECE_LOAD: those that come with the points, or NULL */
-    struct record
-        record; /* PIECE_LOAD: the first one, but of the type of its parts; its name is in `name` */
+    uint32_t version;        /* PIECE_ROTATE: of a segment that the log begins by itself; or 0 */
+    struct buf bytes;        /* owns; PIECE_BYTES: encoded records */
+    void *items;             /* owns; PIECE_LOAD: as many as its record says */
+    struct columns *values;  /* owns; PIECE_LOAD: those that come with the points, or NULL */
+    struct record record; /* PIECE_LOAD: the first, of the type of its parts; its name is `name` */
     char name[RECORD_NAME_LIMIT];
 };
 

@@ -197,7 +197,7 @@ static bool put_fields(struct output *o, const struct snapshot_source *s, struct
 
 /* ---- constraints ---- */
 
-/* Those of the moment, in an array that *v is set to; false: out of memory. */
+/* The constraints of the moment, in an array that *v is set to; false: out of memory. */
 static bool read_constraints(const struct snapshot_source *s, struct dt_constraint **v, size_t *n)
 {
     *v = NULL;

@@ -149,7 +149,7 @@ static bool put_header(struct sending *g, enum segment_kind kind)
 
 /* ---- the files ---- */
 
-/* What follows is from a file with this header. */
+/* The records that follow are from a file with this header. */
 static void take_header(struct sending *g, const struct segment *header)
 {
     g->now = (struct lineage){header->life, header->history};
