@@ -138,12 +138,13 @@ static void follow_history(const struct daemon *d, bool lattice, bool triangulat
             random_edit(line, sizeof line, ids, lattice);
         say(fd, line);
         const char *got = hear_line(fd);
-        if (strncmp(got, "OK", 2) == 0)
+        bool done = strncmp(got, "OK", 2) == 0; /* crossing constraints prevent a triangulation */
+        if (done)
             version = version_in(got);
         unsigned first, added;
         if (sscanf(got, "OK 0 first=%u added=%u", &first, &added) == 2)
             ids = first + added;
-        triangulated = triangulated || strncmp(line, "TRI", 3) == 0;
+        triangulated = triangulated || (done && strncmp(line, "TRI", 3) == 0);
         if (strncmp(line, "FDROP", 5) == 0) { /* FIELDS without SINCE names fields that there are */
             if (m[2].whole && test_below(2) == 0) {
                 mirror_disconnect(&m[2]);
