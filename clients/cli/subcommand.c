@@ -136,9 +136,10 @@ const struct subcommand subcommands[] = {
      "--format --viewport --geographic --force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
-     "Draws the triangulated set in the terminal, in braille characters; the hull in red. A set "
-     "with\n"
-     "heights, in the field F or z, is drawn as shaded relief, unless --mesh is given. Without\n"
+     "Draws the triangulated set in the terminal, in braille characters; the hull in red, "
+     "lines in\n"
+     "cyan, borders in magenta. A set with heights, in the field F or z, is drawn as shaded "
+     "relief, unless --mesh is given. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"
      "$NO_COLOR does. With --geographic x and y are longitude and latitude.\n",
      "--width --height --field --mesh --plain --geographic", false, NULL},

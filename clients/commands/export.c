@@ -166,8 +166,7 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
     struct export_work work = {e, name, &m, 0};
     int status;
     unsigned parts = MODEL_TRIANGLES | MODEL_HULL;
-    if (e->format != NULL)
-        parts |= e->format->parts;
+    parts |= e->format != NULL ? e->format->parts : MODEL_CONSTRAINTS;
     if (e->picture.colour == COLOUR_RELIEF || e->field != NULL)
         parts |= MODEL_FIELDS;
     enum delaunay_result r = model_fetch(c, set, parts, &m);

@@ -17,7 +17,7 @@
 #include "clients/meshes/model.h"
 #include "proto/number.h"
 
-enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };
+enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL, INK_LINE, INK_BORDER };
 
 struct canvas {
     uint32_t columns, lines;
@@ -90,6 +90,10 @@ static void draw(struct canvas *v, const struct model *m)
         size_t next = i + 1 < m->hull_n ? i + 1 : m->edges < m->hull_n ? i : 0;
         draw_line(v, m->xy + 2 * (size_t)m->hull[i], m->xy + 2 * (size_t)m->hull[next], INK_HULL);
     }
+    for (size_t i = 0; i < m->constraints; i++)
+        draw_line(v, m->xy + 2 * (size_t)m->constraint[3 * i],
+                  m->xy + 2 * (size_t)m->constraint[3 * i + 1],
+                  model_is_border(m, i) ? INK_BORDER : INK_LINE);
 }
 
 static void print_cell(unsigned char dots)
@@ -102,7 +106,8 @@ static void print_cell(unsigned char dots)
 
 static void print(const struct canvas *v)
 {
-    static const char *const colour[] = {"", "\033[2;34m", "\033[1;33m", "\033[31m"};
+    static const char *const colour[] = {"",         "\033[2;34m", "\033[1;33m",
+                                         "\033[31m", "\033[1;36m", "\033[1;35m"};
     for (size_t y = 0; y < v->lines; y++) {
         unsigned char last = INK_NONE;
         for (size_t x = 0; x < v->columns; x++) {
@@ -173,7 +178,7 @@ static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *
 {
     struct model m = {0};
     int status = EXIT_REFUSED;
-    enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL, &m);
+    enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL | MODEL_CONSTRAINTS, &m);
     if (r == DELAUNAY_OK && v->geographic) {
         struct degrees d;
         if (!degrees_choose(&d, m.xy, m.n)) {

@@ -163,6 +163,23 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
+/* Rows of CONSTRAINTS: two ids and what the constraint is. */
+static bool take_constraints(struct model *m, const struct block *b)
+{
+    if (b->n != b->rows * 12)
+        return fault(m, "a constraint of another size");
+    m->constraints = (size_t)b->rows;
+    m->constraint = malloc((3 * m->constraints + 1) * sizeof m->constraint[0]);
+    if (m->constraint == NULL)
+        return fault(m, "out of memory");
+    for (size_t i = 0; i < 3 * m->constraints; i++) {
+        m->constraint[i] = word(b->bytes + 4 * i);
+        if (i % 3 < 2 && !model_find(m, m->constraint[i], &m->constraint[i]))
+            m->torn = true;
+    }
+    return true;
+}
+
 /* The version in STAT's reply; 0 from a server that has none. */
 static bool take_version(void *ctx, const struct delaunay_part *part)
 {
@@ -225,6 +242,17 @@ static enum delaunay_result receive_ids(struct delaunay_client *c, struct model 
     return r;
 }
 
+/* A server that knows no constraints has none. */
+static enum delaunay_result receive_constraints(struct delaunay_client *c, struct model *m)
+{
+    struct block b = {.m = m};
+    enum delaunay_result r = delaunay_receive(c, gather, &b);
+    if (r == DELAUNAY_OK && !take_constraints(m, &b))
+        r = DELAUNAY_STOPPED;
+    free(b.bytes);
+    return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
+}
+
 static enum delaunay_result send_parts(struct delaunay_client *c, const char *set, unsigned parts,
                                        const struct model *m)
 {
@@ -238,6 +266,8 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
         r = send_table(c, "EDGES", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = send_table(c, "HULL", set, "");
+    if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
+        r = send_table(c, "CONSTRAINTS", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
         r = send_table(c, "STAT", set, "");
     return r;
@@ -261,6 +291,8 @@ static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned pa
         r = receive_ids(c, m, 2, &m->edge, &m->edges);
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = delaunay_receive(c, take_hull_point, m);
+    if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
+        r = receive_constraints(c, m);
     if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
         r = delaunay_receive(c, take_version, &after);
     if (before != after)
@@ -296,6 +328,7 @@ void model_free(struct model *m)
     free(m->triangle);
     free(m->edge);
     free(m->hull);
+    free(m->constraint);
     *m = (struct model){0};
 }
 
@@ -314,6 +347,21 @@ static size_t renumber(uint32_t *place, size_t n, size_t width, const uint32_t *
         for (size_t k = 0; whole && k < width; k++)
             place[width * kept + k] = next[place[width * i + k]];
         kept += whole;
+    }
+    return kept;
+}
+
+/* The same for constraints. */
+static size_t renumber_constraints(uint32_t *row, size_t n, const uint32_t *next)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t a = next[row[3 * i]], b = next[row[3 * i + 1]];
+        if (a == DROPPED || b == DROPPED)
+            continue;
+        row[3 * kept] = a;
+        row[3 * kept + 1] = b;
+        row[3 * kept++ + 2] = row[3 * i + 2];
     }
     return kept;
 }
@@ -338,6 +386,7 @@ size_t model_drop_missing(struct model *m, bool *ok)
     m->triangles = renumber(m->triangle, m->triangles, 3, next);
     m->edges = renumber(m->edge, m->edges, 2, next);
     m->hull_n = renumber(m->hull, m->hull_n, 1, next);
+    m->constraints = renumber_constraints(m->constraint, m->constraints, next);
     free(next);
     return before - n;
 }

@@ -22,6 +22,10 @@ struct model {
     size_t edges;
     uint32_t *hull; /* owns hull_n places, counterclockwise */
     size_t hull_n;
+    uint32_t *
+        constraint; /* owns 3 * constraints: the places of both ends, and 2 k for a line of number k, 2 k + 1 for a border; sorted
+                             as CONSTRAINTS sorts them */
+    size_t constraints;
     bool torn;         /* while it is fetched: its parts are of several states of the set */
     const char *fault; /* why a call returned DELAUNAY_STOPPED: a static sentence */
 };
@@ -31,7 +35,8 @@ enum model_parts {
     MODEL_EDGES = 2,
     MODEL_HULL = 4,
     MODEL_MESH = MODEL_TRIANGLES | MODEL_EDGES | MODEL_HULL,
-    MODEL_FIELDS = 8
+    MODEL_FIELDS = 8,
+    MODEL_CONSTRAINTS = 16
 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
@@ -44,6 +49,11 @@ void model_free(struct model *m);
 
 /* The column of a field of that name; -1 if there is none. */
 int model_field(const struct model *m, const char *name);
+
+static inline bool model_is_border(const struct model *m, size_t constraint)
+{
+    return (m->constraint[3 * constraint + 2] & 1) != 0;
+}
 
 /* The value of a field at a place. */
 static inline double model_value(const struct model *m, int field, size_t place)

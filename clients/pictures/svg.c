@@ -22,22 +22,12 @@
 /* The look of each class of paths, as attributes, which all programs understand. The class is there for a reader's own style sheet. */
 static const struct {
     const char *class, *fill, *stroke;
-} looks[] = {{"t", "#e9f1fa", "#6d94bf"},
-             {"h", NULL, "#d1495b"},
-             {"p", NULL, INK},
-             {"k", NULL, "#5b3a1e"},
-             {"l", NULL, "#3c2410"},
-             {"f", NULL, "#b5c7d9"},
-             {"s", NULL, INK},
-             {"q0", "#67001f", "#fff"},
-             {"q1", "#b2182b", "#fff"},
-             {"q2", "#d6604d", "#fff"},
-             {"q3", "#f4a582", "#fff"},
-             {"q4", "#fddbc7", "#fff"},
-             {"q5", "#e8eef2", "#fff"},
-             {"q6", "#d1e5f0", "#fff"},
-             {"q7", "#92c5de", "#fff"},
-             {"q8", "#4393c3", "#fff"},
+} looks[] = {{"t", "#e9f1fa", "#6d94bf"}, {"h", NULL, "#d1495b"},    {"c", NULL, "#1f1f1f"},
+             {"b", NULL, "#7b2d8b"},      {"p", NULL, INK},          {"k", NULL, "#5b3a1e"},
+             {"l", NULL, "#3c2410"},      {"f", NULL, "#b5c7d9"},    {"s", NULL, INK},
+             {"q0", "#67001f", "#fff"},   {"q1", "#b2182b", "#fff"}, {"q2", "#d6604d", "#fff"},
+             {"q3", "#f4a582", "#fff"},   {"q4", "#fddbc7", "#fff"}, {"q5", "#e8eef2", "#fff"},
+             {"q6", "#d1e5f0", "#fff"},   {"q7", "#92c5de", "#fff"}, {"q8", "#4393c3", "#fff"},
              {"q9", "#2166ac", "#fff"}};
 
 /* Opens a path of that class, or of the colour #rrggbb, with edges in that colour or in white. */
@@ -326,15 +316,28 @@ void svg_hull_begin(struct svg *s)
     path_end(s);
 }
 
-/* An edge of the hull, as much of it as is near the box. */
-static void draw_hull_edge(struct svg *s, const double *p, const double *q)
+/* A segment, as much of it as is near the box. */
+static void draw_segment(struct svg *s, const char *class, double width, const double *p,
+                         const double *q)
 {
     double line[MOST_CORNERS][2] = {{p[0], p[1]}, {q[0], q[1]}};
-    if (cut_polygon(s, line, 2) < 2)
+    if (s->clip != NULL && cut_polygon(s, line, 2) < 2)
         return;
-    path_item(s, "h", clamp(3 * s->line, 14, 60));
+    path_item(s, class, width);
     fprintf(s->out, "M%ld %ldL%ld %ld", place_x(s, line[0]), place_y(s, line[0]),
             place_x(s, line[1]), place_y(s, line[1]));
+}
+
+static void draw_hull_edge(struct svg *s, const double *p, const double *q)
+{
+    draw_segment(s, "h", clamp(3 * s->line, 14, 60), p, q);
+}
+
+/* Borders are wider than lines. */
+void svg_constraint(struct svg *s, bool border, const double *p, const double *q)
+{
+    draw_segment(s, border ? "b" : "c", clamp((border ? 5 : 4) * s->line, border ? 24 : 18, 80), p,
+                 q);
 }
 
 void svg_hull_point(struct svg *s, const double *p)

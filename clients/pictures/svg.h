@@ -2,7 +2,7 @@
  * wanted, what the colours mean. Nothing lies outside of the frame.
  *
  * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
- * each hull point in order, svg_hull_end, svg_points, svg_end. Polygons and lines may be among them before
+ * each hull point in order, svg_hull_end, svg_constraint for each constraint, svg_points, svg_end. Polygons and lines may be among them before
  * svg_points. Everything is written directly to the file; ferror() reports failed writes. */
 #ifndef CLIENTS_SVG_H
 #define CLIENTS_SVG_H
@@ -65,6 +65,9 @@ void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed
 void svg_hull_begin(struct svg *s);
 void svg_hull_point(struct svg *s, const double *p);
 void svg_hull_end(struct svg *s);
+
+/* A constraint, bold; as much of it as is near the box if there is a clip. Begins where the hull has ended. */
+void svg_constraint(struct svg *s, bool border, const double *p, const double *q);
 
 /* The points, each a dot, and their ids beside them if there are at most 100 or
  * s->numbers is set; no id covers another, and s->unlabelled counts those without room. */

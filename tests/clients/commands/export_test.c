@@ -54,6 +54,37 @@ TEST(export_follows_ids_that_have_gaps)
     daemon_end(&d);
 }
 
+TEST(pictures_draw_constraints_bold_and_borders_unlike_lines)
+{
+    struct daemon d = daemon_start(NULL);
+    int status;
+    run(&d, &status, "ADD t 0 0  8 0  8 8  0 8  2 2");
+    run(&d, &status, "TRIANGULATE t");
+    const char *svg = run(&d, &status, "export t -");
+    CHECK(status == 0 && count(svg, "class=\"c\"") == 0 && count(svg, "class=\"b\"") == 0);
+    run(&d, &status, "CONSTRAIN t OF 3 0 4");
+    run(&d, &status, "CONSTRAIN t BORDER RING 0 1 2");
+    svg = run(&d, &status, "export t - --viewport -2,-2,4,4");
+    CHECK(status == 0 && count(svg, "class=\"c\"") == 1 && count(svg, "class=\"b\"") >= 1);
+    CHECK(strstr(svg, "class=\"c\" stroke=\"#1f1f1f\"") != NULL);
+    CHECK(strstr(svg, "class=\"b\" stroke=\"#7b2d8b\"") != NULL);
+    svg = run(&d, &status, "export t -");
+    CHECK(status == 0 && strstr(svg, "M400 16400L4400 12400\"") != NULL); /* 0 to 4 */
+    daemon_end(&d);
+}
+
+TEST(show_draws_constraints_also_where_there_are_too_many_edges_to_draw)
+{
+    struct daemon d = daemon_start(NULL);
+    int status;
+    run(&d, &status, "ADD t 0 0  1 0  2 0  3 0  0 3  1 3  2 3  3 3");
+    run(&d, &status, "TRIANGULATE t");
+    check_run(&d, "show t --width 2 --height 1", 0, "\xE2\xA3\x8F\xE2\xA3\xB9\n");
+    run(&d, &status, "CONSTRAIN t 0 7");
+    check_run(&d, "show t --width 2 --height 1", 0, "\xE2\xA3\xAF\xE2\xA3\xBB\n");
+    daemon_end(&d);
+}
+
 TEST(export_that_is_refused_leaves_no_file)
 {
     struct daemon d = daemon_start(NULL);
