@@ -2,6 +2,7 @@
  * slot has been used. */
 #include "server/clients/clients.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 enum { FIRST_CAPACITY = 64 };
@@ -90,4 +91,13 @@ void clients_clear(struct clients *c)
 {
     free(c->slot);
     *c = (struct clients){0};
+}
+
+void notice_client(const struct session *s, enum notice_level level, const char *what)
+{
+    char peer[SOCK_PEER_TEXT];
+    if (!notice_wanted(level))
+        return;
+    sock_peer_text(&s->peer, peer);
+    notice(level, "client %" PRIu64 " of %s %s", s->id, peer, what);
 }

@@ -4,6 +4,7 @@
 #define SERVER_CLIENTS_H
 
 #include "server/clients/session_state.h"
+#include "server/system/notice.h"
 
 struct clients {
     struct client_slot *slot; /* owns */
@@ -33,5 +34,8 @@ struct session *clients_oldest_stranger(struct clients *c);
 void clients_each(const struct clients *c, void (*visit)(struct session *s));
 
 void clients_clear(struct clients *c);
+
+/* Writes a message about the session for the operator. */
+void notice_client(const struct session *s, enum notice_level level, const char *what);
 
 #endif

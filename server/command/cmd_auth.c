@@ -2,7 +2,6 @@
 #include "server/command/command.h"
 
 #include "server/clients/clients.h"
-#include "server/command/account.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,8 +2,7 @@
 #include "server/command/command.h"
 
 #include "server/clients/clients.h"
-#include "server/command/account.h"
-#include "server/command/reload.h"
+#include "server/clients/reload.h"
 #include "server/ops/setting.h"
 
 #include <stdio.h>

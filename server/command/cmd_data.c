@@ -1,6 +1,6 @@
 /* cmd_data.c - the commands about sets and their points. */
 #include "server/command/command.h"
-#include "server/command/expire.h"
+#include "server/jobs/expire.h"
 
 #include "proto/number.h"
 #include "server/clients/clients.h"

@@ -1,7 +1,7 @@
 /* cmd_load.c - LOAD, LOADB and FSETB, when their body is complete: all of it counts at once, so that a load is atomic. */
 #include "server/command/command.h"
 
-#include "server/command/load.h"
+#include "server/bodies/load.h"
 #include "server/jobs/submit.h"
 
 /* Adds the points, if there is memory for them; else they stay. */

@@ -1,8 +1,8 @@
 /* cmd_query.c - the commands that read a triangulation. */
 #include "server/command/command.h"
 
+#include "server/bodies/load.h"
 #include "server/command/ahead.h"
-#include "server/command/load.h"
 #include "server/ops/limits.h"
 #include "server/replies/answer_rows.h"
 #include "server/replies/query.h"

@@ -2,8 +2,8 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
+#include "server/bodies/load.h"
 #include "server/command/ahead.h"
-#include "server/command/load.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
 #include "server/replies/surface.h"

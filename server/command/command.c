@@ -2,9 +2,9 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
-#include "server/command/expire.h"
-#include "server/command/load.h"
+#include "server/bodies/load.h"
 #include "server/jobs/durable.h"
+#include "server/jobs/expire.h"
 #include "server/jobs/submit.h"
 #include "server/jobs/upkeep.h"
 #include "server/ops/cost.h"

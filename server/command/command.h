@@ -5,8 +5,8 @@
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
+#include "server/bodies/load.h"
 #include "server/changes/change.h"
-#include "server/command/load.h"
 #include "server/jobs/server.h"
 #include "server/replies/listing.h"
 

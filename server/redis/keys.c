@@ -3,8 +3,8 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
-#include "server/command/expire.h"
 #include "server/jobs/durable.h"
+#include "server/jobs/expire.h"
 #include "server/redis/glob.h"
 #include "server/redis/redis_reply.h"
 

@@ -2,7 +2,7 @@
 #include "server/redis/redis_expire.h"
 
 #include "proto/number.h"
-#include "server/command/expire.h"
+#include "server/jobs/expire.h"
 #include "server/redis/keys.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
 /* session_answer.c - processes answers: their bytes go to the connection, and the session enters the state that
  * they require. */
 #include "proto/resp.h"
-#include "server/command/account.h"
+#include "server/bodies/load.h"
 #include "server/command/command.h"
-#include "server/command/load.h"
 #include "server/replies/resp3.h"
 #include "server/replies/stream.h"
+#include "server/session/account.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 

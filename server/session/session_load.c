@@ -1,9 +1,9 @@
 /* session_load.c - the bodies of requests: a session's steps from the request to the end of its body,
  * and then to its answer. */
 #include "proto/resp.h"
-#include "server/command/account.h"
+#include "server/bodies/load.h"
 #include "server/command/command.h"
-#include "server/command/load.h"
+#include "server/session/account.h"
 #include "server/session/session_inside.h"
 
 #include <string.h>

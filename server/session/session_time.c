@@ -1,7 +1,7 @@
 /* session_time.c - time limits: sessions that stall, that do not authenticate in time, or whose load stalls are
  * ended; and a probe detects closed connections. */
-#include "server/command/account.h"
-#include "server/command/load.h"
+#include "server/bodies/load.h"
+#include "server/clients/clients.h"
 #include "server/ops/limits.h"
 #include "server/replies/stream.h"
 #include "server/session/session.h"

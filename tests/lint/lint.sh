@@ -15,7 +15,7 @@ trap 'rm -f "$found"' EXIT
 declare -A rooms=(
     [core]='exact control memory fields points mesh constraints grid set divide shelling query cells surface edit arrays'
     [clients]='lib reading files meshes surfaces pictures cli commands'
-    [server]='system ops sets changes disk jobs replies clients command watch follow redis repair session'
+    [server]='system ops sets changes disk jobs bodies replies clients command watch follow redis repair session'
 )
 
 # ---- which files ----

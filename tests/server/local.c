@@ -2,8 +2,8 @@
 #include "tests/server/local.h"
 
 #include "proto/line.h"
+#include "server/bodies/load.h"
 #include "server/command/command.h"
-#include "server/command/load.h"
 #include "server/jobs/job.h"
 #include "server/jobs/keep.h"
 #include "server/lifecycle.h"

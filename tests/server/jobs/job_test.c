@@ -1,8 +1,8 @@
 /* job_test.c - which jobs may wait for a worker, and what happens to the result of a job. */
 #include "server/jobs/job.h"
 
+#include "server/bodies/load.h"
 #include "server/command/command.h"
-#include "server/command/load.h"
 #include "server/lifecycle.h"
 #include "server/ops/limits.h"
 #include "tests/server/local.h"

@@ -1,5 +1,5 @@
 /* load.c - see load.h. */
-#include "server/command/load.h"
+#include "server/bodies/load.h"
 
 #include "core/delaunay_fields.h"
 #include "proto/number.h"

@@ -1,8 +1,7 @@
 /* reload.c - see reload.h. */
-#include "server/command/reload.h"
+#include "server/clients/reload.h"
 
 #include "server/clients/clients.h"
-#include "server/command/account.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* parser.c - see parser.h. */
-#include "server/jobs/parser.h"
+#include "server/bodies/parser.h"
 
 #include "server/jobs/job.h"
 

@@ -6,8 +6,8 @@
 #include "proto/body.h"
 #include "proto/reply.h"
 #include "proto/request.h"
+#include "server/bodies/parser.h"
 #include "server/jobs/answer.h"
-#include "server/jobs/parser.h"
 #include "server/jobs/server.h"
 
 /* The body of a command's requests. */

@@ -1,5 +1,5 @@
 /* parser_test.c - text that workers parse in blocks: the body is the same as one that has been fed all of it. */
-#include "server/jobs/parser.h"
+#include "server/bodies/parser.h"
 
 #include "tests/server/local.h"
 #include "tests/test.h"

@@ -1,5 +1,5 @@
 /* expire.c - see expire.h. */
-#include "server/command/expire.h"
+#include "server/jobs/expire.h"
 
 #include "server/jobs/durable.h"
 #include "server/jobs/submit.h"

@@ -1,9 +1,8 @@
-/* account.h - accounting of requests: statistics, the slow log, and messages about a session. */
+/* account.h - accounting of requests: statistics and the slow log. */
 #ifndef SERVER_ACCOUNT_H
 #define SERVER_ACCOUNT_H
 
 #include "server/clients/session_state.h"
-#include "server/system/notice.h"
 
 /* The current request has been answered by *a. `error`: with an ERR line. */
 void account_end(struct session *s, const struct answer *a, bool error);
@@ -16,8 +15,5 @@ void account_load(struct session *s);
 
 /* The job that the session waits for has finished. */
 void account_job(struct session *s, const struct job *j);
-
-/* Writes a message about the session for the operator. */
-void notice_client(const struct session *s, enum notice_level level, const char *what);
 
 #endif

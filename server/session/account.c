@@ -1,9 +1,8 @@
 /* account.c - see account.h. */
-#include "server/command/account.h"
+#include "server/session/account.h"
 
 #include "server/command/command.h"
 
-#include <inttypes.h>
 #include <string.h>
 #include <time.h>
 
@@ -77,13 +76,4 @@ void account_job(struct session *s, const struct job *j)
 {
     if (j->began_ns > j->queued_ns)
         s->pause.waited_ns += j->began_ns - j->queued_ns;
-}
-
-void notice_client(const struct session *s, enum notice_level level, const char *what)
-{
-    char peer[SOCK_PEER_TEXT];
-    if (!notice_wanted(level))
-        return;
-    sock_peer_text(&s->peer, peer);
-    notice(level, "client %" PRIu64 " of %s %s", s->id, peer, what);
 }
