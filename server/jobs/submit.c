@@ -215,13 +215,18 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
     return a->refused;
 }
 
-/* A reactor that shares the world leaves the set's grid to the next edit (submit_shares). */
+/* A reactor that shares the world leaves the set's grid to the next edit (submit_shares), and those who watch the set to the end
+ * of its turn, where it is alone once for all its edits. */
 static void after_edit(struct server *s, struct answer *a, struct dataset *set)
 {
-    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop))
+    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop)) {
         upkeep_after_edit(s, set);
-    else if (set->current->lsn != 0)
+        return;
+    }
+    if (set->current->lsn != 0)
         loop_yield(&a->reactor->loop, &a->reactor->push);
+    if (set->watched != NULL)
+        loop_end_alone(&a->reactor->loop);
 }
 
 static void finish(struct server *s, struct job *j, struct answer *a)
@@ -306,8 +311,8 @@ static bool keeps_live(struct server *s, const struct dataset *set, struct submi
 
 bool submit_shares(const struct dataset *set, enum change_code code)
 {
-    return set != NULL && set->watched == NULL && change_kinds[code].edit != NULL &&
-           change_kinds[code].note == NULL && !dt_renew_due(set->current->dt);
+    return set != NULL && change_kinds[code].edit != NULL && change_kinds[code].note == NULL &&
+           !dt_renew_due(set->current->dt);
 }
 
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,

@@ -54,8 +54,9 @@ struct loop {
     unsigned lane;      /* of this loop */
     bool inside;        /* it shares the world, or is alone in it */
     bool alone;         /* it is alone in the world */
-    bool changed;       /* it has been alone in this turn */
-    bool asleep;        /* it waits for events; only changed by who may change the loop */
+    bool
+        changed; /* turn_end is due: it has been alone in this turn, or has called loop_end_alone */
+    bool asleep; /* it waits for events; only changed by who may change the loop */
     struct source wake; /* an eventfd by which other loops end that */
     bool stopped;
     struct list deferred, yielded, disposals;
@@ -70,7 +71,7 @@ struct loop {
     int64_t next_tick_ms;
     void (*tick)(struct loop *loop); /* once a second; may be NULL */
     void (*turn_end)(
-        struct loop *loop); /* at the end of every turn in which the loop was alone; may be NULL */
+        struct loop *loop); /* at the end of every turn that has changed the world; may be NULL */
     struct buf spare_in,
         spare_out; /* large blocks that connections borrow while they have data to process */
 };
@@ -98,6 +99,12 @@ static inline bool loop_is_sharing(const struct loop *loop)
 /* Shares the world from now on. If another loop waits to be alone, it comes first. After a call of either, nothing that
  * was known about the world needs to hold any more. */
 void loop_share(struct loop *loop);
+
+/* This turn ends with a call of turn_end, for which the loop is alone, although it may only share the world before. */
+static inline void loop_end_alone(struct loop *loop)
+{
+    loop->changed = true;
+}
 
 /* Runs turns until loop_stop. The calling thread is outside of the world, or alone in it. */
 void loop_run(struct loop *loop);

@@ -1,6 +1,8 @@
 /* agenda.c - see agenda.h. */
 #include "server/watch/agenda.h"
 
+#include <pthread.h>
+
 void agenda_enter(struct watched *k)
 {
     list_append(&k->server->watching.all, &k->link);
@@ -17,8 +19,11 @@ void agenda_leave(struct watched *k)
 
 void agenda_call(struct watched *k)
 {
+    static pthread_mutex_t calls = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&calls);
     if (!list_holds(&k->busy))
         list_append(&k->server->watching.busy, &k->busy);
+    pthread_mutex_unlock(&calls);
 }
 
 void agenda_begin(struct server *s)

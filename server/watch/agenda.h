@@ -15,7 +15,7 @@
 void agenda_enter(struct watched *k);
 void agenda_leave(struct watched *k);
 
-/* It is looked at, at the end of this turn. */
+/* It is looked at, at the end of this turn. Reactors that share the world call it, too: of a set whose gate they have closed. */
 void agenda_call(struct watched *k);
 
 /* Begins a turn; then takes one set after the other; NULL at the end. Sets that are called after agenda_begin, or have not

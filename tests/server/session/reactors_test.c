@@ -1,5 +1,6 @@
 /* reactors_test.c - several reactors: what one of them does for the sessions of others. */
 #include "tests/server/directory.h"
+#include "tests/server/watch/mirror.h"
 #include "tests/test.h"
 
 #include <inttypes.h>
@@ -151,6 +152,53 @@ TEST_TIMEOUT(edits_of_the_same_sets_on_several_reactors_have_one_order_which_the
     CHECK_STR(q_again, q);
     daemon_end(&d);
     directory_remove(&dir);
+}
+
+/* ---- those who watch ---- */
+
+enum { WATCHERS = 6 };
+
+static void *edit_t(void *arg)
+{
+    unsigned me = (unsigned)(uintptr_t)arg;
+    int fd = daemon_connect(shared);
+    char text[200];
+    for (unsigned i = 0; i < EDITS / 2; i++) {
+        sprintf(text, "ADD t %u.%u %u\n", i, me + 1, me);
+        say(fd, text);
+        const char *first = strstr(hear_line(fd), "first=");
+        CHECK(first != NULL);
+        unsigned id = (unsigned)strtoul(first + 6, NULL, 10);
+        sprintf(text, i % 4 == 3 ? "DEL t %u\n" : "MOVE t %u %u.%u %u\n", id, i, me + 1, me + 100);
+        say(fd, text);
+        CHECK(strncmp(hear_line(fd), "OK 0 ", 5) == 0);
+    }
+    close(fd);
+    return NULL;
+}
+
+TEST_TIMEOUT(watchers_on_all_reactors_have_what_the_editors_on_all_reactors_have_made, 60)
+{
+    static const char *const arguments[] = {"--reactors", "3", NULL};
+    static struct mirror m[WATCHERS];
+    struct daemon d = daemon_start(arguments);
+    pthread_t thread[EDITORS];
+    int fd = daemon_connect(&d);
+    carry_out(&d, "ADD t -1 -1 -2 -1 -1 -2\nTRIANGULATE t\n");
+    for (int i = 0; i < WATCHERS; i++)
+        mirror_watch(&m[i], &d, false);
+    shared = &d;
+    for (uintptr_t i = 0; i < EDITORS; i++)
+        CHECK(pthread_create(&thread[i], NULL, edit_t, (void *)i) == 0);
+    for (int i = 0; i < EDITORS; i++)
+        CHECK(pthread_join(thread[i], NULL) == 0);
+    uint64_t version = ask_version(fd, "STAT t\n");
+    for (int i = 0; i < WATCHERS; i++) {
+        mirror_catch_up(&m[i], version);
+        mirror_check(&m[i], fd, true);
+        mirror_free(&m[i]);
+    }
+    daemon_end(&d);
 }
 
 /* A reactor that shares the world gives up such an edit, which has been begun, and carries it out when it is alone. */

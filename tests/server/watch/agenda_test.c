@@ -3,6 +3,7 @@
 #include "server/watch/agenda.h"
 
 #include "server/clients/clients.h"
+#include "server/jobs/submit.h"
 #include "server/session/session.h"
 #include "server/system/loop.h"
 #include "server/watch/watch.h"
@@ -121,6 +122,15 @@ TEST(sets_that_are_merely_watched_are_not_looked_at)
     const char *text = heard();
     CHECK_MSG(strstr(text, "EVENT 1 set=s9 ") != NULL, "%s", text);
     CHECK_MSG(strstr(text, "EVENT 2 set=s7 ") != NULL, "%s", text);
+    end();
+}
+
+TEST(edit_of_a_watched_set_needs_no_reactor_that_is_alone)
+{
+    begin();
+    ask("ADD s 0 0 1 0 0 1\nWATCH s\n");
+    CHECK(local_set(&b.l, "s")->watched != NULL);
+    CHECK(submit_shares(local_set(&b.l, "s"), CHANGE_ADD));
     end();
 }
 
