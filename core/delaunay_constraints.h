@@ -56,10 +56,43 @@ size_t dt_constrain_memory(const struct dt *t, size_t n);
 /* How many there are. */
 uint32_t dt_constraints_count(const struct dt *t);
 
+/* A growing array. Start with {0}; its owner frees v. */
+struct dt_constraint_list {
+    struct dt_constraint *v;
+    size_t n, cap;
+};
+
 /* All constraints, or those with the end `id` unless that is DT_NONE, now or at the moment of a view, in an array that
  * *rows is set to and the caller frees: a < b, sorted by a, b, lines before borders, number. */
 enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint32_t id,
                               struct dt_constraint **rows, size_t *n);
+
+/* The same piece by piece, between which the set may be edited if a view is read: appends the constraints whose smaller end is *from or
+ * an id after it, until that has taken `steps` steps: of constraints, and of ids that are ends. *from becomes the next id,
+ * DT_NONE at the end. Those of an id are read at once. DT_NOMEM: what was appended and *from are without meaning. */
+enum dt_status dt_constraints_read(const struct dt *t, const struct dt_view *v, uint32_t *from,
+                                   size_t steps, struct dt_constraint_list *out);
+
+/* How many end at the id, but at most `most`, which the cost is, too. */
+size_t dt_constraints_at(const struct dt *t, uint32_t id, size_t most);
+
+/* Whether it is declared; its ids are in any order. Cost: constant. */
+bool dt_constraint_has(const struct dt *t, const struct dt_constraint *c);
+
+/* Whether the closed segment between two places meets the closed box; exact. */
+bool dt_segment_meets_box(struct dt_point a, struct dt_point b, struct dt_point lo,
+                          struct dt_point hi);
+
+/* A constraint that edits have declared or released, or of which they have moved an end. */
+struct dt_touched_constraint {
+    struct dt_constraint what;
+    struct dt_point at[2]; /* the places of its ends before, if it is not new */
+    bool moved;            /* an end has moved; else it has been declared or released */
+};
+
+/* What edits have touched since the last call, as dt_touched_take (delaunay.h); in the order of the edits, possibly repeated. */
+bool dt_touched_take_constraints(struct dt *t, const struct dt_touched_constraint **rows,
+                                 size_t *n);
 
 /* Appends the pairs a < b, sorted, of the edges that are parts of constraints. */
 enum dt_status dt_constrained_edges(const struct dt *t, struct dt_ids *out);

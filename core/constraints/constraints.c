@@ -19,7 +19,7 @@ size_t dt_constraints_memory(const struct dt_constraints *c)
     return c == NULL
                ? 0
                : sizeof *c + dt_declared_memory(&c->declared) + dt_enforcer_memory(&c->enforcer) +
-                     dt_regions_memory(&c->regions) + c->history.cap * sizeof *c->history.change;
+                     dt_regions_memory(&c->regions) + dt_history_memory(&c->history);
 }
 
 enum dt_status dt_constraints_copy(const struct dt_constraints *c, struct dt_constraints **copy)

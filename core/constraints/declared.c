@@ -1,6 +1,7 @@
 /* declared.c - see declared.h. */
 #include "core/constraints/declared.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory/memory.h"
@@ -209,6 +210,20 @@ struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row)
 {
     const struct dt_declared_row *r = &d->row[row];
     return (struct dt_constraint){r->end[0], r->end[1], (r->what & 1) != 0, r->what >> 1};
+}
+
+enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c)
+{
+    if (list->n == list->cap) {
+        size_t cap = list->cap == 0 ? 16 : 2 * list->cap;
+        struct dt_constraint *v = realloc(list->v, cap * sizeof *v);
+        if (v == NULL)
+            return DT_NOMEM;
+        list->v = v;
+        list->cap = cap;
+    }
+    list->v[list->n++] = c;
+    return DT_OK;
 }
 
 int dt_constraint_compare(const void *p, const void *q)

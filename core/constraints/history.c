@@ -7,19 +7,38 @@
 void dt_history_clear(struct dt_history *h)
 {
     free(h->change);
+    dt_idmap_clear(&h->last);
     *h = (struct dt_history){.first = dt_history_now(h)};
+}
+
+static void enter(struct dt_history *h, size_t at)
+{
+    uint32_t id = h->change[at].what.a;
+    h->change[at].before = dt_idmap_get(&h->last, id);
+    dt_idmap_set(&h->last, id, (uint32_t)at);
+}
+
+/* Removes the first changes. */
+static void remove_first(struct dt_history *h, size_t gone)
+{
+    for (size_t i = 0; i < h->n; i++)
+        if (dt_idmap_get(&h->last, h->change[i].what.a) != DT_NONE)
+            dt_idmap_unset(&h->last, h->change[i].what.a);
+    memmove(h->change, h->change + gone, (h->n - gone) * sizeof *h->change);
+    h->n -= gone;
+    h->first += gone;
+    for (size_t i = 0; i < h->n; i++)
+        enter(h, i);
+    dt_idmap_trim(&h->last);
 }
 
 void dt_history_trim(struct dt_history *h, uint64_t from)
 {
     size_t gone = from <= h->first ? 0 : from - h->first < h->n ? (size_t)(from - h->first) : h->n;
-    if (gone == h->n) {
+    if (gone == h->n)
         dt_history_clear(h);
-    } else if (gone > h->n / 2) {
-        memmove(h->change, h->change + gone, (h->n - gone) * sizeof *h->change);
-        h->n -= gone;
-        h->first += gone;
-    }
+    else if (gone > h->n / 2)
+        remove_first(h, gone);
 }
 
 enum dt_status dt_history_reserve(struct dt_history *h, size_t n)
@@ -27,7 +46,8 @@ enum dt_status dt_history_reserve(struct dt_history *h, size_t n)
     if (n <= h->cap - h->n)
         return DT_OK;
     size_t cap = h->n + n < 2 * h->cap ? 2 * h->cap : h->n + n;
-    struct dt_history_change *change = realloc(h->change, cap * sizeof *change);
+    struct dt_history_change *change =
+        cap < DT_NONE ? realloc(h->change, cap * sizeof *change) : NULL;
     if (change == NULL)
         return DT_NOMEM;
     h->change = change;
@@ -35,9 +55,20 @@ enum dt_status dt_history_reserve(struct dt_history *h, size_t n)
     return DT_OK;
 }
 
+enum dt_status dt_history_reserve_id(struct dt_history *h, uint32_t id)
+{
+    return dt_idmap_reserve(&h->last, id, 1);
+}
+
 void dt_history_note(struct dt_history *h, struct dt_constraint what, bool added)
 {
-    h->change[h->n++] = (struct dt_history_change){what, added};
+    h->change[h->n] = (struct dt_history_change){.what = what, .added = added};
+    enter(h, h->n++);
+}
+
+size_t dt_history_memory(const struct dt_history *h)
+{
+    return h->cap * sizeof *h->change + dt_idmap_memory(&h->last);
 }
 
 /* A change of a constraint, and its place among all. */
@@ -54,43 +85,44 @@ static int compare_numbered(const void *a, const void *b)
     return sign != 0 ? sign : (p->number > q->number) - (p->number < q->number);
 }
 
-/* The first changes of every constraint since the moment, sorted: *k of them; the caller frees them. */
-static struct numbered *first_changes(const struct dt_history *h, size_t from, size_t *k)
+/* The first changes of every constraint of the id since the moment, sorted: *k of them; the caller frees them. NULL: none if *k is 0,
+ * else out of memory. */
+static struct numbered *first_changes(const struct dt_history *h, size_t from, uint32_t id,
+                                      size_t *k)
 {
-    struct numbered *c = malloc((h->n - from + 1) * sizeof *c);
+    size_t n = 0, kept = 0;
+    uint32_t last = h->n == 0 ? DT_NONE : dt_idmap_get(&h->last, id);
+    for (uint32_t i = last; i != DT_NONE && i >= from; i = h->change[i].before)
+        n++;
+    *k = n;
+    struct numbered *c = n == 0 ? NULL : malloc(n * sizeof *c);
     if (c == NULL)
         return NULL;
-    for (size_t i = from; i < h->n; i++)
-        c[i - from] = (struct numbered){h->change[i].what, h->change[i].added, i};
-    qsort(c, h->n - from, sizeof *c, compare_numbered);
-    *k = 0;
-    for (size_t i = 0; i < h->n - from; i++)
-        if (i == 0 || dt_constraint_compare(&c[i].what, &c[*k - 1].what) != 0)
-            c[(*k)++] = c[i];
+    for (size_t i = 0, at = last; i < n; i++, at = h->change[at].before)
+        c[i] = (struct numbered){h->change[at].what, h->change[at].added, at};
+    qsort(c, n, sizeof *c, compare_numbered);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || dt_constraint_compare(&c[i].what, &c[kept - 1].what) != 0)
+            c[kept++] = c[i];
+    *k = kept;
     return c;
 }
 
-enum dt_status dt_history_undo(const struct dt_history *h, uint64_t moment,
-                               struct dt_constraint **rows, size_t *n)
+enum dt_status dt_history_undo(const struct dt_history *h, uint64_t moment, uint32_t id,
+                               struct dt_constraint_list *list, size_t first)
 {
-    size_t from = moment > h->first ? (size_t)(moment - h->first) : 0, changes, kept = 0;
-    if (from >= h->n)
-        return DT_OK;
-    struct numbered *c = first_changes(h, from, &changes);
-    struct dt_constraint *r = c == NULL ? NULL : realloc(*rows, (*n + changes + 1) * sizeof *r);
-    if (r == NULL) {
-        free(c);
-        return DT_NOMEM;
-    }
-    for (size_t i = 0; i < *n; i++)
-        if (bsearch(&r[i], c, changes, sizeof *c, dt_constraint_compare) == NULL)
-            r[kept++] = r[i];
-    for (size_t i = 0; i < changes; i++)
+    size_t from = moment > h->first ? (size_t)(moment - h->first) : 0, changes, kept = first;
+    struct numbered *c = first_changes(h, from, id, &changes);
+    if (c == NULL)
+        return changes == 0 ? DT_OK : DT_NOMEM;
+    enum dt_status status = DT_OK;
+    for (size_t i = first; i < list->n; i++)
+        if (bsearch(&list->v[i], c, changes, sizeof *c, dt_constraint_compare) == NULL)
+            list->v[kept++] = list->v[i];
+    list->n = kept;
+    for (size_t i = 0; i < changes && status == DT_OK; i++)
         if (!c[i].added)
-            r[kept++] = c[i].what;
-    qsort(r, kept, sizeof *r, dt_constraint_compare);
+            status = dt_constraint_append(list, c[i].what);
     free(c);
-    *rows = r;
-    *n = kept;
-    return DT_OK;
+    return status;
 }

@@ -315,11 +315,19 @@ static enum dt_status prepare_history(struct dt *t, size_t n)
     return oldest == NULL ? DT_OK : dt_history_reserve(h, n);
 }
 
+/* Room to note changes of constraints whose smaller end is the id. */
+static enum dt_status prepare_note(struct dt *t, uint32_t id)
+{
+    return t->views.oldest == NULL ? DT_OK : dt_history_reserve_id(&t->constraints->history, id);
+}
+
 static void note(struct dt *t, uint32_t row, bool added)
 {
+    struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
+    if (t->touched.on)
+        dt_touched_note_constraint(t, &c, false);
     if (t->views.oldest != NULL)
-        dt_history_note(&t->constraints->history, dt_declared_get(&t->constraints->declared, row),
-                        added);
+        dt_history_note(&t->constraints->history, c, added);
 }
 
 /* Room for n constraints more. */
@@ -349,7 +357,9 @@ static enum dt_status declare(struct dt *t, struct dt_constraint c, struct dt_st
     status = dt_is_live(t) ? enforce_or_name(t, &c, work) : DT_OK;
     if (status != DT_OK)
         return status;
-    status = dt_declared_add(d, &c, row);
+    status = prepare_note(t, c.a);
+    if (status == DT_OK)
+        status = dt_declared_add(d, &c, row);
     if (status == DT_OK)
         note(t, *row, true);
     if (status != DT_OK && dt_is_live(t)) {
@@ -477,6 +487,8 @@ enum dt_status dt_release(struct dt *t, const struct dt_constraint *c, size_t n,
         status = dt_work(&work, k);
     if (status == DT_OK && k > 0)
         status = prepare_history(t, k);
+    for (size_t i = 0; i < k && status == DT_OK; i++)
+        status = prepare_note(t, t->constraints->declared.row[row[i]].end[0]);
     if (status == DT_OK) {
         for (size_t i = 0; i < k; i++)
             undeclare(t, row[i]);
@@ -490,62 +502,10 @@ enum dt_status dt_release(struct dt *t, const struct dt_constraint *c, size_t n,
 
 /* ---- reading ---- */
 
-uint32_t dt_constraints_count(const struct dt *t)
-{
-    return t->constraints == NULL ? 0 : t->constraints->declared.rows;
-}
-
 void dt_crossed(const struct dt *t, struct dt_crossed *out)
 {
     *out = t->constraints == NULL ? (struct dt_crossed){{0, 0, false, 0}, {0, 0, false, 0}}
                                   : t->constraints->crossed;
-}
-
-/* Those now, sorted. */
-static struct dt_constraint *rows_now(const struct dt *t, uint32_t id, size_t *n)
-{
-    size_t count = dt_constraints_count(t), k = 0;
-    struct dt_constraint *c = malloc((count + 1) * sizeof *c);
-    const struct dt_declared *d = c == NULL || count == 0 ? NULL : &t->constraints->declared;
-    if (id == DT_NONE) {
-        for (uint32_t i = 0; d != NULL && i < d->end; i++)
-            if (dt_declared_is_live(d, i))
-                c[k++] = dt_declared_get(d, i);
-    } else if (d != NULL) {
-        for (uint32_t i = dt_declared_first(d, id); i != DT_NONE; i = dt_declared_next(d, i, id))
-            c[k++] = dt_declared_get(d, i);
-    }
-    if (k > 1)
-        qsort(c, k, sizeof *c, dt_constraint_compare);
-    *n = k;
-    return c;
-}
-
-static size_t keep_those_at(struct dt_constraint *c, size_t n, uint32_t id)
-{
-    size_t k = 0;
-    for (size_t i = 0; i < n; i++)
-        if (c[i].a == id || c[i].b == id)
-            c[k++] = c[i];
-    return k;
-}
-
-enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint32_t id,
-                              struct dt_constraint **rows, size_t *n)
-{
-    bool then = v != NULL && t->constraints != NULL;
-    *rows = rows_now(t, then ? DT_NONE : id, n);
-    enum dt_status status = *rows == NULL ? DT_NOMEM : DT_OK;
-    if (then && status == DT_OK)
-        status = dt_history_undo(&t->constraints->history, v->constraints, rows, n);
-    if (then && status == DT_OK && id != DT_NONE)
-        *n = keep_those_at(*rows, *n, id);
-    if (status == DT_OK)
-        return DT_OK;
-    free(*rows);
-    *rows = NULL;
-    *n = 0;
-    return status;
 }
 
 static int compare_pairs(const void *a, const void *b)

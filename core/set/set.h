@@ -21,9 +21,16 @@ struct dt_touched_list {
  * On a line that is vertical, y decides. */
 enum dt_touched_line { DT_NOT_ON_LINE, DT_LINE_UP, DT_LINE_DOWN };
 
+struct dt_touched_constraints {
+    struct dt_touched_constraint *row; /* owns */
+    size_t n, cap;
+    bool all; /* too many to be noted */
+};
+
 /* Start with {0}. */
 struct dt_touched {
     struct dt_touched_list rows, values;
+    struct dt_touched_constraints constraints;
     bool on, with_values;
     enum dt_touched_line line; /* when rows were taken last */
 };
@@ -32,11 +39,16 @@ void dt_touched_clear(struct dt_touched *w);
 
 static inline size_t dt_touched_memory(const struct dt_touched *w)
 {
-    return (w->rows.cap + w->values.cap) * sizeof *w->rows.key;
+    return (w->rows.cap + w->values.cap) * sizeof *w->rows.key +
+           w->constraints.cap * sizeof *w->constraints.row;
 }
 
 /* Notes a key; O(1) amortised. */
 void dt_touched_note(struct dt_touched_list *w, uint64_t key);
+
+/* Note a constraint whose ends are still where they were, or all those of an end that is about to move. */
+void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, bool moved);
+void dt_touched_note_end(struct dt *t, uint32_t id);
 
 struct dt {
     struct dt_points points; /* who is where */

@@ -6,12 +6,13 @@
 #include "core/delaunay_fields.h"
 #include "core/mesh/hull.h"
 
-enum { MOST = 16384 };
+enum { MOST = 16384, MOST_CONSTRAINTS = 8192 };
 
 void dt_touched_clear(struct dt_touched *w)
 {
     free(w->rows.key);
     free(w->values.key);
+    free(w->constraints.row);
     *w = (struct dt_touched){.on = false};
 }
 
@@ -30,6 +31,32 @@ void dt_touched_note(struct dt_touched_list *w, uint64_t key)
         w->cap = cap;
     }
     w->key[w->n++] = key;
+}
+
+void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, bool moved)
+{
+    struct dt_touched_constraints *w = &t->touched.constraints;
+    if (w->n == w->cap && !w->all) {
+        size_t cap = w->cap == 0 ? 16 : 2 * w->cap;
+        struct dt_touched_constraint *row =
+            w->n < MOST_CONSTRAINTS ? realloc(w->row, cap * sizeof *row) : NULL;
+        w->all = row == NULL;
+        w->row = w->all ? w->row : row;
+        w->cap = w->all ? w->cap : cap;
+    }
+    if (!w->all)
+        w->row[w->n++] = (struct dt_touched_constraint){
+            *c, {dt_points_xy(&t->points, c->a), dt_points_xy(&t->points, c->b)}, moved};
+}
+
+void dt_touched_note_end(struct dt *t, uint32_t id)
+{
+    const struct dt_declared *d = &t->constraints->declared;
+    for (uint32_t row = dt_declared_first(d, id); row != DT_NONE && !t->touched.constraints.all;
+         row = dt_declared_next(d, row, id)) {
+        struct dt_constraint c = dt_declared_get(d, row);
+        dt_touched_note_constraint(t, &c, true);
+    }
 }
 
 /* Cost: O(1), but on a line O(points). */
@@ -64,7 +91,7 @@ void dt_touched_end(struct dt *t)
 
 size_t dt_touched_count(const struct dt *t)
 {
-    return t->touched.rows.n + t->touched.values.n;
+    return t->touched.rows.n + t->touched.values.n + t->touched.constraints.n;
 }
 
 static bool take(struct dt_touched_list *w, bool on, const uint64_t **keys, size_t *n)
@@ -91,4 +118,15 @@ bool dt_touched_take(struct dt *t, const uint64_t **keys, size_t *n)
 bool dt_touched_take_values(struct dt *t, const uint64_t **keys, size_t *n)
 {
     return take(&t->touched.values, t->touched.with_values, keys, n);
+}
+
+bool dt_touched_take_constraints(struct dt *t, const struct dt_touched_constraint **rows, size_t *n)
+{
+    struct dt_touched_constraints *w = &t->touched.constraints;
+    bool all = w->all || !t->touched.on;
+    *rows = w->row;
+    *n = all ? 0 : w->n;
+    w->n = 0;
+    w->all = false;
+    return !all;
 }

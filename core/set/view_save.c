@@ -20,6 +20,8 @@ static void save_row(void *ctx, uint32_t id)
     struct dt_views *w = &t->views;
     if (t->touched.on)
         dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_ROW);
+    if (t->touched.on && t->constraints != NULL)
+        dt_touched_note_end(t, id);
     if (!is_needed(w, DT_IMAGE_ROW, id))
         return;
     uint32_t *image = dt_images_save(&w->images[DT_IMAGE_ROW], id, DT_ROW_WORDS);

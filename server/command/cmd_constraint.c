@@ -160,6 +160,7 @@ void cmd_constraints(struct server *s, struct dataset *set, const struct request
     query.numbered = n == 2 && word_is(&q->word[2], "OF");
     if (query.numbered && !read_number(a, &q->word[3], &query.k))
         return;
-    if (n == 0 || query.numbered || read_ends(a, set, q, n, &query))
+    query.ended = n > 0 && !query.numbered;
+    if (!query.ended || read_ends(a, set, q, n, &query))
         query_answer(s, a, set, &query);
 }

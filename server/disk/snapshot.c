@@ -21,7 +21,8 @@ enum {
     SYNC_BYTES =
         8 << 20,      /* after which it syncs, so that the disk's queue stays short for the log */
     TURN_ROWS = 4096, /* rows that are read under the lock at a time, */
-    TURN_PAGES = 32,  /* and pages of values */
+    TURN_PAGES = 32,  /* and pages of values, */
+    TURN_CONSTRAINTS = 2048, /* or constraints, about */
     NICE = 10
 };
 
@@ -197,32 +198,46 @@ static bool put_fields(struct output *o, const struct snapshot_source *s, struct
 
 /* ---- constraints ---- */
 
-/* The constraints of the moment, in an array that *v is set to; false: out of memory. */
-static bool read_constraints(const struct snapshot_source *s, struct dt_constraint **v, size_t *n)
+/* Reads the next constraints, until a record is full; *from: the next id, DT_NONE at the end. */
+static bool read_constraints(const struct snapshot_source *s, uint32_t *from,
+                             struct dt_constraint_list *list)
 {
-    *v = NULL;
-    *n = 0;
-    version_lock_read(s->version);
-    bool ok = is_readable(s) && dt_constraints(s->version->dt, s->view, DT_NONE, v, n) == DT_OK;
-    version_unlock(s->version);
+    bool ok = true;
+    while (ok && *from != DT_NONE && list->n < RECORD_CONSTRAINTS) {
+        version_lock_read(s->version);
+        ok = is_readable(s) &&
+             dt_constraints_read(s->version->dt, s->view, from, TURN_CONSTRAINTS, list) == DT_OK;
+        version_unlock(s->version);
+    }
     return ok;
+}
+
+/* Writes the first ones as a record and removes them. */
+static bool put_first(struct output *o, struct dt_constraint_list *list,
+                      struct record_constraint *items)
+{
+    struct record r = {.type = RECORD_CONSTRAIN, .items = items};
+    r.n = (uint32_t)(list->n < RECORD_CONSTRAINTS ? list->n : RECORD_CONSTRAINTS);
+    for (uint32_t i = 0; i < r.n; i++)
+        items[i] = constraint_record(&list->v[i]);
+    list->n -= r.n;
+    memmove(list->v, list->v + r.n, list->n * sizeof *list->v);
+    return put(o, &r);
 }
 
 static bool put_constraints(struct output *o, const struct snapshot_source *s)
 {
-    struct dt_constraint *v;
-    size_t n;
+    struct dt_constraint_list list = {.n = 0};
     struct record_constraint *items = malloc(RECORD_CONSTRAINTS * sizeof *items);
-    struct record r = {.type = RECORD_CONSTRAIN, .items = items};
-    bool ok = (read_constraints(s, &v, &n) && items != NULL) || fail(o, ENOMEM);
-    for (size_t at = 0; ok && at < n; at += r.n) {
-        r.n = (uint32_t)(n - at < RECORD_CONSTRAINTS ? n - at : RECORD_CONSTRAINTS);
-        for (uint32_t i = 0; i < r.n; i++)
-            items[i] = constraint_record(&v[at + i]);
-        ok = put(o, &r);
-    }
+    uint32_t from = 0;
+    bool ok = items != NULL || fail(o, ENOMEM);
+    do {
+        ok = ok && (read_constraints(s, &from, &list) || fail(o, ENOMEM));
+        if (ok && list.n > 0)
+            ok = put_first(o, &list, items);
+    } while (ok && (list.n > 0 || from != DT_NONE));
     free(items);
-    free(v);
+    free(list.v);
     return ok;
 }
 

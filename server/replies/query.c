@@ -1,6 +1,7 @@
 /* query.c - see query.h. */
 #include "server/replies/query.h"
 
+#include "core/delaunay_constraints.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
@@ -9,9 +10,10 @@
 #include <stdlib.h>
 
 enum {
-    STEPS_LOCKED = 20000, /* steps of a worker under the lock, */
-    SHARE_LOCKED = 64,    /* or the number of points divided by this, if that is more */
-    SWEEP_ROWS = 4096     /* rows that a sweep reads under the lock at a time */
+    STEPS_LOCKED = 20000,   /* steps of a worker under the lock, */
+    SHARE_LOCKED = 64,      /* or the number of points divided by this, if that is more */
+    SWEEP_ROWS = 4096,      /* rows that a sweep reads under the lock at a time, */
+    CONSTRAINT_STEPS = 2048 /* or constraints, about */
 };
 
 struct query_job {
@@ -141,12 +143,22 @@ static enum dt_status find_weights(const struct dt *dt, struct query *q,
     return status;
 }
 
+/* All constraints, or those of a number, at once. */
+static enum dt_status find_all_constraints(const struct dt *dt, struct query *q,
+                                           const struct dt_options *opt)
+{
+    uint32_t from = 0;
+    if (opt->steps > 0 && dt_constraints_count(dt) > opt->steps)
+        return DT_TOOLONG;
+    return constraint_rows_read(dt, NULL, q->numbered ? q->k : DT_NONE, &from, SIZE_MAX, &q->ids);
+}
+
 static enum dt_status find_constraints(const struct dt *dt, struct query *q,
                                        const struct dt_options *opt)
 {
-    enum dt_status status = q->kind == QUERY_CONSTRAINTS
-                                ? constraint_rows(dt, q->numbered ? q->k : DT_NONE, opt, &q->ids)
-                                : constraint_edges(dt, opt, &q->ids);
+    enum dt_status status = q->kind == QUERY_CONSTRAINED ? constraint_edges(dt, opt, &q->ids)
+                            : q->ended                   ? constraint_rows_at(dt, opt, &q->ids)
+                                                         : find_all_constraints(dt, q, opt);
     q->words = q->ids.n;
     return status;
 }
@@ -290,6 +302,25 @@ static enum dt_status sift(struct query_job *j)
     return status;
 }
 
+/* The same for constraints. */
+static enum dt_status read_constraints(struct query_job *j)
+{
+    struct version *v = j->job.base;
+    struct query *q = &j->query;
+    uint32_t from = 0, number = q->numbered ? q->k : DT_NONE;
+    enum dt_status status = DT_OK;
+    while (status == DT_OK && from != DT_NONE) {
+        size_t words = q->ids.n + ROW_CONSTRAINT_WORDS * CONSTRAINT_STEPS;
+        status = job_reserve(&j->job, (words + words / 2) * sizeof(uint32_t));
+        if (status == DT_OK)
+            status = constraint_rows_read(v->dt, j->view, number, &from, CONSTRAINT_STEPS, &q->ids);
+        if (status == DT_OK)
+            status = job_pause(&j->job);
+    }
+    q->words = q->ids.n;
+    return status;
+}
+
 /* Computes the weights within a limit, or exactly, if there is memory for that. */
 static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, bool exact)
 {
@@ -332,10 +363,14 @@ static void run_job(struct job *job)
         job->status = weigh(j);
         return;
     }
-    bool reads = !row_is_of_list(form) || j->query.within; /* the rows of the result, later */
+    bool lists = form == ROW_CONSTRAINT && !j->query.ended;
+    bool reads = !row_is_of_list(form) || j->query.within || lists; /* in pieces, or later */
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS || j->query.within);
-    job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);
+    if (reads && j->view == NULL)
+        job->status = DT_NOMEM;
+    else
+        job->status = lists ? read_constraints(j) : search(job->dt, &j->query, &opt);
     if (job->status == DT_TOOLONG && j->query.within)
         job->status = sift(j);
     else if (job->status == DT_TOOLONG ||
@@ -398,7 +433,7 @@ void query_answer(struct server *s, struct answer *a, struct dataset *set, struc
     struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
     struct dt_ids *scratch = &a->reactor->scratch;
     bool borrows = q->ids.v == NULL;
-    if (!set->current->sum.triangulated) {
+    if (!set->current->sum.triangulated && q->kind != QUERY_CONSTRAINTS) {
         answer_by_job(s, a, set, q);
         return;
     }

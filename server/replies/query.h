@@ -29,8 +29,8 @@ struct query {
     struct dt_point hi;    /* QUERY_BOX: its upper right corner */
     double radius;         /* QUERY_DISC */
     uint32_t k;            /* QUERY_NEAREST; QUERY_CONSTRAINTS: the number, if it is `numbered` */
-    bool numbered;
-    uint32_t corner[3]; /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
+    bool numbered, ended;  /* QUERY_CONSTRAINTS: those of a number, or those that end at the ids */
+    uint32_t corner[3];    /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
     unsigned corners;
     bool cw; /* QUERY_LISTS, QUERY_TRIANGLES */
     bool

@@ -27,7 +27,8 @@ bool digest_begin(struct digest *d, const struct dataset *set)
     dt_view_summary(d->view, &sum);
     d->points = sum.points;
     d->next_id = dt_view_next_id(d->view);
-    d->columns = 1 + sum.fields;
+    d->constraints = dt_constraints_count(set->current->dt);
+    d->columns = 1 + sum.fields + (d->constraints > 0);
     const uint64_t facts[] = {d->next_id,
                               sum.points,
                               sum.triangulated || set->triangulated, /* it may be loading */
@@ -72,41 +73,58 @@ static bool read_pages(struct digest *d, const struct dt *dt)
     return true;
 }
 
-static enum dt_status read_constraints(struct digest *d, const struct dt *dt)
+/* Whether there are constraints, and they are next. */
+static bool is_at_constraints(const struct digest *d)
 {
-    struct dt_constraint *v;
-    size_t n;
-    enum dt_status status = dt_constraints(dt, d->view, DT_NONE, &v, &n);
-    if (status != DT_OK)
-        return status;
-    if (n > 0)
-        d->value = digest_bytes(d->value, &n, sizeof n);
-    for (size_t i = 0; i < n; i++) {
-        const uint32_t words[] = {v[i].a, v[i].b, v[i].number << 1 | v[i].border};
+    return d->constraints > 0 && d->column + 1 == d->columns;
+}
+
+/* All values have been read. */
+static void begin_constraints(struct digest *d)
+{
+    d->column = d->columns - 1;
+    if (d->constraints > 0)
+        d->value = digest_bytes(d->value, &d->constraints, sizeof d->constraints);
+}
+
+/* Reads the next constraints; *done: there are no more. */
+static enum dt_status read_constraints(struct digest *d, const struct dt *dt, bool *done)
+{
+    struct dt_constraint_list list = {.n = 0};
+    enum dt_status status = dt_constraints_read(dt, d->view, &d->end, DIGEST_CONSTRAINTS, &list);
+    for (size_t i = 0; i < list.n && status == DT_OK; i++) {
+        const struct dt_constraint *c = &list.v[i];
+        const uint32_t words[] = {c->a, c->b, c->number << 1 | c->border};
         d->value = digest_bytes(d->value, words, sizeof words);
     }
-    free(v);
-    return DT_OK;
+    free(list.v);
+    *done = d->end == DT_NONE;
+    return status;
 }
 
 enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done)
 {
     struct dt_row row[DIGEST_ROWS];
     size_t n;
-    enum dt_status status = dt_view_rows(dt, d->view, &d->from, row, DIGEST_ROWS, &n);
     *done = false;
+    if (is_at_constraints(d))
+        return read_constraints(d, dt, done);
+    enum dt_status status = dt_view_rows(dt, d->view, &d->from, row, DIGEST_ROWS, &n);
     if (status != DT_OK)
         return status;
-    if (n > 0)
+    if (n > 0) {
         d->value = digest_bytes(d->value, row, n * sizeof *row);
-    else
-        *done = !read_pages(d, dt);
-    return *done ? read_constraints(d, dt) : DT_OK;
+    } else if (!read_pages(d, dt)) {
+        begin_constraints(d);
+        *done = d->constraints == 0;
+    }
+    return DT_OK;
 }
 
 unsigned digest_progress(const struct digest *d)
 {
-    uint64_t ids = d->column == 0 ? d->from : d->page < d->next_id ? d->page : d->next_id;
+    uint64_t at = is_at_constraints(d) ? d->end : d->column == 0 ? d->from : d->page;
+    uint64_t ids = at < d->next_id ? at : d->next_id;
     uint64_t all = (uint64_t)d->columns * d->next_id;
     return all == 0 ? 0 : (unsigned)(100 * ((uint64_t)d->column * d->next_id + ids) / all);
 }

@@ -18,8 +18,9 @@
 #include "server/sets/dataset.h"
 
 enum {
-    DIGEST_ROWS = 4096, /* part of what the digest means */
-    DIGEST_PAGES = 32   /* read in a piece */
+    DIGEST_ROWS = 4096,       /* part of what the digest means */
+    DIGEST_PAGES = 32,        /* read in a piece, */
+    DIGEST_CONSTRAINTS = 2048 /* and constraints, about */
 };
 
 struct digest {
@@ -33,6 +34,8 @@ struct digest {
     uint32_t column;              /* that is being read; 0: rows */
     const struct dt_field *field; /* of that column */
     uint64_t page;                /* of it, the next one */
+    uint64_t constraints; /* their number then; if there are any, they are the last column */
+    uint32_t end;         /* the first id whose constraints have not been read */
 };
 
 /* Begins with the set as it is now. On a reactor; no job edits the set in place. The caller ends d->view

@@ -5,14 +5,13 @@
 
 #include <stdlib.h>
 
-enum { ROWS = 4096 }; /* read under the lock at a time */
+enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read under the lock at a time */
 
 /* What is copied before there is a set. */
 struct copy {
     uint32_t n, room;
     uint32_t *id, *representative;
-    struct dt_constraint *constraint;
-    size_t constraints;
+    struct dt_constraint_list constraints;
     struct dt_point *at;
     double *value;
 };
@@ -21,7 +20,7 @@ static void clear(struct copy *c)
 {
     free(c->id);
     free(c->representative);
-    free(c->constraint);
+    free(c->constraints.v);
     free(c->at);
     free(c->value);
 }
@@ -60,23 +59,33 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
     return DT_OK;
 }
 
+/* A piece has been read: edits go on, if there are any. */
+static enum dt_status pause_copy(struct version *v, const struct dt_options *opt, bool locked)
+{
+    if (locked) {
+        version_unlock(v);
+        version_lock_read(v);
+    }
+    return atomic_load(opt->cancel) ? DT_CANCELLED : DT_OK;
+}
+
 static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
                                 const struct dt_field *f, const struct dt_options *opt, bool locked,
                                 struct copy *c)
 {
-    uint32_t from = 0;
+    uint32_t from = 0, end = 0;
     enum dt_status status = make_room(c, view);
     for (bool done = false; status == DT_OK && !done;) {
         status = take_rows(c, v->dt, view, f, &from, &done);
-        if (locked) { /* edits go on */
-            version_unlock(v);
-            version_lock_read(v);
-        }
-        if (status == DT_OK && atomic_load(opt->cancel))
-            status = DT_CANCELLED;
+        if (status == DT_OK)
+            status = pause_copy(v, opt, locked);
     }
-    return status == DT_OK ? dt_constraints(v->dt, view, DT_NONE, &c->constraint, &c->constraints)
-                           : status;
+    while (status == DT_OK && end != DT_NONE) {
+        status = dt_constraints_read(v->dt, view, &end, CONSTRAINTS, &c->constraints);
+        if (status == DT_OK)
+            status = pause_copy(v, opt, locked);
+    }
+    return status;
 }
 
 /* Makes the set, which needs no lock. */
@@ -89,7 +98,7 @@ static enum dt_status build(const struct copy *c, uint32_t next_id, const struct
     if (status == DT_OK)
         status = dt_field_set(t, "z", 1, c->id, c->value, c->n, opt, &missing);
     if (status == DT_OK)
-        status = dt_constrain(t, c->constraint, c->constraints, opt, &added, &missing);
+        status = dt_constrain(t, c->constraints.v, c->constraints.n, opt, &added, &missing);
     if (status == DT_OK)
         status = dt_triangulate(t, opt);
     return status == DT_OK ? dt_prepare(t, opt) : status;

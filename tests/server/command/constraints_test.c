@@ -6,6 +6,7 @@
 #include "tests/test.h"
 
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -194,5 +195,71 @@ TEST(constraints_that_do_not_fit_into_memory_are_refused_and_change_nothing)
     close(fd);
     free(xy);
     free(pair);
+    daemon_end(&d);
+}
+
+/* A set of N points with lines of three numbers between neighbours, in descending order, and borders from the first point. */
+static void constrain_many(int fd, unsigned n)
+{
+    static char text[200000];
+    size_t at = (size_t)snprintf(text, sizeof text, "ADD t");
+    for (unsigned i = 0; i < n; i++)
+        at += (size_t)snprintf(text + at, sizeof text - at, " %u %u", i, i * i % 101);
+    at += (size_t)snprintf(text + at, sizeof text - at, "\n");
+    for (unsigned k = 0; k < 3; k++) {
+        at += (size_t)snprintf(text + at, sizeof text - at, "CONSTRAIN t OF %u PATH", k);
+        for (unsigned i = n; i-- > 0;)
+            at += (size_t)snprintf(text + at, sizeof text - at, " %u", i);
+        at += (size_t)snprintf(text + at, sizeof text - at, "\n");
+    }
+    at += (size_t)snprintf(text + at, sizeof text - at, "CONSTRAIN t BORDER");
+    for (unsigned i = n; i-- > 2;)
+        at += (size_t)snprintf(text + at, sizeof text - at, " %u 0", i);
+    snprintf(text + at, sizeof text - at, "\n");
+    say(fd, text);
+    for (int i = 0; i < 5; i++)
+        CHECK(strncmp(hear_line(fd), "OK ", 3) == 0);
+}
+
+/* Hears the rows of an id, of so many lines. */
+static void hear_rows(int fd, unsigned id, unsigned n, unsigned first, unsigned end)
+{
+    char want[80];
+    for (unsigned k = first; id + 1 < n && k < end; k++) {
+        snprintf(want, sizeof want, "%u %u line %u", id, id + 1, k);
+        CHECK_STR(hear_line(fd), want);
+    }
+    for (unsigned other = 2; id == 0 && first == 0 && other < n; other++) {
+        snprintf(want, sizeof want, "0 %u border 0", other);
+        CHECK_STR(hear_line(fd), want);
+    }
+}
+
+TEST(constraints_of_a_large_set_are_sorted_whether_all_or_some_are_asked_for)
+{
+    enum { N = 4000 }; /* more than a reactor reads at once */
+    char want[80];
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    constrain_many(fd, N);
+    say(fd, "CONSTRAINTS t\n");
+    snprintf(want, sizeof want, "OK %u", 3 * (N - 1) + N - 2);
+    CHECK_STR(hear_line(fd), want);
+    for (unsigned i = 0; i < N; i++)
+        hear_rows(fd, i, N, 0, 3);
+    say(fd, "CONSTRAINTS t OF 2\n");
+    snprintf(want, sizeof want, "OK %u", N - 1);
+    CHECK_STR(hear_line(fd), want);
+    for (unsigned i = 0; i < N; i++)
+        hear_rows(fd, i, N, 2, 3);
+    say(fd, "CONSTRAINTS t 0\n");
+    snprintf(want, sizeof want, "OK %u", 3 + N - 2);
+    CHECK_STR(hear_line(fd), want);
+    hear_rows(fd, 0, N, 0, 3);
+    say(fd, "CONSTRAINTS t 3999 3998 3999\n"); /* each row once */
+    expect(fd, "OK 8\n0 3998 border 0\n0 3999 border 0\n");
+    hear_rows(fd, 3997, N, 0, 3);
+    hear_rows(fd, 3998, N, 0, 3);
+    close(fd);
     daemon_end(&d);
 }
