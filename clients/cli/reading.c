@@ -7,7 +7,6 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
-#include "clients/files/progress.h"
 #include "clients/reading/plan_make.h"
 #include "proto/number.h"
 
@@ -28,6 +27,11 @@ static int read_change(struct reading *r, int option, char **argv)
         return options_wrong(argv[0], "--nodata %s is not a number", optarg);
     w->nodata[(*n)++] = nodata;
     return EXIT_DONE;
+}
+
+static bool read_number(const char *text, uint32_t *number)
+{
+    return proto_read_u32(text, strlen(text), number) && *number <= PATHS_MOST_NUMBER;
 }
 
 int reading_option(struct reading *r, int option, char **argv, bool *known)
@@ -51,10 +55,19 @@ int reading_option(struct reading *r, int option, char **argv, bool *known)
         return options_wrong(argv[0], "--skip-lines %s is not a number of lines", optarg);
     else if (option == READING_SKIP_LINES)
         s->table.wish.skip_lines = lines;
+    else if (option == READING_POINTS)
+        s->points_only = true;
+    else if (option == READING_BORDER)
+        s->lines_border = true;
+    else if (option == READING_SPLIT)
+        r->split = true;
+    else if (option == READING_OF && !read_number(optarg, &s->first_number))
+        return options_wrong(argv[0], "--of %s is not a number up to %d", optarg,
+                             PATHS_MOST_NUMBER);
     else if (option == READING_NODATA || option == READING_NEGATE)
         return read_change(r, option, argv);
     else
-        *known = option == READING_FORMAT || option == READING_COLUMNS;
+        *known = option == READING_FORMAT || option == READING_COLUMNS || option == READING_OF;
     return EXIT_DONE;
 }
 
@@ -147,6 +160,10 @@ void reading_json(const struct reading *r)
     const char *name = source_name(&r->from);
     json_string(name, strlen(name));
     json_number("points", r->file.n);
+    if (r->file.paths.n > 0) {
+        json_number("paths", r->file.paths.n);
+        json_number("segments", r->file.paths.segments);
+    }
     if (t->using[0] != '\0')
         json_text("using", t->using);
     put_skipped(&r->file);
@@ -254,6 +271,8 @@ static void show(const struct reading *r)
            (uintmax_t)r->file.skipped);
     if (known)
         printf(", coincident with earlier points: %ju", (uintmax_t)c.points);
+    if (r->file.paths.n > 0)
+        printf(", paths: %zu of %zu segments", r->file.paths.n, r->file.paths.segments);
     putchar('\n');
     if (r->from.table.plan.columns > 0)
         show_plan(r);
@@ -262,8 +281,8 @@ static void show(const struct reading *r)
 
 /* ---- the file ---- */
 
-/* Prints what has been added to the report since the file was read. */
-static void note_coincident(struct reading *r)
+/* That is what has been added to the report since the file was read. */
+void reading_note_coincident(struct reading *r)
 {
     struct report *report = &r->file.report;
     size_t before = report->n;
@@ -287,34 +306,10 @@ int reading_read(struct reading *r, bool *go_on)
     }
     *go_on = !r->dry_run;
     if (r->dry_run) {
-        note_coincident(r);
+        reading_note_coincident(r);
         show(r);
     }
     return EXIT_DONE;
-}
-
-static void show_sending(void *ctx, size_t done, size_t total)
-{
-    progress_update(ctx, done, total, done);
-}
-
-enum delaunay_result reading_send(struct reading *r, struct delaunay_client *c, const char *set)
-{
-    const struct table_fields *t = &r->from.table.fields;
-    const struct points_file *f = &r->file;
-    char names[FIELDS_MOST * (FIELDS_NAME + 1)] = "";
-    struct progress bar;
-    for (size_t i = 0, n = 0; i < f->fields; i++)
-        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", i > 0 ? "," : "", t->name[i]);
-    progress_start(&bar, "sending");
-    enum delaunay_result result =
-        delaunay_send_values(c, set, names, f->xy, f->value, f->n, show_sending, &bar);
-    progress_end(&bar);
-    if (result == DELAUNAY_OK)
-        result = delaunay_receive(c, command_show_comment, NULL);
-    if (result == DELAUNAY_OK && strstr(delaunay_status(c)->text, "coincident=0") == NULL)
-        note_coincident(r);
-    return result;
 }
 
 void reading_free(struct reading *r)

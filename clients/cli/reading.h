@@ -4,7 +4,6 @@
 
 #include "clients/cli/options.h"
 #include "clients/files/source.h"
-#include "clients/lib/delaunay_client.h"
 
 enum reading_option {
     READING_FORMAT = 300,
@@ -14,7 +13,11 @@ enum reading_option {
     READING_NODATA,
     READING_SKIP_LINES,
     READING_NEGATE,
-    READING_DRY_RUN
+    READING_DRY_RUN,
+    READING_POINTS,
+    READING_BORDER,
+    READING_OF,
+    READING_SPLIT
 };
 
 #define READING_OPTIONS                                                                            \
@@ -24,6 +27,9 @@ enum reading_option {
         {"nodata", required_argument, NULL, READING_NODATA},                                       \
         {"skip-lines", required_argument, NULL, READING_SKIP_LINES},                               \
         {"negate", required_argument, NULL, READING_NEGATE},                                       \
+        {"points", no_argument, NULL, READING_POINTS},                                             \
+        {"border", no_argument, NULL, READING_BORDER},                                             \
+        {"of", required_argument, NULL, READING_OF}, {"split", no_argument, NULL, READING_SPLIT},  \
     {                                                                                              \
         "dry-run", no_argument, NULL, READING_DRY_RUN                                              \
     }
@@ -32,6 +38,7 @@ struct reading {
     struct source from;
     struct points_file file;
     bool dry_run;
+    bool split; /* where lines cross they get points */
 };
 
 /* Takes one of these options; a usage error's status, or EXIT_DONE. *known says whether it is one. */
@@ -41,9 +48,8 @@ int reading_option(struct reading *r, int option, char **argv, bool *known);
  * status if they are not. */
 int reading_read(struct reading *r, bool *go_on);
 
-/* Sends the points with their fields into a set, with a progress bar, receives the reply, and says where coincident points have
- * different values. */
-enum delaunay_result reading_send(struct reading *r, struct delaunay_client *c, const char *set);
+/* Prints where coincident points have different values. */
+void reading_note_coincident(struct reading *r);
 
 /* For --json: the key "input" with what was read. */
 void reading_json(const struct reading *r);

@@ -15,12 +15,13 @@ const struct subcommand subcommands[] = {
      "  -f, --format F           svg or png; else the picture's ending decides\n"
      "      --input-format F     of the points; as load's --format\n"
      "  -c, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata V, --negate FIELD,\n"
-     "      --dry-run            as load's; --dry-run needs no PICTURE\n"
+     "      --of K, --border, --points, --split, --dry-run\n"
+     "                           as load's; --dry-run needs no PICTURE\n"
      "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n"
      "      --geographic         as export's; usual where the headings are those of degrees\n"
      "      --planar             x and y alike, whatever the headings are\n",
-     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
-     "--dry-run "
+     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
+     "--border --points --split --dry-run "
      "--colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
@@ -29,20 +30,21 @@ const struct subcommand subcommands[] = {
      "  -f, --format F           of the mesh; else its ending decides\n"
      "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
      "V,\n"
-     "      --negate FIELD, --dry-run, --force\n",
-     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate "
-     "--dry-run "
+     "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force\n",
+     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
+     "--border --points --split --dry-run "
      "--colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
-     "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
+     "Loads the points and lines of a file (- for the standard input) into the set, in binary "
+     "form. A bad "
      "line\n"
      "loads nothing and is named.\n\n"
      "  -f, --format csv      a table: values between commas, semicolons, tabs, bars or blanks\n"
      "  -f, --format xyz      the same; what follows x, y and z does not count\n"
      "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
-     "  -f, --format geojson  every Point and MultiPoint\n"
+     "  -f, --format geojson  every point, line and polygon\n"
      "  -f, --format node     Triangle's .node file\n"
      "  -f, --format gpx      waypoints, routes and tracks, with elevations\n"
      "  -f, --format las      LAS, and LAZ through pdal or las2txt\n"
@@ -52,6 +54,10 @@ const struct subcommand subcommands[] = {
      "      --skip-lines N    leave out the first N lines\n"
      "      --nodata V        the value V of a field means that it is missing\n"
      "      --negate FIELD    change the sign of x, y or a field\n"
+     "      --of K            the number of the first line or polygon (0)\n"
+     "      --border          lines are borders, as polygons are\n"
+     "      --points          only points; the lines of the file do not count\n"
+     "      --split           lines may cross: they get points where they do\n"
      "      --dry-run         show how the file is read, and load nothing; needs no server\n\n"
      "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node .gpx .las "
      ".laz;\n"
@@ -62,11 +68,14 @@ const struct subcommand subcommands[] = {
      "refused. Heights (z, height, elevation, ele, ...; the third of three columns) become the "
      "field "
      "z.\n"
-     "A column of WKT points is read, too. What is not used, missing or doubtful is named.\n"
+     "A column of WKT is read, too. Lines and polygons become constraints, and the set is\n"
+     "triangulated. What is not used, missing or doubtful is named.\n"
      "Compressed files (.gz .bz2 .xz .zst)\n"
      "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv; of a zip archive its only file of "
      "points.\n",
-     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --dry-run", true, NULL},
+     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --of --border --points "
+     "--split --dry-run",
+     true, NULL},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
      "[--viewport X0,Y0,X1,Y1]",
@@ -138,10 +147,10 @@ const struct subcommand subcommands[] = {
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red, "
      "lines in\n"
-     "cyan, borders in magenta. A set with heights, in the field F or z, is drawn as shaded "
-     "relief, unless --mesh is given. Without\n"
-     "--width and --height it fills the terminal; --plain leaves colours out, as\n"
-     "$NO_COLOR does. With --geographic x and y are longitude and latitude.\n",
+     "cyan, borders in magenta. A set with heights, in the field F or z, is drawn as shaded\n"
+     "relief, unless --mesh is given. Without --width and --height it fills the terminal;\n"
+     "--plain leaves colours out, as $NO_COLOR does. With --geographic x and y are longitude and "
+     "latitude.\n",
      "--width --height --field --mesh --plain --geographic", false, NULL},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "

@@ -7,7 +7,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/message.h"
 #include "clients/cli/private_daemon.h"
-#include "clients/cli/reading.h"
+#include "clients/cli/sending.h"
 #include "clients/commands/export.h"
 
 static const char set[] = "points";
@@ -81,7 +81,9 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
     char show[] = "show", name[] = "points", map[] = "--geographic",
          *words[] = {show, name, d->to.picture.geographic ? map : NULL, NULL};
     snprintf(line, sizeof line, "TRIANGULATE %s", set);
-    enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
+    bool done = d->reading.file.paths.n > 0; /* lines are declared in a triangulation */
+    enum delaunay_result r =
+        done ? DELAUNAY_OK : delaunay_request(c, line, command_show_comment, NULL);
     if (r != DELAUNAY_OK)
         return command_outcome(c, r);
     return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)
@@ -90,7 +92,7 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
 
 static int carry_out(struct drawing *d)
 {
-    char why[300];
+    char why[300], line[SENDING_STATUS];
     bool go_on;
     struct private_daemon own;
     int status = reading_read(&d->reading, &go_on);
@@ -104,8 +106,9 @@ static int carry_out(struct drawing *d)
     }
     d->to.picture.geographic |=
         !d->to.planar && source_is_geographic(&d->reading.from, &d->reading.file);
-    enum delaunay_result r = reading_send(&d->reading, own.client, set);
-    status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
+    status = sending_send(&d->reading, own.client, set, line);
+    if (status == EXIT_DONE)
+        status = write_result(own.client, d);
     private_daemon_end(&own);
     return status;
 }

@@ -1,10 +1,11 @@
 /* load.c - `delaunay load SET FILE`: reads the whole file first, so that a bad line leaves the set
  * as it was. */
 #include <stdio.h>
+#include <string.h>
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
-#include "clients/cli/reading.h"
+#include "clients/cli/sending.h"
 
 static int read_arguments(struct reading *r, const char **set, int argc, char **argv)
 {
@@ -29,14 +30,14 @@ static int read_arguments(struct reading *r, const char **set, int argc, char **
     return EXIT_DONE;
 }
 
-static void print_status(const struct reading *r, const struct delaunay_client *c)
+static void print_status(const struct reading *r, const char *status)
 {
     struct json_reply j = {.rows = 0};
     if (!json_chosen()) {
-        command_print_status(c);
+        puts(status);
         return;
     }
-    json_part(&j, delaunay_status(c));
+    json_part(&j, &(struct delaunay_part){DELAUNAY_PART_OK, status, strlen(status), true});
     reading_json(r);
     json_end(&j);
 }
@@ -44,13 +45,14 @@ static void print_status(const struct reading *r, const struct delaunay_client *
 static int load(struct delaunay_client *c, struct reading *r, const char *set)
 {
     bool go_on;
+    char line[SENDING_STATUS];
     int status = reading_read(r, &go_on);
     if (!go_on)
         return status;
-    enum delaunay_result result = reading_send(r, c, set);
-    if (result == DELAUNAY_OK)
-        print_status(r, c);
-    return command_outcome(c, result);
+    status = sending_send(r, c, set, line);
+    if (status == EXIT_DONE)
+        print_status(r, line);
+    return status;
 }
 
 int command_load(struct delaunay_client *c, int argc, char **argv)

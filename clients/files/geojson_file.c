@@ -25,9 +25,14 @@ struct geojson {
     struct table_fields *fields;
     struct geojson_notes *notes;
     bool survey; /* the first time: points are not taken yet */
+    bool in_path;
+    bool named; /* features have names of our files */
     struct property property[MOST_PROPERTIES];
     size_t properties;
     double row[FIELDS_MOST]; /* the values of the feature that is being read */
+    uint64_t feature;        /* its place in the file, from 1 */
+    struct json_part kind,
+        number; /* its properties of these names; without them the text is NULL */
 };
 
 static bool bad(struct geojson *g)
@@ -59,6 +64,8 @@ static bool add_point(struct geojson *g, const struct json_scan *at, const struc
     g->f->line = at->line;
     g->f->row = g->row;
     if (points_file_add(g->f, word[0].text, word[0].len, word[1].text, word[1].len)) {
+        if (g->in_path && !points_file_corner(g->f))
+            return false;
         for (size_t i = 0; i < g->f->fields; i++)
             g->fields->missing[i] += isnan(g->row[i]) != 0;
         return true;
@@ -111,20 +118,81 @@ static bool read_positions(struct geojson *g)
     return json_take(&g->j, ']') || bad(g);
 }
 
+/* ---- lines and polygons ---- */
+
+/* The kind and number that our own files have as properties. */
+static bool read_name(const struct geojson *g, bool *border, uint32_t *number)
+{
+    if (g->kind.text == NULL || g->number.text == NULL)
+        return false;
+    *border = json_is(g->kind, "\"border\"");
+    return (*border || json_is(g->kind, "\"line\"")) &&
+           proto_read_u32(g->number.text, g->number.len, number) && *number <= PATHS_MOST_NUMBER;
+}
+
+/* The positions of a line, or of a ring. */
+static bool read_path(struct geojson *g, bool ring, bool border, uint32_t number)
+{
+    json_peek(&g->j);
+    g->f->line = g->j.line;
+    if (g->survey)
+        return read_positions(g);
+    if (!points_file_begin_path(g->f, border, number, g->feature))
+        return false;
+    g->in_path = true;
+    bool ok = read_positions(g);
+    g->in_path = false;
+    if (ok)
+        points_file_end_path(g->f, ring);
+    return ok;
+}
+
+/* Arrays within arrays, `depth` of them, down to the positions. All rings of a polygon, whose depth is 2, have the same number. */
+static bool read_paths(struct geojson *g, bool polygon, int depth, bool border, uint32_t number)
+{
+    bool named = false, own;
+    uint32_t given = number;
+    struct json_scan at = g->j;
+    struct json_part rest;
+    if (json_peek(&g->j) != '[')
+        return json_take_value(&g->j, &rest) ? leave_out(g, &at, "the coordinates are not an array")
+                                             : bad(g);
+    if (depth == (polygon ? 2 : 1) && !g->survey) {
+        named = read_name(g, &own, &given);
+        border = polygon || (named && own);
+        if (!named && !points_file_number(g->f, &given))
+            return false;
+    }
+    if (depth == 1)
+        return read_path(g, polygon, border, given);
+    json_take(&g->j, '[');
+    if (json_take(&g->j, ']'))
+        return true;
+    do {
+        if (!read_paths(g, polygon, depth - 1, border, given))
+            return false;
+    } while (json_take(&g->j, ','));
+    return json_take(&g->j, ']') || bad(g);
+}
+
 /* null and [] are no place. */
 static bool is_nowhere(struct json_scan at)
 {
     return json_peek(&at) == 'n' || (json_take(&at, '[') && json_take(&at, ']'));
 }
 
-static bool read_coordinates(struct geojson *g, const struct json_scan *at, bool many)
+/* depth: of the arrays around positions. */
+static bool read_coordinates(struct geojson *g, const struct json_scan *at, bool lines,
+                             bool polygon, int depth)
 {
     g->j = *at;
     if (at->p == NULL || is_nowhere(*at)) {
         g->notes->nowhere += g->survey;
         return true;
     }
-    if (!many)
+    if (lines)
+        return read_paths(g, polygon, depth, polygon, 0);
+    if (depth == 0)
         return read_position(g);
     return json_peek(&g->j) == '[' ? read_positions(g)
                                    : leave_out(g, at, "the coordinates are not an array");
@@ -154,6 +222,10 @@ static void take_property(struct geojson *g, struct property *p, struct json_par
 {
     double v;
     bool number = read_finite(value, &v);
+    if (json_is(p->name, "kind"))
+        g->kind = value;
+    else if (json_is(p->name, "number"))
+        g->number = value;
     if (g->survey) {
         p->numbers += number;
         p->others += !number && !json_is(value, "null");
@@ -268,8 +340,11 @@ static bool read_feature(struct geojson *g, const struct object *o)
 {
     for (size_t i = 0; i < FIELDS_MOST; i++)
         g->row[i] = (double)NAN;
+    g->feature++;
+    g->kind = g->number = (struct json_part){NULL, 0};
     if (!read_properties(g, &o->at[PROPERTIES]))
         return false;
+    g->named |= read_name(g, &(bool){false}, &(uint32_t){0});
     if (o->at[GEOMETRY].p == NULL || *o->at[GEOMETRY].p == 'n') {
         g->notes->nowhere += g->survey;
         return true;
@@ -287,19 +362,23 @@ static bool is_a(const struct object *o, const char *type, enum member member)
 /* Reads what the members say, wherever that leaves g->j. */
 static bool read_members(struct geojson *g, const struct json_scan *at, const struct object *o)
 {
-    static const char *const others[] = {"LineString", "MultiLineString", "Polygon",
-                                         "MultiPolygon"};
-    if (json_is(o->type, "Point") || json_is(o->type, "MultiPoint"))
-        return read_coordinates(g, &o->at[COORDINATES], o->type.text[0] == 'M');
+    static const struct {
+        const char *type;
+        bool lines, polygon;
+        int depth;
+    } geometries[] = {{"Point", false, false, 0},          {"MultiPoint", false, false, 1},
+                      {"LineString", true, false, 1},      {"Polygon", true, true, 2},
+                      {"MultiLineString", true, false, 2}, {"MultiPolygon", true, true, 3}};
+    for (size_t i = 0; i < sizeof geometries / sizeof geometries[0]; i++)
+        if (json_is(o->type, geometries[i].type))
+            return read_coordinates(g, &o->at[COORDINATES], geometries[i].lines,
+                                    geometries[i].polygon, geometries[i].depth);
     if (is_a(o, "GeometryCollection", GEOMETRIES))
         return read_objects(g, &o->at[GEOMETRIES], true);
     if (!o->geometry && is_a(o, "FeatureCollection", FEATURES))
         return o->done || read_objects(g, &o->at[FEATURES], false);
     if (!o->geometry && is_a(o, "Feature", GEOMETRY))
         return read_feature(g, o);
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (json_is(o->type, others[i]))
-            return leave_out(g, at, "a geometry that is neither Point nor MultiPoint");
     return leave_out(g, at,
                      o->type.len == 0 ? "an object without a type that GeoJSON has"
                      : o->geometry    ? "a geometry of a type that GeoJSON does not have"
@@ -334,6 +413,8 @@ static bool read_object(struct geojson *g, bool geometry)
 /* All values. */
 static bool read_text(struct geojson *g, const char *text, size_t n)
 {
+    g->feature = 0;
+    g->kind = g->number = (struct json_part){NULL, 0};
     g->j = (struct json_scan){.p = text, .end = text + n, .line = 1};
     if (n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
         g->j.p += 3; /* the byte order mark of UTF-8 */
@@ -374,6 +455,8 @@ static void choose_fields(struct geojson *g)
         height |= is_z;
         if (taken)
             p->field = (int)t->n - 1;
+        else if (g->named && (json_is(p->name, "kind") || json_is(p->name, "number")))
+            continue;
         else if (at + 80 < sizeof g->notes->unused)
             at += (size_t)snprintf(g->notes->unused + at, sizeof g->notes->unused - at, "%s%.*s",
                                    at > 0 ? ", " : "", (int)(p->name.len < 40 ? p->name.len : 40),

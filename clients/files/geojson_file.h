@@ -1,11 +1,12 @@
-/* geojson_file.h - the points of a GeoJSON file [RFC 7946]: one value, or several after one another (newline-delimited
- * features). Only geometries count: every Point and MultiPoint, in order, that is the geometry of a feature, in a collection, or
- * alone. Properties and other members that look like a geometry do not count. Other geometries are faults. */
+/* geojson_file.h - the points, lines and polygons of a GeoJSON file [RFC 7946]: one value, or several after one another
+ * (newline-delimited features). Only geometries count, in order, that are the geometry of a feature, in a collection, or alone.
+ * Properties and other members that look like a geometry do not count. Every line and every polygon has the next number, unless the
+ * properties of its feature are those that our files have, {"kind":"border","number":7}. */
 #ifndef CLIENTS_GEOJSON_FILE_H
 #define CLIENTS_GEOJSON_FILE_H
 
-#include "clients/files/points_file.h"
-#include "clients/files/table_fields.h"
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
 
 struct geojson_notes {
     bool heights;               /* there are third coordinates */

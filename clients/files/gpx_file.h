@@ -3,8 +3,8 @@
 #ifndef CLIENTS_GPX_FILE_H
 #define CLIENTS_GPX_FILE_H
 
-#include "clients/files/points_file.h"
-#include "clients/files/table_fields.h"
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
 
 enum gpx_kind { GPX_WPT, GPX_RTEPT, GPX_TRKPT, GPX_KINDS };
 

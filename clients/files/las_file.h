@@ -3,8 +3,8 @@
 #ifndef CLIENTS_LAS_FILE_H
 #define CLIENTS_LAS_FILE_H
 
-#include "clients/files/points_file.h"
-#include "clients/files/table_fields.h"
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
 
 enum { LAS_HEADER = 375 }; /* bytes of the longest one that is known, 1.4 */
 

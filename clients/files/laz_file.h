@@ -2,8 +2,8 @@
 #ifndef CLIENTS_LAZ_FILE_H
 #define CLIENTS_LAZ_FILE_H
 
-#include "clients/files/points_file.h"
-#include "clients/files/table_fields.h"
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
 
 /* Reads the file at `path`, which is open as fd, too. Its z becomes the field z of *t. */
 bool laz_file_read(struct points_file *f, const char *path, int fd, struct table_fields *t);

@@ -11,6 +11,7 @@
 #include "clients/files/las_file.h"
 #include "clients/files/laz_file.h"
 #include "clients/files/progress.h"
+#include "clients/points/join.h"
 
 static const struct {
     const char *name;
@@ -27,6 +28,8 @@ static const struct {
                {"geojsonl", SOURCE_GEOJSON, false},
                {"jsonl", SOURCE_GEOJSON, false},
                {"pts", SOURCE_TABLE, true},
+               {"gmt", SOURCE_TABLE, false},
+               {"wkt", SOURCE_TABLE, false},
                {"json", SOURCE_GEOJSON, false},
                {"laz", SOURCE_LAS, false}};
 
@@ -188,6 +191,8 @@ static bool read_points(struct source *s, struct points_file *f, const struct in
     s->table.wish.node = s->form == SOURCE_NODE;
     s->table.wish.xy = s->form == SOURCE_XY;
     f->skip_bad = s->skip_bad;
+    f->paths.number = s->first_number;
+    f->paths.lines_border = s->lines_border;
     if (in->member[0] != '\0')
         report_add(&f->report, NOTE_READ, "reading %s of the archive", in->member);
     if (s->form == SOURCE_GEOJSON)
@@ -199,6 +204,36 @@ static bool read_points(struct source *s, struct points_file *f, const struct in
     progress_start(&r.bar, "reading");
     bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);
+    return ok;
+}
+
+/* Says what of the lines is left out. */
+static void note_paths(struct report *r, const struct paths *p)
+{
+    static const struct {
+        const char *one, *many;
+    } text[] = {{"step of a line has no length and is left out",
+                 "steps of lines have no length and are left out"},
+                {"ring has fewer than three corners and is left out",
+                 "rings have fewer than three corners and are left out"},
+                {"ring is there twice in its polygon; it counts once",
+                 "rings are there twice in their polygons; they count once"},
+                {"ring does not end where it begins; it is closed",
+                 "rings do not end where they begin; they are closed"}};
+    const size_t n[] = {p->short_steps, p->flat_rings, p->same_rings, p->open_rings};
+    for (size_t i = 0; i < sizeof n / sizeof n[0]; i++)
+        if (n[i] > 0)
+            report_add(r, i == 3 ? NOTE_DOUBT : NOTE_SKIPPED, "%zu %s", n[i],
+                       n[i] == 1 ? text[i].one : text[i].many);
+}
+
+/* Joins the lines, or forgets them. */
+static bool finish_paths(struct source *s, struct points_file *f)
+{
+    if (s->points_only)
+        paths_free(&f->paths);
+    bool ok = paths_join(f);
+    note_paths(&f->report, &f->paths);
     return ok;
 }
 
@@ -250,7 +285,7 @@ bool source_read(struct source *s, struct points_file *f)
         f->line = 0;
         ok = points_file_stop(f, "%s", why);
     }
-    ok = ok && survey(f, &s->table, &s->wish);
+    ok = ok && finish_paths(s, f) && survey(f, &s->table, &s->wish);
     if (!ok)
         fail(s, f);
     if (ok && s->table.using[0] != '\0')

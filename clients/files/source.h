@@ -1,11 +1,11 @@
-/* source.h - a file of points as the user specified it: its format, its columns, and whether bad lines are
+/* source.h - a file of points and lines as the user specified it: its format, its columns, and whether bad lines are
  * skipped. */
 #ifndef CLIENTS_SOURCE_H
 #define CLIENTS_SOURCE_H
 
-#include "clients/files/points_file.h"
 #include "clients/files/survey.h"
 #include "clients/files/table_file.h"
+#include "clients/points/points_file.h"
 
 enum source_form {
     SOURCE_XY,
@@ -22,6 +22,9 @@ struct source {
     enum source_form form; /* SOURCE_GUESS: the ending and the first bytes decide */
     struct table_file table;
     bool skip_bad;
+    bool points_only;      /* the lines of the file do not count */
+    bool lines_border;     /* lines are borders, as polygons are */
+    uint32_t first_number; /* of the first line or polygon that the file does not number */
     struct survey_wish wish;
     char message[1400]; /* after a failure: the file, the line and why */
 };

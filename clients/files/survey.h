@@ -3,8 +3,8 @@
 #ifndef CLIENTS_SURVEY_H
 #define CLIENTS_SURVEY_H
 
-#include "clients/files/points_file.h"
 #include "clients/files/table_file.h"
+#include "clients/points/points_file.h"
 
 enum { SURVEY_CHANGES = 8 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/lines/wkt_lines.h"
 #include "clients/reading/plan_make.h"
 #include "clients/reading/wkt.h"
 #include "proto/number.h"
@@ -17,13 +18,16 @@ struct reader {
     struct table_file *t;
     struct points_file *f;
     struct value *value; /* owns PLAN_COLUMNS: of the row */
-    char *block;         /* owns ROW_MOST_BYTES + BLOCK bytes, `have` of them read */
+    char *block;         /* owns ROW_LONGEST + BLOCK bytes, `have` of them read */
     size_t have;
-    bool all, has_nul; /* the file ends with the block; the block has NUL bytes */
-    size_t usual;      /* a row with this number of values needs no check; SIZE_MAX: none */
-    bool plain;        /* numbers are plain ones most often */
-    bool in_order;     /* and the columns are x, y and the fields, nothing else */
-    char srid[24];     /* of the first geometry that has one; "" */
+    bool all, has_nul;   /* the file ends with the block; the block has NUL bytes */
+    size_t usual;        /* a row with this number of values needs no check; SIZE_MAX: none */
+    bool plain;          /* numbers are plain ones most often */
+    bool in_order;       /* and the columns are x, y and the fields, nothing else */
+    char srid[24];       /* of the first geometry that has one; "" */
+    uint32_t polygon;    /* the number of the last one */
+    bool in_path;        /* rows are corners of a path, which a line > has begun */
+    size_t kind, number; /* the columns that our files have beside a geometry; SIZE_MAX: none */
 };
 
 static void count(struct rows_seen *rows, uint64_t line)
@@ -266,23 +270,78 @@ static bool read_in_order(struct reader *r, const char *s, const char *end, doub
     return s == end;
 }
 
+static bool append(struct reader *r, const double *point)
+{
+    return points_file_append(r->f, point[0], point[1]) &&
+           (!r->in_path || points_file_corner(r->f));
+}
+
+/* A geometry that is no point. Its corners have the values of its row. */
+static bool read_geometry(struct reader *r, size_t n)
+{
+    const struct plan *p = &r->t->plan;
+    const struct table_fields *t = &r->t->fields;
+    struct wkt_name name = {.named = false};
+    double *z = NULL;
+    if (!check_system(r, r->value[p->x]))
+        return false;
+    if (r->kind < n && r->number < n) {
+        struct value kind = r->value[r->kind], number = r->value[r->number];
+        name.border = value_is_word(kind, "border");
+        name.named = (name.border || value_is_word(kind, "line")) &&
+                     proto_read_u32(number.text, number.len, &name.number) &&
+                     name.number <= PATHS_MOST_NUMBER;
+    }
+    for (size_t k = 0; k < t->n; k++)
+        if (t->column[k] == p->x)
+            z = &r->t->row[k];
+    if (t->n > 0)
+        read_fields(r, n, NULL, 0);
+    const size_t before = r->f->n;
+    if (!wkt_lines_read(r->f, r->value[p->x], &name, z))
+        return false;
+    if (r->f->n == before)
+        count(&r->t->nowhere, r->f->line);
+    return true;
+}
+
 static bool read_values(struct reader *r, const char *s, const char *end)
 {
     const struct plan *p = &r->t->plan;
     double point[3] = {0, 0, 0};
     int values = 2;
     if (r->in_order && read_in_order(r, s, end, point))
-        return points_file_append(r->f, point[0], point[1]);
+        return append(r, point);
     size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
     if (r->value[0].len == 0 && is_empty(r, n)) {
         count(&r->t->empty, r->f->line);
         return true;
     }
-    if ((n != r->usual && !check_length(r, n)) || !read_place(r, point, &values))
+    if (n != r->usual && !check_length(r, n))
+        return false;
+    bool solid;
+    if (p->geometry && !wkt_read_point(r->value[p->x], point, &values) &&
+        wkt_is_geometry(r->value[p->x], &solid))
+        return read_geometry(r, n);
+    if (!read_place(r, point, &values))
         return false;
     if (r->t->fields.n > 0)
         read_fields(r, n, point, values);
-    return points_file_append(r->f, point[0], point[1]);
+    return append(r, point);
+}
+
+/* OGR writes `# @P` before the outer ring of a polygon, and `# @H` before its holes. */
+static void look_at_mark(struct reader *r, const char *s, const char *end)
+{
+    struct value mark = value_trim(s, end);
+    struct path *path = &r->f->paths.path[r->f->paths.n - 1];
+    bool hole = mark.len >= 4 && memcmp(mark.text, "# @H", 4) == 0;
+    if (!hole && (mark.len < 4 || memcmp(mark.text, "# @P", 4) != 0))
+        return;
+    path->border = true;
+    if (hole)
+        path->number = r->polygon;
+    r->polygon = path->number;
 }
 
 /* A comment between rows that would be one without its mark. Between separators one coordinate shows it: the x of
@@ -304,6 +363,31 @@ static void look_at_comment(struct reader *r, const char *s, const char *end)
         count(&r->t->comments, r->f->line);
 }
 
+/* A line > begins a path, and the rows before the first one are a path, too. The rest of the line is a comment, unless it is the name that
+ * our files have, `border 7`. */
+static bool begin_path(struct reader *r, const char *s, const char *end)
+{
+    struct value mark = value_trim(s, end), name = value_trim(mark.text + 1, end);
+    uint32_t number;
+    bool border = false;
+    if (!r->in_path && r->f->n > 0) {
+        if (!points_file_number(r->f, &number) || !points_file_begin_path(r->f, false, number, 0))
+            return false;
+        for (size_t i = 0; i < r->f->n; i++)
+            if (!paths_corner(&r->f->paths, i))
+                return points_file_stop(r->f, "out of memory");
+        r->f->paths.path[0].line = r->t->plan.first_line;
+        r->in_path = true;
+    }
+    if (r->in_path)
+        points_file_end_path(r->f, false);
+    r->in_path = true;
+    if (!paths_read_name(name.text, name.len, &border, &number) &&
+        !points_file_number(r->f, &number))
+        return false;
+    return points_file_begin_path(r->f, border, number, 0);
+}
+
 static bool read_row(struct reader *r, const char *s, const char *end)
 {
     if (r->has_nul && memchr(s, '\0', (size_t)(end - s)) != NULL)
@@ -312,8 +396,10 @@ static bool read_row(struct reader *r, const char *s, const char *end)
     const uint64_t first = p->headed ? p->heading_line + 1 : p->first_line;
     enum row_kind kind = row_kind(s, end);
     if (kind == ROW_SEGMENT)
-        count(&r->t->segments, r->f->line);
-    else if (kind == ROW_COMMENT && r->f->line >= first)
+        return begin_path(r, s, end);
+    if (kind == ROW_COMMENT && r->in_path)
+        look_at_mark(r, s, end);
+    if (kind == ROW_COMMENT && r->f->line >= first)
         look_at_comment(r, s, end);
     return kind != ROW_VALUES || r->f->line < p->first_line || read_values(r, s, end);
 }
@@ -346,7 +432,7 @@ static bool read_rows(struct reader *r)
     while (s < end) {
         struct row_quotes quotes = {0};
         const char *stop = row_end(style, s, end, r->all, &quotes);
-        if (stop == NULL && (!r->all || end - s > ROW_MOST_BYTES))
+        if (stop == NULL && (!r->all || end - s > ROW_LONGEST))
             break;
         if (!read_line(r, s, stop != NULL ? stop : end, &quotes))
             return false;
@@ -354,7 +440,7 @@ static bool read_rows(struct reader *r)
     }
     r->have = (size_t)(end - s);
     memmove(r->block, s, r->have);
-    if (r->have <= ROW_MOST_BYTES && !(r->all && r->have > 0))
+    if (r->have <= ROW_LONGEST && !(r->all && r->have > 0))
         return true;
     r->f->line++;
     return points_file_stop(r->f, "the line is too long");
@@ -396,6 +482,12 @@ static bool start(struct reader *r)
     bool check = p->text != SIZE_MAX || p->x >= p->columns || p->y >= p->columns ||
                  (t->wish.xy && p->columns > 2);
     r->usual = check ? SIZE_MAX : p->columns;
+    r->kind = r->number = SIZE_MAX;
+    for (size_t i = 0; i < p->columns; i++)
+        if (strcmp(p->column[i].heading, "kind") == 0)
+            r->kind = i;
+        else if (strcmp(p->column[i].heading, "number") == 0)
+            r->number = i;
     r->plain = p->number.comma != COMMA_DECIMAL && !p->number.point_groups;
     r->in_order = r->plain && !check && !p->geometry && p->x == 0 && p->y == 1 &&
                   t->fields.n + 2 == p->columns;
@@ -404,10 +496,32 @@ static bool start(struct reader *r)
     return true;
 }
 
+/* Whether there are at least three lines, from which a plan can be made. */
+static bool has_lines(const struct reader *r)
+{
+    const char *p = r->block, *end = p + r->have;
+    for (int i = 0; i < 3; i++, p++) {
+        const char *lf = memchr(p, '\n', (size_t)(end - p));
+        p = lf != NULL ? lf : memchr(p, '\r', (size_t)(end - p));
+        if (p == NULL)
+            return false;
+    }
+    return true;
+}
+
+static bool read_first(struct reader *r, int fd)
+{
+    do {
+        if (!read_block(r, fd))
+            return false;
+    } while (!r->all && r->have < ROW_LONGEST && !has_lines(r));
+    return start(r);
+}
+
 static bool read_all(struct reader *r, int fd, table_progress_fn *progress, void *ctx)
 {
     uint64_t total = 0;
-    if (!read_block(r, fd) || !start(r))
+    if (!read_first(r, fd))
         return false;
     for (bool first = true; first || !r->all; first = false) {
         if (!first && !read_block(r, fd))
@@ -418,6 +532,8 @@ static bool read_all(struct reader *r, int fd, table_progress_fn *progress, void
         if (progress != NULL)
             progress(ctx, total, r->f->n);
     }
+    if (r->in_path)
+        points_file_end_path(r->f, false);
     return true;
 }
 
@@ -436,8 +552,7 @@ static void note(struct report *report, const struct rows_seen *rows, const char
 static void note_rows(const struct table_file *t, struct report *report)
 {
     note(report, &t->empty, "has only empty values", "have only empty values");
-    note(report, &t->segments, "begins with >: what it separates is one set",
-         "begin with >: the segments that they separate are one set");
+    note(report, &t->nowhere, "has an empty geometry", "have an empty geometry");
     if (t->matrices.n > 0)
         report_add(report, NOTE_DOUBT,
                    "another matrix begins in line %ju; the rows of %ju matrices become one set",
@@ -459,7 +574,7 @@ static void note_rows(const struct table_file *t, struct report *report)
 bool table_file_read(struct table_file *t, struct points_file *f, int fd,
                      table_progress_fn *progress, void *ctx)
 {
-    struct reader r = {.t = t, .f = f, .block = malloc(ROW_MOST_BYTES + BLOCK)};
+    struct reader r = {.t = t, .f = f, .block = malloc(ROW_LONGEST + BLOCK)};
     r.value = calloc(PLAN_COLUMNS, sizeof r.value[0]);
     bool ok = r.block != NULL && r.value != NULL;
     ok = ok ? read_all(&r, fd, progress, ctx) : points_file_stop(f, "out of memory");

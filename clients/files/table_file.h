@@ -3,8 +3,8 @@
 #ifndef CLIENTS_TABLE_FILE_H
 #define CLIENTS_TABLE_FILE_H
 
-#include "clients/files/points_file.h"
-#include "clients/files/table_fields.h"
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
 #include "clients/reading/plan.h"
 
 /* Rows of one kind: how many, and the line of the first one. */
@@ -24,9 +24,9 @@ struct table_file {
     struct table_fields fields;
     char using[5 * PLAN_NAME + 80];    /* which columns were taken, "" where that is obvious */
     struct odd_value odd[FIELDS_MOST]; /* the first one of each field; line 0: none */
-    struct rows_seen empty, segments,
-        comments, /* rows of empty values, lines of GMT, comments that look like rows, */
-        matrices; /* and those that begin another matrix of Octave */
+    struct rows_seen nowhere;          /* rows of empty geometries */
+    struct rows_seen empty, comments,  /* rows of empty values, comments that look like rows, */
+        matrices;                      /* and those that begin another matrix of Octave */
     struct rows_seen spanning, lone_quotes;
     uint64_t spanning_end; /* the last line of the first row that spans lines */
     double row[FIELDS_MOST];

@@ -225,6 +225,18 @@ static void queue_doubles(struct delaunay_client *c, const double *v, size_t n)
 #endif
 }
 
+static void queue_ids(struct delaunay_client *c, const uint32_t *v, size_t n)
+{
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    queue(c, v, n * sizeof v[0]);
+#else
+    for (size_t i = 0; i < n; i++) {
+        uint32_t id = __builtin_bswap32(v[i]);
+        queue(c, &id, sizeof id);
+    }
+#endif
+}
+
 /* The length without the line's own end. */
 static size_t without_end(const char *line, size_t len)
 {
@@ -325,6 +337,27 @@ enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char 
         return DELAUNAY_BADNAME;
     snprintf(rest, sizeof rest, " FIELDS %s", fields);
     return send_body(c, "LOADB", set, rest, &body, progress, ctx);
+}
+
+/* The head is that of a request without points, the pairs follow it. */
+enum delaunay_result delaunay_send_constraints(struct delaunay_client *c, const char *set,
+                                               const struct delaunay_constraint *what,
+                                               const uint32_t *pair, size_t n)
+{
+    char head[200];
+    if (!word_is_set_name(&(struct word){set, strlen(set)}))
+        return DELAUNAY_BADNAME;
+    int len = snprintf(head, sizeof head, "CONSTRAINB %s%s OF %u%s %zu", set,
+                       what->border ? " BORDER" : "", (unsigned)what->number,
+                       what->split ? " SPLIT" : "", n);
+    enum delaunay_result r = delaunay_send(c, head, (size_t)len);
+    for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
+        size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
+        queue_ids(c, pair + 2 * done, 2 * some);
+        r = drain(c, SEND_AT);
+        done += some;
+    }
+    return r == DELAUNAY_OK ? r : give_up(c, r);
 }
 
 /* ---- replies ---- */

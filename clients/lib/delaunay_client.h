@@ -131,6 +131,19 @@ enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char 
                                           const char *fields, const double *xy, const double *value,
                                           size_t n, delaunay_progress_fn *progress, void *ctx);
 
+/* What a constraint is. */
+struct delaunay_constraint {
+    uint32_t number;
+    bool border; /* otherwise a line */
+    bool split;  /* where constraints cross they get points; otherwise that is refused */
+};
+
+/* Sends n pairs of ids of pair[2n], each of which becomes a constraint of that kind and number, in one request (CONSTRAINB): all or none.
+ * The reply is to be received. */
+enum delaunay_result delaunay_send_constraints(struct delaunay_client *c, const char *set,
+                                               const struct delaunay_constraint *what,
+                                               const uint32_t *pair, size_t n);
+
 /* The triangles of the n places x, y of xy[2n] in one request (LOCATEB), into triangle[3n]: the three ids of that which
  * contains the place, of several ones the first in TRIANGLES; outside the hull DELAUNAY_NONE three times. Where the
  * result is not DELAUNAY_OK nothing has been written. With replies still to come, receive those first. */

@@ -156,8 +156,10 @@ const char *row_end(const struct row_style *style, const char *s, const char *en
         row_kind(s, stop) != ROW_VALUES)
         return lf;
     *quotes = (struct row_quotes){0};
-    if (end - s > ROW_MOST_BYTES) { /* what spans more is no row */
-        end = s + ROW_MOST_BYTES;
+    const size_t line = (size_t)(stop - s) + (lf != NULL);
+    const size_t most = line > ROW_MOST_BYTES ? line : ROW_MOST_BYTES;
+    if ((size_t)(end - s) > most) { /* what spans more is no row */
+        end = s + most;
         last = true;
     }
     return quoted_end(style, s, end, last, quotes);

@@ -21,7 +21,10 @@ struct row_style {
     size_t columns; /* of most rows; 0: not known yet */
 };
 
-enum { ROW_MOST_BYTES = 65536 }; /* the longest row */
+enum {
+    ROW_LONGEST = 16 << 20, /* bytes of a line, which may have a polygon in it */
+    ROW_MOST_BYTES = 65536  /* of a row that spans lines */
+};
 
 enum row_kind { ROW_BLANK, ROW_COMMENT, ROW_SEGMENT, ROW_VALUES };
 

@@ -12,11 +12,11 @@ static const struct number_style lenient = {.comma = COMMA_DECIMAL};
 bool sample_is_number(struct value v)
 {
     double x;
-    int values;
+    bool solid;
     struct value unit;
     return proto_read_double(v.text, v.len, &x) || number_shape(v) != SHAPE_NONE ||
            number_read_degrees(&lenient, v, 0, &x) || number_read_degrees(&lenient, v, 1, &x) ||
-           wkt_read_point(v, (double[3]){0}, &values) ||
+           wkt_is_geometry(v, &solid) ||
            (number_split_unit(&v, &unit) && number_shape(v) != SHAPE_NONE);
 }
 
@@ -32,14 +32,13 @@ bool sample_is_heading(const struct value *value, size_t n)
 
 static void look_at(struct sample *s, const struct row_style *style, struct sample_row *row)
 {
-    bool any = false;
-    int values;
+    bool any = false, solid;
     size_t n = row_split(style, row->s, row->end, s->value, PLAN_COLUMNS);
     row->columns = n < PLAN_COLUMNS ? n : PLAN_COLUMNS;
     for (size_t i = 0; i < row->columns; i++) {
         any |= s->value[i].len > 0;
         row->numbers += sample_is_number(s->value[i]);
-        row->points += wkt_read_point(s->value[i], (double[3]){0}, &values);
+        row->points += wkt_is_geometry(s->value[i], &solid);
     }
     if (!any)
         row->columns = 0;
@@ -238,8 +237,8 @@ static void note_number(struct column *c, const struct number_style *style, stru
 static void note_value(struct column *c, const struct number_style *style, struct value v,
                        uint64_t line)
 {
-    double xyz[3];
-    int values;
+    double degrees;
+    bool solid;
     struct value number = v, unit;
     if (number_shape(v) != SHAPE_NONE) {
         note_number(c, style, v);
@@ -253,11 +252,12 @@ static void note_value(struct column *c, const struct number_style *style, struc
         report_clean(c->text, sizeof c->text, v.text, v.len);
         c->text_line = line;
     }
-    if (number_read_degrees(&lenient, v, 0, xyz) || number_read_degrees(&lenient, v, 1, xyz)) {
+    if (number_read_degrees(&lenient, v, 0, &degrees) ||
+        number_read_degrees(&lenient, v, 1, &degrees)) {
         c->degrees++;
-    } else if (wkt_read_point(v, xyz, &values)) {
+    } else if (wkt_is_geometry(v, &solid)) {
         c->points++;
-        c->solid += values > 2;
+        c->solid += solid;
     } else if (number_split_unit(&number, &unit) && number_shape(number) != SHAPE_NONE &&
                unit.len < sizeof c->unit && (c->units == 0 || value_is_word(unit, c->unit))) {
         memcpy(c->unit, unit.text, unit.len);

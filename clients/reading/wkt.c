@@ -5,7 +5,7 @@
 
 #include "proto/number.h"
 
-static bool read_word(struct value *v, const char *word)
+bool wkt_take_word(struct value *v, const char *word)
 {
     *v = value_trim(v->text, v->text + v->len);
     size_t n = strlen(word);
@@ -18,20 +18,60 @@ static bool read_word(struct value *v, const char *word)
 struct value wkt_srid(struct value v)
 {
     const char *semicolon = memchr(v.text, ';', v.len);
-    if (semicolon == NULL || !read_word(&v, "SRID="))
+    if (semicolon == NULL || !wkt_take_word(&v, "SRID="))
         return (struct value){"", 0};
     return value_trim(v.text, semicolon);
 }
 
-bool wkt_read_point(struct value v, double xyz[3], int *values)
+struct value wkt_without_srid(struct value v)
 {
     const char *semicolon = memchr(v.text, ';', v.len);
-    if (semicolon != NULL && read_word(&v, "SRID="))
-        v = value_trim(semicolon + 1, v.text + v.len);
-    if (!read_word(&v, "POINT"))
+    return value_trim(semicolon != NULL && wkt_take_word(&v, "SRID=") ? semicolon + 1 : v.text,
+                      v.text + v.len);
+}
+
+bool wkt_take_kind(struct value *v, const char *kind, bool *flat)
+{
+    struct value rest = *v;
+    if (!wkt_take_word(&rest, kind))
         return false;
-    bool flat = !read_word(&v, "ZM") && !read_word(&v, "Z") && read_word(&v, "M");
-    if (!read_word(&v, "(") || v.len == 0 || v.text[v.len - 1] != ')')
+    bool solid = wkt_take_word(&rest, "ZM") || wkt_take_word(&rest, "Z");
+    *flat = !solid && wkt_take_word(&rest, "M");
+    if (rest.len == 0 || (rest.text[0] != '(' && rest.text[0] != 'E' && rest.text[0] != 'e'))
+        return false;
+    *v = rest;
+    return true;
+}
+
+bool wkt_is_geometry(struct value v, bool *solid)
+{
+    static const char *const kinds[] = {
+        "POINT",   "MULTIPOINT",   "LINESTRING",        "MULTILINESTRING",
+        "POLYGON", "MULTIPOLYGON", "GEOMETRYCOLLECTION"};
+    bool flat;
+    v = wkt_without_srid(v);
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (!wkt_take_kind(&v, kinds[i], &flat))
+            continue;
+        size_t values = 0;
+        double x;
+        while (v.len > 0 && (v.text[0] == '(' || (v.text[0] >= 'A' && v.text[0] <= 'z')))
+            v = value_trim(v.text + 1, v.text + v.len);
+        for (size_t n; values < 4 && (n = proto_read_leading_double(v.text, v.len, &x)) > 0;
+             values++)
+            v = value_trim(v.text + n, v.text + v.len);
+        *solid = values > 2 && !flat;
+        return true;
+    }
+    return false;
+}
+
+bool wkt_read_point(struct value v, double xyz[3], int *values)
+{
+    bool flat;
+    v = wkt_without_srid(v);
+    if (!wkt_take_kind(&v, "POINT", &flat) || !wkt_take_word(&v, "(") || v.len == 0 ||
+        v.text[v.len - 1] != ')')
         return false;
     v.len--;
     int n = 0;

@@ -1,4 +1,4 @@
-/* wkt.h - points in well-known text. */
+/* wkt.h - geometries in well-known text: their kinds, and points. */
 #ifndef CLIENTS_WKT_H
 #define CLIENTS_WKT_H
 
@@ -6,6 +6,17 @@
 
 /* The number of the reference system in `SRID=n;POINT ...`; an empty value if it has none. */
 struct value wkt_srid(struct value v);
+
+/* What follows that prefix. */
+struct value wkt_without_srid(struct value v);
+
+/* Pass a word, in upper or lower case, and blanks after it; the kind of a geometry with its Z, M or ZM. *flat: it has M, but not Z. False,
+ * and *v is unchanged, if there is another one. */
+bool wkt_take_word(struct value *v, const char *word);
+bool wkt_take_kind(struct value *v, const char *kind, bool *flat);
+
+/* Whether it begins as a geometry of points, lines or polygons, and whether its first position has a height. */
+bool wkt_is_geometry(struct value v, bool *solid);
 
 /* Reads the geometry POINT (x y [z ...]). Sets *values to 2 or 3. False if it is another one, or empty. */
 bool wkt_read_point(struct value v, double xyz[3], int *values);

@@ -26,6 +26,9 @@ static bool read_text(struct points_file *f, const char *text, size_t n, bool al
     require(f->fields == t->n);
     for (size_t i = 0; i < 2 * f->n; i++)
         require(f->xy[i] == 0 || (fabs(f->xy[i]) >= 0x1p-142 && fabs(f->xy[i]) <= 0x1p201));
+    for (size_t i = 0; i < f->paths.n; i++)
+        for (size_t k = 0; k < f->paths.path[i].n; k++)
+            require(f->paths.corner[f->paths.path[i].first + k] < f->n);
     for (size_t i = 0; i < f->fields * f->n; i++)
         require(!isinf(f->value[i]));
     free(t);

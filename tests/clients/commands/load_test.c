@@ -65,8 +65,8 @@ TEST(load_reads_geojson)
               "{\"type\":\"Point\",\"coordinates\":[3,4]}\n",
               "", "OK 2\n0 1 2\n1 3 4\n");
     load_text("a.json", "{\"type\":\"MultiPoint\",\"coordinates\":[]}", "", "OK 0\n");
-    refuse_text("a.json", "\n{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}", "",
-                "a.json:2: a geometry that is neither");
+    refuse_text("a.json", "\n{\"type\":\"Circle\",\"coordinates\":[[1,2],[3,4]]}", "",
+                "a.json:2: an object of a type that GeoJSON does not have");
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1,2]", "", "not GeoJSON");
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "",
                 "a position needs x and y");
@@ -274,9 +274,9 @@ TEST(load_skips_bad_lines_when_asked_and_shows_what_it_skipped)
                 "OK 1\n0 1 2\n");
     load_saying("a.json",
                 "{\"type\":\"GeometryCollection\",\"geometries\":[\n"
-                "{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]},\n"
+                "{\"type\":\"Circle\",\"coordinates\":[[1,2],[3,4]]},\n"
                 "{\"type\":\"Point\",\"coordinates\":[1,2]}]}",
-                "--skip-bad", "a.json:2: skipped, a geometry that is neither", "OK 1\n0 1 2\n");
+                "--skip-bad", "a.json:2: skipped, a geometry of a type", "OK 1\n0 1 2\n");
     refuse_text("a.csv", "a,b\n1,2\n", "--skip-bad", "no headings that are known");
     refuse_text("a.csv", "x,y\n1,b\n", "", "nothing was loaded (--skip-bad leaves such out)");
     cli_finish();

@@ -126,7 +126,7 @@ TEST(points_file_reads_from_a_pipe_in_small_pieces)
 
 TEST(points_file_limits_the_length_of_a_line)
 {
-    size_t n = 400000;
+    size_t n = (16 << 20) + 400000;
     char *text = malloc(n);
     struct points_file f = {0};
     memset(text, '1', n);

@@ -283,11 +283,10 @@ TEST(names_of_rows_as_r_writes_them_are_no_column_of_the_heading)
     tables_refuse(CSV, "x,y\n1,5,2\n4,5,2\n", "too many columns: 3 instead of 2");
 }
 
-TEST(segments_of_gmt_are_loaded_as_one_set_and_counted)
+TEST(points_of_gmt_segments_are_points_of_one_set)
 {
-    tables_expect(TXT, "> -L first\n0 0\n1 0\n>\n1 1\n", SQUARE,
-                  "2 lines begin with >: the segments that they separate are one set");
-    tables_expect(".gmt", "# @VGMT1.0\n>\n0 0 5\n1 0 6\n", "0 0 5; 1 0 6", "line 2 begins with >");
+    tables_expect(TXT, "> -L first\n0 0\n1 0\n>\n1 1\n", SQUARE, NULL);
+    tables_expect(".gmt", "# @VGMT1.0\n>\n0 0 5\n1 0 6\n", "0 0 5; 1 0 6", NULL);
 }
 
 TEST(a_row_between_blanks_that_is_shifted_is_bad)
@@ -431,16 +430,19 @@ TEST(matrices_of_octave_that_become_one_set_are_a_doubt)
                   SQUARE, "");
 }
 
-TEST(points_in_wkt_may_have_heights_and_other_geometries_are_bad)
+TEST(points_in_wkt_may_have_heights_and_be_beside_other_geometries)
 {
     tables_expect(CSV, "id|geom\n1|SRID=4326;POINT Z (0 0 5)\n2|POINTZ(1 0 6)\n", "0 0 5; 1 0 6",
                   "using x y of geom z");
     tables_expect(CSV, "id|geom\n1|POINT M (0 0 5)\n2|POINT ZM(1 0 6 9)\n", "0 0 nan; 1 0 6", NULL);
     tables_expect(CSV, "id|geom\n1|POINT M (0 0 5)\n2|POINTM(1 0 6)\n", "0 0; 1 0", NULL);
     tables_expect(TXT, "POINT (0 0)\nPOINT (1 0)\nPOINT (1 1)\n", SQUARE, NULL);
-    tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\n\"LINESTRING (0 0, 1 1)\",2\n",
-                  "3: not a point: \"LINESTRING (0 0, 1 1)\" in column WKT");
-    tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\nPOINT EMPTY,2\n", "3: not a point: \"POINT EMPTY\"");
+    tables_expect(CSV, "WKT,id\nPOINT (0 0),1\n\"LINESTRING (1 0, 1 1)\",2\n", SQUARE, NULL);
+    tables_expect(CSV, "WKT,id\nPOINT (0 0),1\nPOINT EMPTY,2\n", "0 0",
+                  "line 3 has an empty geometry");
+    tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\nPOINT (0),2\n",
+                  "3: not a geometry in well-known text, at \")\"");
+    tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\nCIRCULARSTRING (0 0),2\n", "3: not a point");
 }
 
 /* ---- without a heading ---- */

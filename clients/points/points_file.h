@@ -1,4 +1,4 @@
-/* points_file.h - the points of a file in memory, their values, and what was wrong with the file. Readers of formats fill it
+/* points_file.h - the points and lines of a file in memory, their values, and what was wrong with the file. Readers of formats fill it
  * in (table_file.h, geojson_file.h). */
 #ifndef CLIENTS_POINTS_FILE_H
 #define CLIENTS_POINTS_FILE_H
@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "clients/points/paths.h"
 #include "clients/reading/report.h"
 
 enum { SKIPPED_SHOWN = 5 };
@@ -17,8 +18,9 @@ struct points_file {
     double *value; /* owns n * fields: what else is known of each point; nan: missing */
     size_t fields; /* to be set before the first point */
     const double
-        *row;      /* borrows `fields` values for the point that is read next; NULL: none known */
-    uint64_t line; /* lines read so far; the last one's number, from 1 */
+        *row; /* borrows `fields` values for the point that is read next; NULL: none known */
+    struct paths paths; /* owns */
+    uint64_t line;      /* lines read so far; the last one's number, from 1 */
     const char
         *fault; /* why reading failed: a sentence, about line `line` if that is not 0; static or
                           in `text` */
@@ -43,6 +45,14 @@ bool points_file_append(struct points_file *f, double x, double y);
 /* Appends the point that two words give. False, with the fault set, if they are not numbers. */
 bool points_file_add(struct points_file *f, const char *x, size_t x_len, const char *y,
                      size_t y_len);
+
+/* Begin a path at this line; make the point that was appended last its next corner; end it; choose the number of a line or polygon.
+ * False, with the fault set, when out of memory or of numbers. A path that ends where it began is closed, and its last place is no point of
+ * its own; a ring of a polygon is closed in any case. */
+bool points_file_begin_path(struct points_file *f, bool border, uint32_t number, uint64_t feature);
+bool points_file_corner(struct points_file *f);
+void points_file_end_path(struct points_file *f, bool polygon);
+bool points_file_number(struct points_file *f, uint32_t *number);
 
 /* Return false and set the fault: of this line, the second one from a format; of the file as a whole. */
 bool points_file_fault(struct points_file *f, const char *what);

@@ -1,5 +1,5 @@
 /* points_file.c - see points_file.h. */
-#include "clients/files/points_file.h"
+#include "clients/points/points_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -100,6 +100,43 @@ bool points_file_add(struct points_file *f, const char *x, size_t x_len, const c
     return points_file_append(f, v[0], v[1]);
 }
 
+bool points_file_begin_path(struct points_file *f, bool border, uint32_t number, uint64_t feature)
+{
+    return paths_begin(&f->paths, border, number, f->line, feature) ||
+           points_file_stop(f, "out of memory");
+}
+
+bool points_file_corner(struct points_file *f)
+{
+    return paths_corner(&f->paths, f->n - 1) || points_file_stop(f, "out of memory");
+}
+
+void points_file_end_path(struct points_file *f, bool polygon)
+{
+    struct paths *p = &f->paths;
+    struct path *path = &p->path[p->n - 1];
+    path->n = p->corners - path->first;
+    path->closed = polygon;
+    const double *from = path->n > 2 ? f->xy + 2 * (size_t)p->corner[path->first] : NULL;
+    const double *to = path->n > 2 ? f->xy + 2 * (size_t)p->corner[p->corners - 1] : NULL;
+    if (path->n > 2 && from[0] == to[0] && from[1] == to[1]) {
+        path->closed = true;
+        path->n--;
+        p->corners--;
+        f->n -= !p->given;
+    } else {
+        p->open_rings += polygon && path->n > 0;
+    }
+    if (path->n == 0)
+        p->n--;
+}
+
+bool points_file_number(struct points_file *f, uint32_t *number)
+{
+    return paths_number(&f->paths, number) ||
+           points_file_stop(f, "the number of a line or polygon is at most %d", PATHS_MOST_NUMBER);
+}
+
 bool points_file_read_all(struct points_file *f, int fd, char **text, size_t *n)
 {
     size_t cap = 0;
@@ -126,5 +163,6 @@ void points_file_free(struct points_file *f)
 {
     free(f->xy);
     free(f->value);
+    paths_free(&f->paths);
     *f = (struct points_file){0};
 }

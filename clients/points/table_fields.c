@@ -1,5 +1,5 @@
 /* table_fields.c - see table_fields.h. */
-#include "clients/files/table_fields.h"
+#include "clients/points/table_fields.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,0 +1,300 @@
+/* sending.c - see sending.h. LOADB and CONSTRAINB are requests of their own, so a new set is given an expiry first, which drops it if this
+ * program ends between them. */
+#include "clients/cli/sending.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/cli/message.h"
+#include "clients/files/progress.h"
+#include "clients/points/join.h"
+
+enum { AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
+
+struct sending {
+    struct reading *r;
+    struct delaunay_client *c;
+    const char *set;
+    bool is_new;
+    uint64_t first; /* the id of the first point */
+    uint64_t constraints;
+    char *status, refusal[SENDING_STATUS];
+};
+
+/* ---- requests ---- */
+
+static enum delaunay_result ask(struct sending *s, const char *command, const char *rest)
+{
+    char line[200];
+    snprintf(line, sizeof line, "%s %.100s%s", command, s->set, rest);
+    return delaunay_request(s->c, line, command_show_comment, NULL);
+}
+
+static bool is_refused_with(const struct sending *s, enum delaunay_result r, const char *code)
+{
+    size_t n = strlen(code);
+    const char *text = delaunay_status(s->c)->text;
+    return r == DELAUNAY_REFUSED && strncmp(text, "ERR ", 4) == 0 &&
+           strncmp(text + 4, code, n) == 0 && text[4 + n] == ' ';
+}
+
+static void show_sending(void *ctx, size_t done, size_t total)
+{
+    progress_update(ctx, done, total, done);
+}
+
+static enum delaunay_result send_points(struct sending *s)
+{
+    const struct table_fields *t = &s->r->from.table.fields;
+    const struct points_file *f = &s->r->file;
+    char names[FIELDS_MOST * (FIELDS_NAME + 1)] = "";
+    struct progress bar;
+    for (size_t i = 0, n = 0; i < f->fields; i++)
+        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", i > 0 ? "," : "", t->name[i]);
+    progress_start(&bar, "sending");
+    enum delaunay_result result =
+        delaunay_send_values(s->c, s->set, names, f->xy, f->value, f->n, show_sending, &bar);
+    progress_end(&bar);
+    if (result == DELAUNAY_OK)
+        result = delaunay_receive(s->c, command_show_comment, NULL);
+    if (result != DELAUNAY_OK)
+        return result;
+    delaunay_key_number(delaunay_status(s->c), "first", &s->first);
+    snprintf(s->status, SENDING_STATUS, "%s", delaunay_status(s->c)->text);
+    if (strstr(s->status, "coincident=0") == NULL)
+        reading_note_coincident(s->r);
+    return DELAUNAY_OK;
+}
+
+/* ---- lines ---- */
+
+/* The replies to n requests. The first refusal counts; the others are received, too. */
+static enum delaunay_result receive_declared(struct sending *s, size_t n)
+{
+    enum delaunay_result result = DELAUNAY_OK;
+    for (size_t i = 0; i < n; i++) {
+        uint64_t added = 0;
+        enum delaunay_result r = delaunay_receive(s->c, command_show_comment, NULL);
+        if (r != DELAUNAY_OK && r != DELAUNAY_REFUSED)
+            return r;
+        if (r == DELAUNAY_REFUSED && result == DELAUNAY_OK)
+            snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
+        if (r != DELAUNAY_OK)
+            result = r;
+        else if (delaunay_key_number(delaunay_status(s->c), "added", &added))
+            s->constraints += added;
+    }
+    return result;
+}
+
+/* A request for each kind and number, many at once. */
+static enum delaunay_result declare(struct sending *s, struct segment *segment, size_t n)
+{
+    enum delaunay_result r = DELAUNAY_OK;
+    uint32_t *pair = malloc((2 * n + 1) * sizeof pair[0]);
+    size_t sent = 0, same;
+    if (pair == NULL)
+        return DELAUNAY_NOMEM;
+    for (size_t i = 0; i < n; i++) {
+        pair[2 * i] = (uint32_t)s->first + segment[i].a;
+        pair[2 * i + 1] = (uint32_t)s->first + segment[i].b;
+    }
+    for (size_t i = 0; i < n && r == DELAUNAY_OK; i += same) {
+        for (same = 1; i + same < n && segment[i + same].what == segment[i].what;)
+            same++;
+        const struct delaunay_constraint name = {segment[i].what / 2, segment[i].what % 2 != 0,
+                                                 s->r->split};
+        r = delaunay_send_constraints(s->c, s->set, &name, pair + 2 * i, same);
+        if (r == DELAUNAY_OK && ++sent == AT_ONCE) {
+            r = receive_declared(s, sent);
+            sent = 0;
+        }
+    }
+    if (r == DELAUNAY_OK)
+        r = receive_declared(s, sent);
+    free(pair);
+    return r;
+}
+
+static enum delaunay_result declare_lines(struct sending *s)
+{
+    size_t n;
+    struct segment *segment = paths_segments(&s->r->file.paths, &n);
+    enum delaunay_result r = segment != NULL ? declare(s, segment, n) : DELAUNAY_NOMEM;
+    free(segment);
+    return r;
+}
+
+static enum delaunay_result triangulate(struct sending *s)
+{
+    const char *value;
+    size_t len;
+    enum delaunay_result r = ask(s, "STAT", "");
+    if (r != DELAUNAY_OK || (delaunay_key(delaunay_status(s->c), "triangulated", &value, &len) &&
+                             len == 3 && memcmp(value, "yes", 3) == 0))
+        return r;
+    r = ask(s, "TRIANGULATE", "");
+    if (r == DELAUNAY_REFUSED)
+        snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
+    return r;
+}
+
+/* ---- where lines cross ---- */
+
+struct side {
+    const struct path *path; /* NULL: the constraint was in the set before */
+    uint32_t a, b;
+};
+
+static void find_side(const struct sending *s, struct side *side)
+{
+    const struct paths *p = &s->r->file.paths;
+    for (size_t i = 0; i < p->n && side->path == NULL; i++)
+        for (size_t k = 0; k < paths_steps(&p->path[i]); k++) {
+            uint32_t end[2];
+            paths_step(p, &p->path[i], k, end);
+            uint64_t a = s->first + end[0], b = s->first + end[1];
+            if ((a == side->a && b == side->b) || (a == side->b && b == side->a))
+                side->path = &p->path[i];
+        }
+}
+
+/* About where they cross, for people. */
+static void crossing(const struct sending *s, const struct side *v, const struct side *w,
+                     double place[2])
+{
+    const double *xy = s->r->file.xy;
+    const double *a = xy + 2 * (v->a - s->first), *b = xy + 2 * (v->b - s->first),
+                 *c = xy + 2 * (w->a - s->first), *d = xy + 2 * (w->b - s->first);
+    double ux = b[0] - a[0], uy = b[1] - a[1], vx = d[0] - c[0], vy = d[1] - c[1];
+    double det = ux * vy - uy * vx,
+           t = det != 0 ? ((c[0] - a[0]) * vy - (c[1] - a[1]) * vx) / det : 0.5;
+    place[0] = a[0] + t * ux;
+    place[1] = a[1] + t * uy;
+}
+
+static void name_side(const struct side *v, char *to, size_t room)
+{
+    const struct path *p = v->path;
+    if (p == NULL)
+        snprintf(to, room, "the constraint %u %u of the set", v->a, v->b);
+    else if (p->feature > 0)
+        snprintf(to, room, "the %s of feature %ju in line %ju", p->border ? "border" : "line",
+                 (uintmax_t)p->feature, (uintmax_t)p->line);
+    else
+        snprintf(to, room, "the %s of line %ju", p->border ? "border" : "line", (uintmax_t)p->line);
+}
+
+/* In place of `ERR CROSSES a b crosses c d`, which has ids that the user does not know. False if it is another error. */
+static bool explain_crossing(const struct sending *s, char *to, size_t room)
+{
+    struct side v = {.path = NULL}, w = {.path = NULL};
+    char first[100], second[100], where[80] = "";
+    const char *name = source_name(&s->r->from);
+    if (sscanf(s->refusal, "ERR CROSSES %u %u crosses %u %u", &v.a, &v.b, &w.a, &w.b) != 4)
+        return false;
+    find_side(s, &v);
+    find_side(s, &w);
+    name_side(&v, first, sizeof first);
+    name_side(&w, second, sizeof second);
+    if (v.path != NULL && w.path != NULL) {
+        double place[2];
+        crossing(s, &v, &w, place);
+        snprintf(where, sizeof where, " at about %.9g %.9g", place[0], place[1]);
+    }
+    snprintf(to, room, "%s: %s crosses %s%s; nothing was loaded%s", name, first,
+             v.path != NULL && v.path == w.path ? "itself" : second, where,
+             s->is_new && !s->r->split ? " (--split adds points where lines cross)" : "");
+    return true;
+}
+
+/* ---- all or nothing ---- */
+
+/* Deletes the points with their constraints, or the set if it is new. */
+static bool undo(struct sending *s)
+{
+    char line[IDS_IN_A_LINE * 11 + 200];
+    uint64_t id = s->first, end = s->first + s->r->file.n;
+    if (s->is_new)
+        return ask(s, "DROP", "") == DELAUNAY_OK;
+    while (id < end) {
+        size_t n = (size_t)snprintf(line, sizeof line, "DEL %.100s", s->set);
+        for (size_t i = 0; i < IDS_IN_A_LINE && id < end; i++)
+            n += (size_t)snprintf(line + n, sizeof line - n, " %ju", (uintmax_t)id++);
+        snprintf(line + n, sizeof line - n, " CASCADE");
+        if (delaunay_request(s->c, line, command_show_comment, NULL) != DELAUNAY_OK)
+            return false;
+    }
+    return true;
+}
+
+/* Says what is wrong; returns the exit status. */
+static int fail(struct sending *s, enum delaunay_result r)
+{
+    char text[600];
+    int status = r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
+    bool crosses = r == DELAUNAY_REFUSED && explain_crossing(s, text, sizeof text);
+    if (!crosses)
+        snprintf(text, sizeof text, "%s",
+                 r == DELAUNAY_REFUSED ? s->refusal : delaunay_result_text(r));
+    message_print("%s", text);
+    if (json_chosen() && r == DELAUNAY_REFUSED) {
+        json_begin(false);
+        json_text("error", crosses ? "CROSSES" : "REFUSED");
+        json_text("message", text);
+        json_finish();
+    }
+    return status;
+}
+
+static enum delaunay_result begin(struct sending *s)
+{
+    char rest[40];
+    enum delaunay_result r = ask(s, "CREATE", "");
+    s->is_new = r == DELAUNAY_OK;
+    if (r != DELAUNAY_OK)
+        return is_refused_with(s, r, "EXISTS") ? DELAUNAY_OK : r;
+    snprintf(rest, sizeof rest, " %d", EXPIRY_S);
+    return ask(s, "EXPIRE", rest);
+}
+
+static int send_lines(struct sending *s)
+{
+    enum delaunay_result r = begin(s);
+    if (r == DELAUNAY_OK && s->r->split && !s->is_new) {
+        message_print("--split makes a new set, and there is a set %s", s->set);
+        return EXIT_REFUSED;
+    }
+    if (r == DELAUNAY_OK)
+        r = send_points(s);
+    if (r != DELAUNAY_OK) {
+        int status = command_outcome(s->c, r);
+        if (s->is_new)
+            ask(s, "DROP", "");
+        return status;
+    }
+    r = declare_lines(s);
+    if (r == DELAUNAY_OK)
+        r = triangulate(s);
+    if (r == DELAUNAY_OK && s->is_new)
+        r = ask(s, "PERSIST", "");
+    size_t n = strlen(s->status);
+    snprintf(s->status + n, SENDING_STATUS - n, " constraints=%ju", (uintmax_t)s->constraints);
+    if (r == DELAUNAY_OK)
+        return EXIT_DONE;
+    int status = fail(s, r);
+    if (r == DELAUNAY_REFUSED && !undo(s))
+        message_print("the points could not be taken back: %s", delaunay_status(s->c)->text);
+    return status;
+}
+
+int sending_send(struct reading *r, struct delaunay_client *c, const char *set,
+                 char status[SENDING_STATUS])
+{
+    struct sending s = {.r = r, .c = c, .set = set, .status = status};
+    status[0] = '\0';
+    return r->file.paths.n > 0 ? send_lines(&s) : command_outcome(c, send_points(&s));
+}
