@@ -24,6 +24,16 @@ test('browser.js runs where there is nothing of Node, as a script and as a modul
   assert.equal(LiveSet.from([0, 0, 1, 0, 0, 1]).size, 3);
 });
 
+test('bundlers find for each entry of the package what Node finds', async () => {
+  const { exports } = JSON.parse(read('package.json'));
+  for (const entry of ['delaunator', 'd3-delaunay', 'constrainautor', 'earcut']) {
+    const { node, default: bundled } = exports[`./${entry}`];
+    const [theirs, ours] = await Promise.all([node, { default: bundled }].map((file) => import(`../${file.default}`)));
+    for (const name of Object.keys(theirs)) assert.equal(ours[name]?.name, theirs[name].name, `${entry}: ${name}`);
+    assert.equal(exports[`./${entry}`].require.default, `./${entry}.js`);
+  }
+});
+
 test('a worker has a core of its own', async () => {
   const program = `const { parentPort } = require('node:worker_threads');
     parentPort.postMessage([...new (require(${JSON.stringify(new URL('../delaunator.js', import.meta.url).pathname)}))([0, 0, 1, 0, 0, 1]).triangles]);`;

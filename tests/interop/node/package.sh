@@ -12,9 +12,9 @@ export npm_config_update_notifier=false npm_config_fund=false npm_config_audit=f
 
 # The published packages, of fixed versions, kept in the build folder.
 fetch_peers() {
-    [ -e "$peers/node_modules/typescript" ] ||
+    [ -e "$peers/node_modules/esbuild" ] ||
         timeout 120 npm install --prefix "$peers" --no-save --no-package-lock --ignore-scripts \
-            delaunator@5.1.0 d3-delaunay@6.0.6 typescript@5.9.3 @types/node@20.19.0 >"$scratch/npm" 2>&1
+            delaunator@5.1.0 d3-delaunay@6.0.6 esbuild@0.28.2 typescript@5.9.3 @types/node@20.19.0 >"$scratch/npm" 2>&1
 }
 
 installs_offline() {
@@ -48,6 +48,12 @@ types_are_right() {
             --types node types.mts types.cts
 }
 
+# For browsers; Node runs the result, which contains nothing of Node.
+runs_bundled() { # FILE
+    cp "$here/$1" "$scratch/app" && cd "$scratch/app" &&
+        "$peers/node_modules/.bin/esbuild" "$1" --bundle --log-level=warning --outfile=bundled.js && node bundled.js
+}
+
 beside_peers() { # TEST
     (cd "$peers" && DELAUNAYD="$build/delaunayd" "$node_tests" "$1") >"$scratch/$(basename "$1")" 2>&1
     collect "$scratch/$(basename "$1")"
@@ -61,11 +67,13 @@ count "the installed package can be required" runs required.cjs
 [ ! -x build/delaunayd ] || count "the package of the checkout finds the daemon that make has built" runs_from_checkout
 if fetch_peers; then
     count "the types are right in ES modules and in CommonJS" types_are_right
+    count "the installed package can be bundled with import" runs_bundled bundled.mjs
+    count "the installed package can be bundled with require" runs_bundled bundled.cjs
     beside_peers "$tests/d3.test.mjs"
     beside_peers "$here/published.test.mjs"
 else
     cat "$scratch/npm"
-    for test in "the types are right in ES modules and in CommonJS" "d3-delaunay beside ours" "published scripts run with another import"; do
+    for test in "the types are right in ES modules and in CommonJS" "the installed package can be bundled" "d3-delaunay beside ours" "published scripts run with another import"; do
         skip "$test" "npm cannot fetch packages here"
     done
 fi
