@@ -17,7 +17,7 @@ _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next on
 LINEAR, NATURAL, LAPLACE = range(3)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
-_NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES = 1, 2, 3, 4, 5, 13  # enum dt_status
+_NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 13, 16  # enum dt_status
 
 
 class Counts(ctypes.Structure):
@@ -113,6 +113,8 @@ def check(status: int, what: str) -> None:
         raise ValueError(what + " does not exist")
     if status == NOEDGE:
         raise ValueError(what + " is both ends of a segment")
+    if status == _NOTDELAUNAY:
+        raise ValueError("natural neighbours need a triangulation without segments")
     if status == CROSSES:
         raise ValueError(what + " cross where no point is")
     raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))

@@ -73,7 +73,9 @@ def query(
     far = ~(distance < upper)
     distance[far], ids[far] = np.inf, len(now.points)
     shape = places.shape[:-1] + (() if one and most == 1 else (len(ranks),))
-    return distance.reshape(shape)[()], ids.reshape(shape)[()]
+    if shape == ():
+        return distance.item(), ids.item()
+    return distance.reshape(shape), ids.reshape(shape)
 
 
 def query_ball_point(

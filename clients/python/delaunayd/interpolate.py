@@ -77,8 +77,8 @@ class _Scale:
 def _triangulate(points: Any, rescale: bool, workers: Optional[int]) -> Tuple[Delaunay, _Scale]:
     if rescale and hasattr(points, "simplices"):
         raise ValueError("Rescaling is not supported when passing a Delaunay triangulation as ``points``.")
-    scale = _Scale(points.points if type(points) is Delaunay else _points(points), rescale)
-    return points if type(points) is Delaunay else Delaunay(scale.points, workers=workers), scale
+    scale = _Scale(_points(points), rescale)
+    return points if isinstance(points, Delaunay) else Delaunay(scale.points, workers=workers), scale
 
 
 class _Values:
@@ -175,7 +175,7 @@ class LinearNDInterpolator(_Interpolator):
     """LinearNDInterpolator(points, values, fill_value=nan, rescale=False)(xi): linear in each triangle, as scipy.interpolate's of
     that name.
 
-    `points` has the shape (n, 2), or is a Delaunay triangulation; `values` has the shape (n, ...), real or complex. `max_edge`:
+    `points` has the shape (n, 2), or is a Delaunay triangulation, or a constrained one; `values` has the shape (n, ...), real or complex. `max_edge`:
     there is no value in triangles with a longer edge. `workers` is the number of threads, all processors if it is None.
     `client` and `url` have no effect: no daemon is needed."""
 
@@ -232,15 +232,14 @@ class NearestNDInterpolator:
         return found
 
 
-def CloughTocher2DInterpolator(points: Any, values: ArrayLike, fill_value: Any = np.nan, **more: Any) -> Any:
-    """SciPy's interpolator of that name, which must be installed, on an exact triangulation. `more`: its tol, maxiter and
-    rescale."""
+def CloughTocher2DInterpolator(
+    points: Any, values: ArrayLike, fill_value: Any = np.nan, tol: float = 1e-6, maxiter: int = 400, rescale: bool = False
+) -> Any:
+    """SciPy's interpolator of that name, which must be installed, on an exact triangulation."""
     from scipy.interpolate import CloughTocher2DInterpolator as theirs  # type: ignore[import]
 
-    tri = points if type(points) is Delaunay else _points(points)
-    if not more.get("rescale", False) and type(tri) is not Delaunay:
-        tri = Delaunay(tri)
-    return theirs(tri, values, fill_value=fill_value, **more)
+    tri = points if rescale or isinstance(points, Delaunay) else Delaunay(_points(points))
+    return theirs(tri, values, fill_value, tol, maxiter, rescale)
 
 
 def griddata(

@@ -39,7 +39,7 @@ _HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
 def _checked(points: Any) -> Floats:
     if isinstance(points, np.ma.MaskedArray):
         raise ValueError("Input points cannot be a masked array")
-    checked: Floats = np.ascontiguousarray(points, dtype=np.float64)
+    checked: Floats = np.array(points, dtype=np.float64, order="C")  # its own: tables are computed later
     if checked.ndim != 2 or checked.shape[1] != 2:
         raise ValueError("points must have the shape (n, 2): delaunayd knows the plane alone")
     if len(checked) == 0:
@@ -163,7 +163,13 @@ class Delaunay:
         self.close()
 
     def __reduce__(self) -> Any:
-        return _restore, (type(self), self.points, self._incremental, self._workers, self.ids)
+        left = ("_now", "_adding", "_shared")
+        kept = {name: value for name, value in vars(self).items() if name not in left}
+        return _blank, (type(self),), {**kept, "points": self.points}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        vars(self).update({name: value for name, value in state.items() if name != "points"}, _shared=None)
+        self._begin(state["points"], self._incremental, self._workers)
 
     # ---- tables; each is computed on first use ----
 
@@ -376,9 +382,6 @@ class ConstrainedDelaunay(Delaunay):
             self.nsimplex,
         )
 
-    def __reduce__(self) -> Any:
-        return _restore_constrained, (type(self), self.points, self.segments, self.border, self._workers)
-
     @property
     def constrained_edges(self) -> Ints:
         """The edges that are parts of segments, the smaller point first, sorted, shape (n, 2)."""
@@ -401,11 +404,7 @@ def _checked_segments(segments: ArrayLike) -> Ints:
         raise ValueError("segments must have the shape (m, 2) and be numbers of points")
     if pairs.size > 0 and not (pairs.min() >= 0 and pairs.max() < 2**31):
         raise ValueError("segments must be numbers of points, from 0 on")
-    return np.ascontiguousarray(pairs, dtype=np.int32)
-
-
-def _restore_constrained(kind: Any, points: Floats, segments: Ints, border: bool, workers: Optional[int]) -> Any:
-    return kind(points, segments, border, workers=workers)
+    return np.array(pairs, dtype=np.int32, order="C")
 
 
 def tsearch(tri: Delaunay, xi: ArrayLike) -> Ints:
@@ -460,12 +459,9 @@ def _vertex_simplices(now: _Moment) -> Ints:
     return some
 
 
-def _restore(kind: Any, points: Floats, incremental: bool, workers: Optional[int], ids: Any) -> Delaunay:
-    """From a pickle, which leaves the daemon behind."""
-    d: Delaunay = kind.__new__(kind)
-    d._shared, d.ids = None, ids
-    d._begin(points, incremental, workers)
-    return d
+def _blank(kind: Any) -> Any:
+    """What a pickle fills. (Without it, pickle would compare __class__ with the type.)"""
+    return kind.__new__(kind)
 
 
 _both: Dict[Any, Any] = {}

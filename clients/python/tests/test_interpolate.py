@@ -9,8 +9,14 @@ from .common import SQUARE
 try:
     import numpy as np
 
-    from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator, NearestNDInterpolator, griddata
-    from delaunayd.spatial import Delaunay
+    from delaunayd.interpolate import (
+        CloughTocher2DInterpolator,
+        LinearNDInterpolator,
+        NaturalNeighborInterpolator,
+        NearestNDInterpolator,
+        griddata,
+    )
+    from delaunayd.spatial import ConstrainedDelaunay, Delaunay
 except ImportError:
     np = None
 try:
@@ -62,6 +68,14 @@ class Interpolators(unittest.TestCase):
         values = self.points.sum(axis=1)
         for tri in (Delaunay(self.points), scipy.spatial.Delaunay(self.points)):
             self.assertAlmostEqual(float(self.ours(tri, values)(0.25, 0.5)), 0.75)
+
+    def test_segments_that_a_triangulation_keeps_shape_the_surface(self):
+        points, values = [(0, 0), (10, 0), (5, 1), (5, -1)], [0, 0, 1, 1]
+        ridge, valley = Delaunay(points), ConstrainedDelaunay(points, [(0, 1)])
+        for make in (LinearNDInterpolator, lambda tri, values: LinearNDInterpolator(pickle.loads(pickle.dumps(tri)), values)):
+            self.assertEqual((float(make(ridge, values)(5, 0)), float(make(valley, values)(5, 0))), (1, 0))
+        with self.assertRaisesRegex(ValueError, "natural neighbours need a triangulation without segments"):
+            NaturalNeighborInterpolator(valley, values)(5, 0)
 
     def test_natural_neighbours_reproduce_planes_and_points(self):
         values = self.points @ [2, -3] + 1
@@ -141,6 +155,9 @@ class Interpolators(unittest.TestCase):
                         self.assertEqual((got.shape, got.dtype), (want.shape, want.dtype))
                         np.testing.assert_allclose(got, want, rtol=0, atol=1e-9)
         self.assertEqual(griddata(SQUARE, [1, 1, 1, 1, 1], [(1, 1)], "natural").tolist(), [1])
+        args = (self.points, self.points.sum(axis=1), -1, 1e-3, 7, True)
+        want = scipy.interpolate.CloughTocher2DInterpolator(*args)(places)
+        np.testing.assert_allclose(CloughTocher2DInterpolator(*args)(places), want, rtol=0, atol=1e-9)
         with self.assertRaises(ValueError):
             griddata(SQUARE, range(5), [(1, 1)], "spline")
 

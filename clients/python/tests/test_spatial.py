@@ -203,6 +203,26 @@ class Spatial(WithDaemon):
             places = points[:50] + 0.001
             self.assertEqual(other.find_simplex(places).tolist(), d.find_simplex(places).tolist())
 
+    def test_a_pickle_has_the_attributes_that_users_have_set(self):
+        class Named(Delaunay):
+            pass
+
+        d = Delaunay(SQUARE, incremental=True)
+        d.name = "towns"
+        for other in (pickle.loads(pickle.dumps(d)), copy.copy(d), copy.deepcopy(d)):
+            other.add_points([(1, 2)])
+            self.assertEqual((other.name, other.npoints, d.npoints), ("towns", 6, 5))
+        self.assertIs(type(copy.copy(Named(SQUARE))), Named)
+
+    def test_it_does_not_change_with_the_array_of_its_points(self):
+        points = numpy.array(SQUARE, dtype=float)
+        d = Delaunay(points)
+        points += 5
+        self.assertEqual(d.points.tolist(), [list(map(float, p)) for p in SQUARE])
+        self.assertEqual((d.min_bound.tolist(), d.max_bound.tolist()), ([0, 0], [4, 4]))
+        self.assertEqual(d.transform[0, 2].tolist(), [2, 2])
+        self.assertEqual(pickle.loads(pickle.dumps(d)).simplices.tolist(), d.simplices.tolist())
+
     def test_its_tables_can_be_written_to(self):
         d = self.make(SQUARE)
         d.simplices.sort(axis=1)
@@ -254,7 +274,7 @@ class Spatial(WithDaemon):
                 self.assertEqual(lengths.tolist(), [[len(ids) for ids in row] for row in want.tolist()])
         self.assertEqual(d.query_ball_point(points[0], 0.1), tree.query_ball_point(points[0], 0.1, return_sorted=True))
         one, theirs = d.query(places[0, 0]), tree.query(places[0, 0])
-        self.assertEqual((numpy.ndim(one[0]), int(one[1])), (0, int(theirs[1])))
+        self.assertEqual((type(one[0]), type(one[1]), one[1]), (float, int, theirs[1]))
         for bad in ({"k": 0}, {"k": []}, {"p": 0.5}, {"eps": -1}, {"workers": 0}):
             with self.assertRaises(ValueError):
                 d.query(places, **bad)
