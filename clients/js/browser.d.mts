@@ -1,1 +1,1 @@
-export { Constrainautor, Delaunator, Delaunator as default, Delaunay, LiveSet, Refused, Voronoi, earcut } from './index.js';
+export { Constrainautor, Delaunator, Delaunator as default, Delaunay, LiveSet, NONE, Refused, Voronoi, earcut } from './index.js';

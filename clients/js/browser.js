@@ -858,6 +858,7 @@ const { pairs } = require('./lib/points.js');
 
 const TABLES = { points: 0, coincident: 1, edges: 4, hull: 5 }; // enum dt_table
 const METHODS = ['linear', 'natural', 'laplace', 'nearest']; // enum dt_interpolation
+const NONE = 0xffffffff; // in answers, for a missing id
 
 // The memory of sets that nobody refers to any more.
 const forgotten = new FinalizationRegistry(({ core, set }) => core.freeSet(set));
@@ -1086,7 +1087,7 @@ function checkValues(values) {
   if (Array.prototype.some.call(values, (v) => Math.abs(v) === Infinity)) throw new RangeError('values are finite or NaN');
 }
 
-module.exports = { LiveSet };
+module.exports = { LiveSet, NONE };
 };
 modules['constrainautor.js'] = (module, require) => {
 // The interface of Constrainautor: edges that a triangulation like Delaunator's has to keep. Synchronous, in process.

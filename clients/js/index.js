@@ -1,12 +1,12 @@
 // The package delaunayd, for require(); index.mjs is for import, browser.mjs for browsers.
 'use strict';
 
-const { Client, NONE, connect, useServer } = require('./lib/client.js');
+const { Client, connect, useServer } = require('./lib/client.js');
 const { Disconnected, Refused } = require('./lib/errors.js');
 const { Triangulation } = require('./lib/triangulation.js');
 const Delaunator = require('./delaunator.js');
 const { Delaunay, Voronoi } = require('./d3-delaunay.js');
-const { LiveSet } = require('./live.js');
+const { LiveSet, NONE } = require('./live.js');
 const Constrainautor = require('./constrainautor.js');
 const earcut = require('./earcut.js');
 

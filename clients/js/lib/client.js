@@ -427,7 +427,4 @@ function useServer(url, { timeout = 0 } = {}) {
   common = new Client(chooseAddress(url), { unref: true, timeout });
 }
 
-/** The value for a missing id in the results of locateAll and nearestAll. */
-const NONE = 0xffffffff;
-
-module.exports = { Client, NONE, commonClient, connect, useServer };
+module.exports = { Client, commonClient, connect, useServer };

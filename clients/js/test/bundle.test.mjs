@@ -32,6 +32,8 @@ test('bundlers find for each entry of the package what Node finds', async () => 
     for (const name of Object.keys(theirs)) assert.equal(ours[name]?.name, theirs[name].name, `${entry}: ${name}`);
     assert.equal(exports[`./${entry}`].require.default, `./${entry}.js`);
   }
+  const { LiveSet, NONE } = await import('../browser.mjs');
+  assert.deepEqual([...LiveSet.from([0, 0]).nearest([1, 1], 2)], [0, NONE]);
 });
 
 test('a worker has a core of its own', async () => {
