@@ -48,11 +48,6 @@ static enum dt_status reserve(struct dt_ids *a, size_t n)
     return DT_OK;
 }
 
-enum dt_status dt_enforcer_reserve(struct dt_enforcer *e, size_t n)
-{
-    return reserve(&e->step, n);
-}
-
 static enum dt_status append(struct dt_ids *a, uint32_t value)
 {
     enum dt_status status = reserve(a, a->n + 1);
@@ -177,11 +172,9 @@ static uint32_t fill_part(struct dt_enforcer *e, const uint32_t *edge, size_t n)
     for (size_t i = 0; i <= n; i++)
         e->spare.v[spares++] = dt_mesh_take(m);
     collect_right(e, edge, n);
-    uint32_t right =
-        dt_pocket_fill(&e->pocket, m, e->xy, false, NULL, e->spare.v, &spares, &e->suspects);
+    uint32_t right = dt_pocket_fill(&e->pocket, m, e->xy, e->spare.v, &spares, &e->suspects);
     collect_left(e, edge, n);
-    uint32_t left =
-        dt_pocket_fill(&e->pocket, m, e->xy, false, NULL, e->spare.v, &spares, &e->suspects);
+    uint32_t left = dt_pocket_fill(&e->pocket, m, e->xy, e->spare.v, &spares, &e->suspects);
     dt_link(m, left, right);
     for (size_t i = 0; i < n; i++) {
         uint32_t behind = dt_base(dt_twin(m, edge[i]));

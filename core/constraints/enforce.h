@@ -41,9 +41,6 @@ void dt_enforce_release(struct dt_enforcer *e, uint32_t a, uint32_t b);
 /* Makes the mesh constrained Delaunay again. */
 void dt_enforce_mend(struct dt_enforcer *e);
 
-/* Makes room for n words in e->step. */
-enum dt_status dt_enforcer_reserve(struct dt_enforcer *e, size_t n);
-
 /* Of a chain of fixed edges, from the vertex that half leaves: the fixed half edge from there to the next vertex in
  * the direction of q; DT_NONE: there is none. Cost: the degree. */
 uint32_t dt_chain_next(const struct dt_mesh *m, const struct dt_point *xy, uint32_t near,

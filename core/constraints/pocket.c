@@ -31,8 +31,6 @@ struct fill {
     struct dt_side *side;
     struct dt_mesh *m;
     const struct dt_point *xy;
-    const struct dt_point *centre;
-    bool closed;
     uint32_t first, last, left; /* corners */
     uint32_t face;
 };
@@ -44,11 +42,8 @@ static struct dt_point place(const struct fill *f, uint32_t i)
 
 static bool is_ear(const struct fill *f, uint32_t i)
 {
-    if (!f->closed && (i == f->first || i == f->last))
-        return false;
-    struct dt_point a = place(f, f->side[i].prev), c = place(f, f->side[i].next);
-    return dt_orient2d(a, place(f, i), c) > 0 &&
-           (f->centre == NULL || f->left == 3 || dt_orient2d(a, c, *f->centre) >= 0);
+    return i != f->first && i != f->last &&
+           dt_orient2d(place(f, f->side[i].prev), place(f, i), place(f, f->side[i].next)) > 0;
 }
 
 /* Joins half edge h, new, with what is beyond the side. */
@@ -83,26 +78,17 @@ static void link_ring(struct dt_pocket *p)
     }
 }
 
-/* Of three corners left in a closed polygon: the last triangle. */
-static void close(struct fill *f, uint32_t i, uint32_t t)
-{
-    struct dt_side *s = &f->side[f->side[i].next];
-    cut(f, i, t);
-    join(f, t + 2, s);
-}
-
 uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_point *xy,
-                        bool closed, const struct dt_point *centre, const uint32_t *spare,
-                        uint32_t *spares, struct dt_suspects *suspects)
+                        const uint32_t *spare, uint32_t *spares, struct dt_suspects *suspects)
 {
-    struct fill f = {p->side, m, xy, centre, closed, 0, p->n - 1, p->n, p->face};
+    struct fill f = {p->side, m, xy, 0, p->n - 1, p->n, p->face};
     link_ring(p);
-    if (!closed && p->n == 2) {
+    if (p->n == 2) {
         uint32_t half = p->side[0].half;
         return (half & DT_SIDE_INNER) != 0 ? dt_twin(m, half & ~DT_SIDE_INNER) : half;
     }
-    uint32_t i = closed ? 0 : 1, t = 0, least = closed ? 3 : 2;
-    while (f.left > least) {
+    uint32_t i = 1, t = 0;
+    while (f.left > 2) {
         if (!is_ear(&f, i)) {
             i = p->side[i].next;
             continue;
@@ -112,11 +98,7 @@ uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_
         dt_suspect(suspects, t + 2);
         i = p->side[i].prev;
     }
-    if (!closed) {
-        suspects->n -= suspects->n > 0; /* the closing edge is the caller's */
-        dt_hull_keep(m, p->side[f.last].origin, t + 2);
-        return t + 2;
-    }
-    close(&f, i, spare[--*spares]);
-    return 0;
+    suspects->n -= suspects->n > 0; /* the closing edge is the caller's */
+    dt_hull_keep(m, p->side[f.last].origin, t + 2);
+    return t + 2;
 }

@@ -1,14 +1,12 @@
 /* pocket.h - fills a polygon with triangles, ear by ear.
  *
- *         P3 ------ P2              A polygon P[0], ..., P[n - 1], counterclockwise, without vertices inside. It is open: the
- *        /  '.        \             edge from the last corner to the first is only made by the filling; or closed: that edge
- *      P4     '.       P1           is there as the others are. Corners may be the same vertex, where an edge sticks out
- *        \      '.    /             into the polygon and has it on both sides.
- *         P5 ----- P0
- *                                   An ear is a corner that turns left and from whose triangle the rest of the polygon stays
- * away. That is easy to see where every corner is visible from one vertex v, or from the closing edge, for then nothing can lie
- * between a corner and there: a corner that turns left is an ear, unless v is in its triangle. There is one as long as
- * the polygon is no triangle, since every triangulation of it has two. */
+ *         P3 ------ P2              A polygon P[0], ..., P[n - 1], counterclockwise, without vertices inside. The edge from the
+ *        /  '.        \             last corner to the first is only made by the filling. Corners may be the same vertex, where
+ *      P4     '.       P1           an edge sticks out into the polygon and has it on both sides.
+ *        \      '.    /
+ *         P5 ..... P0               An ear is a corner that turns left and from whose triangle the rest of the polygon stays
+ * away. Here every corner is visible from the closing edge, so nothing can lie between a corner and there: a corner that
+ * turns left is an ear. There is one as long as the polygon is no triangle, since every triangulation of it has two. */
 #ifndef DT_POCKET_H
 #define DT_POCKET_H
 
@@ -46,11 +44,10 @@ static inline void dt_pocket_add(struct dt_pocket *p, uint32_t origin, uint32_t 
 
 /* Fills the polygon with triangles in the records spare[], of which it takes n - 2 from the end; *spares is how many
  * are left. Fixed edges stay fixed; the new ones are not, and are suspect. Vertices leave by the new triangles
- * (leaving[], hull.h). centre: v, or NULL, where the corners are visible from the closing edge. Returns the half edge
- * from the last corner to the first that the filling has made, 0 if it is closed. An open polygon of two corners has
- * no triangle: then it returns what is beyond its only side. Cost: linear where few corners must be tried again. */
+ * (leaving[], hull.h). Returns the half edge from the last corner to the first that the filling has made. A polygon of
+ * two corners has no triangle: then it returns what is beyond its only side. Cost: linear where few corners must be
+ * tried again. */
 uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_point *xy,
-                        bool closed, const struct dt_point *centre, const uint32_t *spare,
-                        uint32_t *spares, struct dt_suspects *suspects);
+                        const uint32_t *spare, uint32_t *spares, struct dt_suspects *suspects);
 
 #endif

@@ -27,6 +27,7 @@ enum { SPOKES = 16, MET = 4 };
  * rim edge, or u[i] if that is at infinity. */
 struct spokes {
     uint32_t n;
+    bool fixed; /* one is: the vertex is an end of a constraint, or constraints run through it */
     uint32_t u[SPOKES + 2], beyond[SPOKES];
     uint32_t h[SPOKES]; /* v->u[i + 1] */
 };
@@ -37,6 +38,7 @@ static uint32_t next_spokes(const struct dt_mesh *m, const struct dt_point *xy, 
                             uint32_t h, struct spokes *s)
 {
     uint32_t n = 0, other = first;
+    bool has_fixed = m->fixed != NULL;
     s->u[0] = s->u[s->n];
     s->u[1] = s->u[s->n + 1];
     do {
@@ -44,6 +46,7 @@ static uint32_t next_spokes(const struct dt_mesh *m, const struct dt_point *xy, 
         dt_fetch(&m->half[dt_base(twin)]);
         dt_fetch(&xy[u]);
         s->h[n] = h;
+        s->fixed |= has_fixed && dt_is_fixed(m, h);
         s->beyond[n] = twin;
         s->u[++n + 1] = u;
         h = dt_twin(m, last);
@@ -100,37 +103,25 @@ static bool look_at(const struct dt_point *xy, const struct spokes *s, struct dt
     return true;
 }
 
-/* Such a vertex is an end of a constraint, or constraints run through it. */
-static bool has_fixed_spoke(const struct dt_mesh *m, uint32_t first)
-{
-    uint32_t h = first;
-    do {
-        if (dt_is_fixed(m, h))
-            return true;
-        h = dt_turn_ccw(m, h);
-    } while (h != first);
-    return false;
-}
-
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                               struct dt_point to, bool bound, struct dt_stop *work,
                               struct dt_flips *f, bool *allowed)
 {
     enum dt_status status = DT_OK;
-    *allowed =
-        !dt_on_hull(m, v) && (bound || m->fixed == NULL || !has_fixed_spoke(m, m->leaving[v]));
+    *allowed = !dt_on_hull(m, v);
     f->suspects = f->flipped = 0;
     uint32_t first = m->leaving[v], h = first;
     if (!*allowed)
         return DT_OK;
     struct spokes s;
     s.n = 0;
+    s.fixed = false;
     s.u[0] = dt_dest(m, dt_turn_cw(m, h));
     s.u[1] = dt_dest(m, h);
     do {
         h = next_spokes(m, xy, first, h, &s);
         status = dt_work(work, s.n);
-        *allowed = status == DT_OK && look_at(xy, &s, to, f);
+        *allowed = status == DT_OK && (bound || !s.fixed) && look_at(xy, &s, to, f);
     } while (*allowed && h != first);
     return status;
 }

@@ -192,8 +192,7 @@ static void carry_fixed(struct dt_mesh *m, const struct dt_cavity *c)
     uint32_t face = dt_face(m, c->record[0]);
     for (uint32_t i = 0; i < c->rims; i++)
         dt_face_begin(m, c->record[i], face);
-    for (uint32_t i = 0; i < c->rims; i++)
-        dt_fixed_mark(m, dt_twin(m, c->rim[i].beyond), dt_is_fixed(m, c->rim[i].beyond));
+    dt_keep_rim_fixed(m, c);
 }
 
 /* The spoke of v to a corner u of the rim becomes fixed, and the triangles from there to the corner w are of the face. */

@@ -31,6 +31,7 @@ struct hole {
     const struct dt_point *p; /* where P[i] is */
     const uint32_t *spare;    /* records to be used, from the end */
     uint32_t spares;
+    uint32_t face;               /* of the triangles that fill it */
     struct dt_wide_bounds bound; /* below these, signs are uncertain */
 };
 
@@ -119,6 +120,7 @@ static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi)
     uint32_t mid = hi == lo + 2 ? lo + 1 : find_apex(w, lo, hi);
     uint32_t t = w->spare[--w->spares];
     dt_set_corners(w->m, t, w->rim[mid].origin, w->rim[hi].origin, w->rim[lo].origin);
+    dt_face_begin(w->m, t, w->face);
     dt_link(w->m, t + 2, closing(w, lo, mid));
     dt_link(w->m, t, closing(w, mid, hi));
     return t + 1;
@@ -154,6 +156,7 @@ static void fill_at_hull(struct hole *w, uint32_t n)
         set_bounds(w, lo, hi);
         uint32_t inner = closing(w, lo, hi), g = w->spare[--w->spares];
         dt_set_corners(w->m, g, w->rim[lo].origin, w->rim[hi].origin, DT_NONE);
+        dt_face_begin(w->m, g, 0);
         dt_link(w->m, g, inner);
         dt_link(w->m, g + 2, before);
         w->m->leaving[w->rim[hi].origin] = before = g + 1;
@@ -161,6 +164,18 @@ static void fill_at_hull(struct hole *w, uint32_t n)
         w->m->ghosts++;
     }
     dt_link(w->m, before, w->rim[n - 1].beyond);
+}
+
+/* Constraints run from P[0] to P[k] and cover the edge between the two pockets from now on; P[n] = P[0]. */
+static void fill_both_sides(struct hole *w, uint32_t k, uint32_t n, const struct dt_through *t)
+{
+    set_bounds(w, 0, k);
+    w->face = t->face[0];
+    uint32_t one = fill_pocket(w, 0, k);
+    set_bounds(w, k, n);
+    w->face = t->face[1];
+    dt_link(w->m, one, fill_pocket(w, k, n));
+    dt_fix(w->m, one, t->covers);
 }
 
 /* leaving[] of the rim vertices, which may have pointed into the star. */
@@ -171,15 +186,23 @@ static void settle_rim(struct dt_mesh *m, const struct dt_cavity *c)
             dt_hull_keep(m, c->rim[i].origin, dt_twin(m, c->rim[i].beyond));
 }
 
-static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
-                              const struct dt_cavity *c)
+/* At most DT_STAR_SMALL corners. */
+static void fill_small(struct dt_mesh *m, const struct dt_point *xy, const struct dt_cavity *c,
+                       const struct dt_through *t)
 {
-    struct dt_point p[DT_STAR_SMALL];
-    struct hole w = {.m = m, .rim = c->rim, .p = p, .spare = c->record, .spares = c->records};
-    bool at_hull = c->rim[0].origin == DT_NONE;
-    for (uint32_t i = at_hull; i < c->rims; i++)
-        p[i] = xy[c->rim[i].origin];
-    if (at_hull) {
+    struct dt_point p[DT_STAR_SMALL + 1];
+    struct dt_rim turned[DT_STAR_SMALL + 1]; /* P[0] is at t->at[0] */
+    struct hole w = {m, c->rim, p, c->record, c->records, t->face[0], {0, 0}};
+    bool at_hull = c->rim[0].origin == DT_NONE, divided = t->n == 2 && !at_hull;
+    for (uint32_t i = 0; divided && i <= c->rims; i++)
+        turned[i] = c->rim[(t->at[0] + i) % c->rims];
+    if (divided)
+        w.rim = turned;
+    for (uint32_t i = at_hull; i < c->rims + divided; i++)
+        p[i] = xy[w.rim[i].origin];
+    if (divided) {
+        fill_both_sides(&w, t->at[1] - t->at[0], c->rims, t);
+    } else if (at_hull) {
         m->ghosts -= 2;
         fill_at_hull(&w, c->rims);
     } else {
@@ -187,6 +210,41 @@ static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
     }
     while (w.spares > 0)
         dt_mesh_drop(m, w.spare[--w.spares]);
+}
+
+/* Replaces the star of v, whose constraints are released, by other triangles. */
+static enum dt_status fill_star(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                                struct dt_cavity *c, const struct dt_through *t)
+{
+    if (c->rims > DT_STAR_SMALL)
+        return t->n == 2 && c->rim[0].origin != DT_NONE ? dt_remove_between(m, xy, c, t)
+                                                        : dt_remove_large(m, xy, v, c, t->face[0]);
+    fill_small(m, xy, c, t);
+    return DT_OK;
+}
+
+/* The star of v is in the cavity. */
+static enum dt_status remove_from_plane(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                                        struct dt_cavity *c)
+{
+    struct dt_through t = {0};
+    if (m->fixed != NULL && !dt_find_through(m, xy, v, c, &t))
+        return DT_CROSSES;
+    if (t.n > 0 && dt_fixed_reserve(m, 1) != DT_OK)
+        return DT_NOMEM;
+    for (uint32_t i = 0; i < t.n; i++)
+        dt_unfix(m, t.half[i], t.covers);
+    enum dt_status status = fill_star(m, xy, v, c, &t);
+    for (uint32_t i = 0; i < t.n && status != DT_OK; i++)
+        dt_fix(m, t.half[i], t.covers);
+    if (status != DT_OK)
+        return status;
+    if (m->fixed != NULL)
+        dt_keep_rim_fixed(m, c);
+    if (t.n > 0 && c->rim[0].origin == DT_NONE)
+        dt_fix(m, dt_base(dt_twin(m, c->rim[0].beyond)), t.covers);
+    settle_rim(m, c);
+    return DT_OK;
 }
 
 /* Releases the edges of two ghosts of a line that become one, and returns how many constraints covered each. */
@@ -262,16 +320,10 @@ enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         enum dt_status status = collect_star(m, xy, v, scratch);
         if (status == DT_OK)
             dt_cavity_report(scratch);
-        if (status == DT_OK && m->fixed != NULL)
-            status = dt_remove_fixed(m, xy, v, scratch);
-        else if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
-            status = dt_remove_large(m, xy, v, scratch);
-        else if (status == DT_OK)
-            remove_from_plane(m, xy, scratch);
+        if (status == DT_OK)
+            status = remove_from_plane(m, xy, v, scratch);
         if (status != DT_OK)
             return status;
-        if (m->fixed == NULL)
-            settle_rim(m, scratch);
     }
     m->leaving[v] = DT_NONE;
     m->vertices--;

@@ -5,6 +5,7 @@
 #include "core/edit/insert.h"
 #include "core/edit/remove.h"
 #include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
 
 enum { STEPS_EACH = 8 }; /* what a rim vertex costs in all */
 
@@ -74,9 +75,10 @@ static uint32_t copied(const struct patch *w, uint32_t h)
 }
 
 static void copy_triangle(const struct patch *w, struct dt_mesh *m, const struct dt_cavity *c,
-                          uint32_t t)
+                          uint32_t t, uint32_t face)
 {
     uint32_t to = w->copy[t / 8];
+    dt_face_begin(m, to, dt_is_ghost(&w->mesh, t) ? 0 : face);
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t u = w->mesh.half[t + k], twin = dt_twin(&w->mesh, t + k);
         uint32_t place = u == DT_NONE ? 0 : w->from[u] + w->skip;
@@ -94,7 +96,7 @@ static void copy_triangle(const struct patch *w, struct dt_mesh *m, const struct
 }
 
 enum dt_status dt_remove_large(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                               struct dt_cavity *c)
+                               struct dt_cavity *c, uint32_t face)
 {
     struct patch w = {0};
     enum dt_status status = dt_work(c->work, (uint64_t)STEPS_EACH * c->rims);
@@ -105,7 +107,7 @@ enum dt_status dt_remove_large(struct dt_mesh *m, const struct dt_point *xy, uin
     if (status == DT_OK) {
         m->ghosts -= 2 * w.skip;
         for (uint32_t i = 0; i < w.hole.records; i++)
-            copy_triangle(&w, m, c, w.hole.record[i]);
+            copy_triangle(&w, m, c, w.hole.record[i], face);
         for (uint32_t i = w.hole.records; i < c->records; i++)
             dt_mesh_drop(m, c->record[i]);
     }

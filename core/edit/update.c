@@ -349,8 +349,7 @@ static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to,
 {
     struct dt_points *p = &t->points;
     struct dt_point from = p->xy[v];
-    bool found =
-        t->mesh.vertices > 2 && t->mesh.fixed == NULL && outlives(&t->mesh, place->half, v);
+    bool found = t->mesh.vertices > 2 && outlives(&t->mesh, place->half, v);
     enum dt_status status = remove_vertex(t, v);
     if (status != DT_OK)
         return status;

@@ -1,7 +1,8 @@
-/* cavity.c - growing the scratch arrays; see cavity.h. */
+/* cavity.c - see cavity.h. */
 #include "core/mesh/cavity.h"
 
 #include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
 
 void dt_cavity_clear(struct dt_cavity *c)
 {
@@ -34,4 +35,10 @@ bool dt_cavity_grow(struct dt_cavity *c)
         return false;
     c->room = (uint32_t)room;
     return true;
+}
+
+void dt_keep_rim_fixed(struct dt_mesh *m, const struct dt_cavity *c)
+{
+    for (uint32_t i = 0; i < c->rims; i++)
+        dt_fixed_mark(m, dt_twin(m, c->rim[i].beyond), dt_is_fixed(m, c->rim[i].beyond));
 }

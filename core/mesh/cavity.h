@@ -75,6 +75,9 @@ static inline void dt_cavity_add_rim(struct dt_cavity *c, uint32_t origin, uint3
     c->open |= origin == DT_NONE;
 }
 
+/* Other triangles have replaced those in the hole of a mesh that has fixed edges: the edges of the rim are fixed as before. */
+void dt_keep_rim_fixed(struct dt_mesh *m, const struct dt_cavity *c);
+
 /* Reports the stars of the vertices on the rim, which are going to change. */
 static inline void dt_cavity_report(const struct dt_cavity *c)
 {

@@ -24,6 +24,12 @@ static inline bool dt_is_fixed(const struct dt_mesh *m, uint32_t h)
     return m->fixed != NULL && (m->half[h | 3] >> (h & 3) & 1) != 0;
 }
 
+/* Whether some edge of the triangle of h is fixed; m->fixed is there. */
+static inline bool dt_has_fixed(const struct dt_mesh *m, uint32_t h)
+{
+    return (m->half[h | 3] & 7) != 0;
+}
+
 /* Sets or clears the bit of h alone. */
 static inline void dt_fixed_mark(struct dt_mesh *m, uint32_t h, bool fixed)
 {

@@ -1,4 +1,5 @@
 /* faults_test.c - inputs on which other libraries fail, as their users report; each is the smallest that we could make. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -156,6 +157,40 @@ TEST(a_set_with_constraints_takes_every_edit)
           constrain(t, 1, 3) == DT_OK);
     check_mesh(t);
     dt_free(t);
+}
+
+/* A hub with a spoke to each of n corners, and to those of one half of the circle alone if it is to be on the hull. */
+static struct dt *set_of_wheel(uint32_t n, bool half)
+{
+    struct dt_point p[101] = {{0, 0}};
+    for (uint32_t i = 0; i < n / 2; i++) {
+        double angle = 2 * M_PI * i / n;
+        struct dt_point q = {round(1000 * cos(angle)), round(1000 * sin(angle))};
+        p[1 + i] = q;
+        p[1 + i + n / 2] = (struct dt_point){-q.x, -q.y};
+    }
+    return set_of(p, half ? 2 + n / 2 : 1 + n);
+}
+
+/* Tinfour #112, of the hub of a wheel. */
+TEST(a_hub_goes_whether_constraints_run_through_it_or_around_it)
+{
+    uint32_t hub = 0, deleted, missing;
+    for (uint32_t n = 20; n <= 100; n += 80)
+        for (uint32_t way = 0; way < 6; way++) {
+            bool half = way >= 3, through = way % 3 > 0;
+            struct dt *t = set_of_wheel(n, half);
+            struct dt_added added;
+            CHECK(constrain(t, 2, 3) == DT_OK && constrain(t, 4, 6) == DT_OK);
+            for (uint32_t k = 0; k < way % 3; k++)
+                CHECK(constrain(t, 1, 1 + n / 2) == DT_OK && (k > 0 || has_edge(t, 0, 1)));
+            CHECK(dt_delete(t, &hub, 1, &deleted, &missing) == DT_OK);
+            check_mesh(t);
+            CHECK(has_edge(t, 2, 3) && (!through || has_edge(t, 1, 1 + n / 2)));
+            CHECK(dt_add(t, &(struct dt_point){0, 0}, 1, &added) == DT_OK);
+            check_mesh(t);
+            dt_free(t);
+        }
 }
 
 /* poly2tri, Constrainautor #15: near-collinear points, and coordinates of 1e-18. */
