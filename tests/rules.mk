@@ -22,7 +22,7 @@ $(O)/interop/small_sets: $(addprefix $(O)/tests/,interop/small_sets.o interop/da
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
-$(O)/interop/constrained: $(O)/tests/interop/constrained.o $(FAMILIES) $(CORE)
+$(O)/interop/constrained: $(O)/tests/interop/constrained.o $(O)/tests/core/threads.o $(FAMILIES) $(CORE)
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
@@ -40,6 +40,12 @@ interop_programs: all $(O)/tests/bench/points
 
 interop: interop_programs
 	tests/interop/run.sh $(O)
+
+# ---- constrained: the part of interop that compares constraints, with larger sets: GRAPHS=10000 SIZE=100000 SEED=1, FAMILY=circle alone ----
+
+.PHONY: constrained
+constrained: $(O)/interop/constrained
+	$< $(or $(GRAPHS),10000) $(or $(SIZE),100000) $(or $(SEED),1) $(FAMILY)
 
 # ---- same: compares every reply with an older daemon's: OLD=PATH POINTS=2000; ONLY="wheel tiny" of all families ----
 

@@ -1,14 +1,16 @@
 /* constrained.cpp - compares constrained triangulations of the core with those of CGAL.
  *
- * constrained GRAPHS SIZE [SEED]
+ * constrained GRAPHS SIZE [SEED [FAMILY]]
  *
- * First random graphs on small lattices, where segments touch, overlap, run through points and dangle: declared one by
- * one, all at once, and after random edits. Then random segments that do not cross between SIZE points of every
- * family. CGAL gets each part of a constraint between neighbouring points on it once. The last line counts the
- * comparisons. */
+ * First random graphs on small lattices, where segments touch, overlap, run through points and dangle. Then random segments
+ * that do not cross between SIZE points of every family, short ones and long ones. Each is compared as declared one by one
+ * and after random edits. The set that the edits leave is also built at once by both engines, with one thread and two, and
+ * with its constraints declared in another order. CGAL gets each part of a constraint between neighbouring points on it
+ * once; these parts are found among all points, exactly. The last line counts the comparisons. */
 #include <stdatomic.h>
 extern "C" {
 #include "core/delaunay_constraints.h"
+#include "tests/core/threads.h"
 #include "tests/oracle/families.h"
 }
 
@@ -21,6 +23,7 @@ extern "C" {
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <random>
 #include <set>
@@ -80,9 +83,13 @@ static std::vector<triangle> triangles_of(const dt *t)
     return rows;
 }
 
-/* By a look at all points. */
+/* By a look at all points that are between the ends in the order of x, then y. */
 static std::set<part> parts_of(const dt *t, const std::map<uint32_t, kernel::Point_2> &vertices)
 {
+    std::vector<std::pair<kernel::Point_2, uint32_t>> sorted;
+    for (const auto &v : vertices)
+        sorted.emplace_back(v.second, v.first);
+    std::sort(sorted.begin(), sorted.end());
     std::set<part> parts;
     dt_constraint *c;
     size_t n;
@@ -91,15 +98,17 @@ static std::set<part> parts_of(const dt *t, const std::map<uint32_t, kernel::Poi
         uint32_t a, b;
         dt_representative(t, c[i].a, &a);
         dt_representative(t, c[i].b, &b);
-        kernel::Point_2 p = vertices.at(a), q = vertices.at(b);
-        std::vector<std::pair<kernel::Point_2, uint32_t>> on;
-        for (const auto &v : vertices)
-            if (a != b && CGAL::collinear(p, v.second, q) &&
-                CGAL::collinear_are_ordered_along_line(p, v.second, q))
-                on.emplace_back(v.second, v.first);
-        std::sort(on.begin(), on.end());
-        for (size_t k = 1; k < on.size(); k++)
-            parts.insert(std::minmax(on[k - 1].second, on[k].second));
+        kernel::Point_2 p = std::min(vertices.at(a), vertices.at(b));
+        kernel::Point_2 q = std::max(vertices.at(a), vertices.at(b));
+        uint32_t before = DT_NONE;
+        for (auto v = std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(p, 0u));
+             a != b && v != sorted.end() && v->first <= q; ++v) {
+            if (!CGAL::collinear(p, v->first, q))
+                continue;
+            if (before != DT_NONE)
+                parts.insert(std::minmax(before, v->second));
+            before = v->second;
+        }
     }
     free(c);
     return parts;
@@ -130,23 +139,59 @@ static std::vector<triangle> triangles_by_cgal(const std::map<uint32_t, kernel::
     return rows;
 }
 
-static void compare(const dt *t, bool small)
+static void compare(const dt *t)
 {
     const char *fault = "";
     if (dt_check(t, nullptr, &fault) != DT_OK)
         throw std::runtime_error(fault);
     auto vertices = vertices_of(t);
-    std::set<part> parts;
-    if (small) {
-        parts = parts_of(t, vertices);
-    } else {
-        dt_ids edges = {nullptr, 0, 0};
-        expect(dt_constrained_edges(t, &edges) == DT_OK, "no edges");
-        for (size_t i = 0; i < edges.n; i += 2)
-            parts.emplace(edges.v[i], edges.v[i + 1]);
-        free(edges.v);
+    expect(triangles_of(t) == triangles_by_cgal(vertices, parts_of(t, vertices)),
+           "triangles differ from CGAL's");
+}
+
+/* ---- other histories ---- */
+
+/* The same points and constraints, triangulated afterwards. */
+static dt *built_at_once(const dt *t, dt_method method, unsigned threads)
+{
+    dt *copy;
+    dt_options opt = {};
+    dt_pool pool = threads_pool(threads);
+    opt.method = method;
+    opt.pool = &pool;
+    expect(dt_clone_points(t, nullptr, &copy) == DT_OK, "no copy");
+    expect(dt_triangulate(copy, &opt) == DT_OK, "no triangulation of a copy");
+    return copy;
+}
+
+/* The same points, and the constraints in random order and direction after the triangulation. */
+static dt *declared_again(const dt *t)
+{
+    dt_constraint *c;
+    size_t n, released, added, at;
+    uint32_t missing;
+    dt *copy = built_at_once(t, DT_AUTO, 1);
+    expect(dt_constraints(t, nullptr, DT_NONE, &c, &n) == DT_OK &&
+               dt_release(copy, c, n, nullptr, &released, &at) == DT_OK && released == n,
+           "constraints of a copy cannot be released");
+    std::shuffle(c, c + n, random_bits);
+    for (size_t i = 0; i < n; i += 2)
+        std::swap(c[i].a, c[i].b);
+    expect(dt_constrain(copy, c, n, nullptr, &added, &missing) == DT_OK && added == n,
+           "constraints are refused in another order");
+    free(c);
+    return copy;
+}
+
+static void compare_histories(const dt *t)
+{
+    dt *other[] = {built_at_once(t, DT_DIVIDE, 1), built_at_once(t, DT_DIVIDE, 2),
+                   built_at_once(t, DT_SHELLING, 1), declared_again(t)};
+    auto rows = triangles_of(t);
+    for (dt *o : other) {
+        expect(triangles_of(o) == rows, "a build differs from its history");
+        dt_free(o);
     }
-    expect(triangles_of(t) == triangles_by_cgal(vertices, parts), "triangles differ from CGAL's");
 }
 
 /* ---- graphs ---- */
@@ -167,9 +212,9 @@ static uint32_t live_id(const dt *t)
     }
 }
 
-static void constrain(dt *t)
+static void constrain(dt *t, uint32_t a, uint32_t b)
 {
-    dt_constraint c = {live_id(t), live_id(t), below(2) == 0, below(3)};
+    dt_constraint c = {a, b, below(2) == 0, below(3)};
     size_t added;
     uint32_t missing;
     if (c.a != c.b) {
@@ -200,20 +245,9 @@ static void edit(dt *t, uint32_t width, uint32_t height)
         s = dt_delete_cascade(t, &id, 1, nullptr, &n, &id);
         break;
     default:
-        constrain(t);
+        constrain(t, live_id(t), live_id(t));
     }
     expect(s == DT_OK || s == DT_CROSSES || s == DT_CONSTRAINED, "an edit fails");
-}
-
-/* The same points and constraints, triangulated afterwards. */
-static dt *built_at_once(const dt *t, dt_method method)
-{
-    dt *copy;
-    dt_options opt = {};
-    opt.method = method;
-    expect(dt_clone_points(t, nullptr, &copy) == DT_OK, "no copy");
-    expect(dt_triangulate(copy, &opt) == DT_OK, "no triangulation of a copy");
-    return copy;
 }
 
 static size_t compare_graph()
@@ -227,21 +261,33 @@ static size_t compare_graph()
     expect(dt_add(t, p.data(), n, &added) == DT_OK && dt_triangulate(t, nullptr) == DT_OK,
            "no set");
     for (uint32_t i = below(2 * n); i > 0; i--)
-        constrain(t);
-    compare(t, true);
+        constrain(t, live_id(t), live_id(t));
+    compare(t);
     for (uint32_t i = below(20); i > 0; i--)
         edit(t, width, height);
-    compare(t, true);
-    for (dt_method method : {DT_DIVIDE, DT_SHELLING}) {
-        dt *copy = built_at_once(t, method);
-        expect(triangles_of(copy) == triangles_of(t), "a build differs from its history");
-        dt_free(copy);
-    }
+    compare(t);
+    compare_histories(t);
     dt_free(t);
     return 2;
 }
 
 /* ---- families ---- */
+
+/* A random point at most `most` edges from id, or id. */
+static uint32_t near_id(const dt *t, uint32_t id, uint32_t most)
+{
+    dt_ids ring = {nullptr, 0, 0};
+    uint32_t representative;
+    bool boundary;
+    for (uint32_t i = below(most + 1); i > 0; i--) {
+        ring.n = 0;
+        expect(dt_ring(t, id, false, &ring, &representative, &boundary) == DT_OK, "no ring");
+        if (ring.n > 0)
+            id = ring.v[below(static_cast<uint32_t>(ring.n))];
+    }
+    free(ring.v);
+    return id;
+}
 
 static size_t compare_family(const family &f, uint32_t n, uint64_t seed)
 {
@@ -251,12 +297,17 @@ static size_t compare_family(const family &f, uint32_t n, uint64_t seed)
     dt_added added;
     expect(dt_add(t, p.data(), n, &added) == DT_OK && dt_triangulate(t, nullptr) == DT_OK,
            "no set");
-    for (uint32_t i = 0; i < 100 + n / 20; i++)
-        constrain(t);
-    compare(t, false);
+    for (uint32_t i = n > 10000 ? 10 : 100; i > 0; i--)
+        constrain(t, live_id(t), live_id(t));
+    for (uint32_t i = std::min(n / 10, 2000u); i > 0; i--) {
+        uint32_t id = live_id(t);
+        constrain(t, id, near_id(t, id, 8));
+    }
+    compare(t);
     for (uint32_t i = 0; i < 200; i++)
         edit(t, 3, 3);
-    compare(t, false);
+    compare(t);
+    compare_histories(t);
     dt_free(t);
     return 2;
 }
@@ -274,6 +325,8 @@ int main(int argc, char **argv)
             compared += compare_graph();
         }
         for (const family *f = families; f->name != nullptr; f++) {
+            if (argc > 4 && strcmp(argv[4], f->name) != 0)
+                continue;
             what = f->name;
             random_bits.seed(seed);
             compared += compare_family(*f, static_cast<uint32_t>(atoi(argv[2])), seed);
