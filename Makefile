@@ -19,7 +19,8 @@
 #   make lint       dependencies, formatting, static analysis; make fmt formats
 #   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients,
 #                   bench-python, bench-js
-#   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, load-watch, load-follow, stress
+#   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, load-herd, load-watch,
+#                   load-follow, stress
 #   make clean      removes build/
 #   make help       shows this
 

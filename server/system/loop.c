@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 enum {
-    EVENTS_PER_WAIT = 512,
+    EVENTS_PER_WAIT = 128, /* those that are late only read and yield, 2 us each */
     TICK_MS = 1000,
     LATE_NS = 100 * 1000 *
               1000 /* a turn that is later than that has not been awake for the rest of the time */

@@ -3,9 +3,9 @@
  * A turn:
  *     1. run deferred tasks
  *     2. wait for events, and deliver them to their sources
- *     3. run yielded tasks for a millisecond
+ *     3. run yielded tasks for a quarter of a millisecond
  *     4. run the timers that are due
- *     5. dispose of closed sources, for a millisecond, too
+ *     5. dispose of closed sources, for as long
  * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
  *
  * The world is everything that loops have in common. A loop that shares the world with others changes only what is its
@@ -26,8 +26,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The time for deferred tasks and events; yielded tasks get as much again. */
-enum { LOOP_TURN_NS = 1000 * 1000 };
+/* The time for deferred tasks and events; yielded tasks get as much again. A request that comes when a thousand others have
+ * just come waits for about two turns. */
+enum { LOOP_TURN_NS = 250 * 1000 };
 
 struct source {
     int fd;

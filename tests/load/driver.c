@@ -266,6 +266,13 @@ static void serve_due(struct run *r)
     timerfd_settime(r->timer, TFD_TIMER_ABSTIME, &t, NULL);
 }
 
+/* Closed loop: what each connection may send now. */
+static void serve_all(struct run *r)
+{
+    for (unsigned i = 0; i < r->plan->connections && !r->failed; i++)
+        serve(r, &r->peer[i]);
+}
+
 static bool is_over(const struct run *r)
 {
     return r->failed || (!may_send(r, driver_now_ns()) && r->o->replies == r->sent);
@@ -285,8 +292,13 @@ static void turn(struct run *r)
         }
         if ((event[i].events & ~(uint32_t)EPOLLOUT) != 0)
             pull_in(r, p);
-        serve(r, p);
+        if (r->plan->together)
+            push_out(r, p);
+        else
+            serve(r, p);
     }
+    if (r->plan->together && r->o->replies == r->sent)
+        serve_all(r);
     if (r->step_ns != 0)
         serve_due(r);
     if (driver_now_ns() > r->end_ns + (uint64_t)TAIL_MS * 1000000u)
@@ -313,9 +325,9 @@ bool driver_run(const struct plan *plan, struct mix *mix, struct outcome *o)
     memset(o, 0, sizeof *o);
     if (!begin(&r))
         fail(&r, "cannot begin");
-    for (unsigned i = 0; i < plan->connections && !r.failed && r.step_ns == 0; i++)
-        serve(&r, &r.peer[i]);
-    if (r.step_ns != 0 && !r.failed)
+    if (r.step_ns == 0 && !r.failed)
+        serve_all(&r);
+    else if (!r.failed)
         serve_due(&r);
     while (!is_over(&r))
         turn(&r);

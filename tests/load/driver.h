@@ -1,7 +1,7 @@
 /* driver.h - many connections, one thread, epoll: sends a mix and measures how long replies take.
  *
  * Closed loop (rate 0): each connection sends `pipeline` requests at once, waits for all their
- * replies, and begins again; a latency runs from the sending. Open loop: requests are due at a
+ * replies, and begins again; a latency runs from the sending. Together: it waits for those of all connections. Open loop: requests are due at a
  * fixed rate, in turn on each connection, whether or not earlier ones have been answered; a latency
  * runs from when the request was due, so it includes the time that the request waited because the server
  * was slow (no coordinated omission). */
@@ -15,6 +15,7 @@ struct plan {
     unsigned port; /* on the loopback address */
     unsigned connections, pipeline;
     double rate;    /* requests a second; 0: closed loop */
+    bool together;  /* closed loop: all connections send at the same moment */
     double seconds; /* after which nothing more is sent */
     uint64_t count; /* of requests, after which nothing more is sent */
 };

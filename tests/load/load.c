@@ -19,6 +19,7 @@ static const char usage[] =
     "  --connections N          (50)\n"
     "  --pipeline N             requests on their way per connection (1)\n"
     "  --rate R                 open loop: requests a second, latencies from when they were due\n"
+    "  --together               all connections send at the same moment, when all are answered\n"
     "  --seconds S, --count N   whichever comes first ends it (5 seconds)\n"
     "  --set NAME               (load)\n"
     "  --points N               first loads so many points and triangulates them\n"
@@ -120,6 +121,7 @@ enum {
     CONNECTIONS,
     PIPELINE,
     RATE,
+    TOGETHER,
     SECONDS,
     COUNT,
     SET,
@@ -138,6 +140,7 @@ static const struct option flags[] = {
     {"connections", required_argument, NULL, CONNECTIONS},
     {"pipeline", required_argument, NULL, PIPELINE},
     {"rate", required_argument, NULL, RATE},
+    {"together", no_argument, NULL, TOGETHER},
     {"seconds", required_argument, NULL, SECONDS},
     {"count", required_argument, NULL, COUNT},
     {"set", required_argument, NULL, SET},
@@ -170,6 +173,9 @@ static void set_option(struct options *o, int flag, const char *value)
         break;
     case RATE:
         o->plan.rate = number;
+        break;
+    case TOGETHER:
+        o->plan.together = true;
         break;
     case SECONDS:
         o->plan.seconds = number;

@@ -36,6 +36,13 @@ REACTORS_OF ?= $(shell n=1; while [ $$n -lt $(HALF) ]; do echo $$n; n=$$((2 * n)
 load-reactors: all
 	@tests/load/reactors.sh $(O) "$(REACTORS_OF)" $(GENERATORS) | tee $(O)/load-reactors.md
 
+# How long a stranger's PING takes beside 1,000 clients that all ask at the same moment: a minute.
+#
+#   make load-herd REACTORS=4
+.PHONY: load-herd
+load-herd: all
+	@tests/load/herd.sh $(O) $(or $(REACTORS),1) | tee $(O)/load-herd.md
+
 # Mirrors of a set that is edited at random, with kills of the daemon, lost connections and pauses: up to half an hour.
 #
 #   make soak EDITS=1000000 SEEDS=100
