@@ -298,6 +298,42 @@ enum dt_status dt_contour_end(struct dt_contour *c, const struct dt_options *opt
 
 void dt_contour_free(struct dt_contour *c); /* NULL: nothing */
 
+/* ---- volumes between the linear surface and a level, or another surface ----
+ *
+ *     dt_volume_begin(t, view, field, NULL, level, &v);
+ *     do
+ *         dt_volume_read(t, v, &done);          under the caller's lock
+ *     while (!done);
+ *     dt_volume_end(v, &sums);                  which needs the set no more
+ *     dt_volume_free(v);
+ *
+ * There is a surface in the triangles whose corners all have values, of both fields. Equal sets have equal bytes: the
+ * numbers of all triangles are summed up exactly. */
+struct dt_volume;
+
+struct dt_volumes {
+    double above; /* between the surface and what is below it */
+    double below; /* between the surface and what is above it; at least 0, as `above` */
+    double area;  /* of the triangles that have a surface */
+};
+
+/* Above `minus`, or above the level if it is NULL. Both fields are of the view. The view must be one that reads rings, open
+ * until the last dt_volume_read; NULL: now, and the set must not change until then. Cost: 8 bytes for each id. */
+enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
+                               const struct dt_field *field, const struct dt_field *minus,
+                               double level, struct dt_volume **out);
+
+/* Reads some thousands of values or triangles more; again from the first triangle on if the set of the view was edited. */
+enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *done);
+
+/* Bytes that it has. */
+size_t dt_volume_memory(const struct dt_volume *v);
+
+/* Both volumes err by less than 2^-45 of their sum, and the area by as much of itself; infinite beyond the largest double. */
+void dt_volume_end(const struct dt_volume *v, struct dt_volumes *out);
+
+void dt_volume_free(struct dt_volume *v); /* NULL: nothing */
+
 #ifdef __cplusplus
 }
 #endif

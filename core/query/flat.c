@@ -8,6 +8,8 @@
  * point (table.c), which needs no memory and can stop anywhere. */
 #include "core/query/flat.h"
 
+#include "core/query/query.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,8 +26,7 @@ struct flat {
         *place_of; /* 4 * place + corner, the place from write_triangles on; DT_NONE: no triangle */
 };
 
-/* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. Without a branch where ids
- * are compared: it would be unpredictable. */
+/* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. */
 static void count(const struct flat *f)
 {
     const uint32_t *half = f->t->mesh.half, *id = f->t->points.id;
@@ -35,11 +36,9 @@ static void count(const struct flat *f)
         place_of[i] = DT_NONE;
         if (corner[2] == DT_NONE || corner[2] == DT_DEAD)
             continue;
-        uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]];
-        uint32_t at_b = b < a, least = a ^ ((a ^ b) & (0 - at_b));
-        uint32_t at_c = c < least;
-        place_of[i] = (at_b & (at_c - 1)) | at_c << 1;
-        start[(least ^ ((least ^ c) & (0 - at_c))) + 1]++;
+        uint32_t least;
+        place_of[i] = dt_least_of_three(id[corner[0]], id[corner[1]], id[corner[2]], &least);
+        start[least + 1]++;
     }
     for (uint32_t k = 0, ids = f->t->points.next_id; k < ids; k++)
         start[k + 1] += start[k];

@@ -24,6 +24,14 @@ static inline void dt_triangle_turn(uint32_t row[3])
     }
 }
 
+/* Which of three ids is the least, and that id. Without a branch: it would be unpredictable. */
+static inline uint32_t dt_least_of_three(uint32_t a, uint32_t b, uint32_t c, uint32_t *least)
+{
+    uint32_t at_b = b < a, two = a ^ ((a ^ b) & (0 - at_b)), at_c = c < two;
+    *least = two ^ ((two ^ c) & (0 - at_c));
+    return (at_b & (at_c - 1)) | at_c << 1;
+}
+
 /* The corners of the triangle of the half edge h. */
 void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3]);
 

@@ -1,4 +1,4 @@
-/* sum_test.c - exact sums of cross products, beside numbers of 2,560 bits. */
+/* sum_test.c - exact sums, beside numbers of 2,560 bits. */
 #include "core/exact/sum.h"
 
 #include <math.h>
@@ -56,4 +56,45 @@ TEST(sums_of_the_largest_and_least_terms_lose_nothing)
         dt_sum_cross(&sum, (struct dt_point){most, most}, (struct dt_point){most, -most});
     CHECK(dt_sum_half(&sum) == least * least / 2);
     CHECK(dt_sum_half(&(struct dt_sum){0}) == 0);
+}
+
+/* ---- of any size ---- */
+
+/* From the least double to some power of two, sometimes 0. */
+static double any_double(int from, int range)
+{
+    double v = ldexp((double)(test_random() >> 11), (int)(test_random() % (uint64_t)range) + from);
+    return test_random() % 10 == 0 ? 0 : v;
+}
+
+/* The product of the next sums is rounded to 53 bits, and so are a and b if few of their bits are set. */
+static double few_bits(double v)
+{
+    return v == 0 ? 0 : ldexp(1 + (double)(test_random() % 1000) / 1024, ilogb(v));
+}
+
+TEST(wide_sums_of_any_doubles_are_exact_and_in_any_order)
+{
+    static const struct {
+        int from, range;
+    } kind[] = {{-60, 20}, {-1074, 1900}, {-700, 1400}, {-1074, 30}};
+    for (int round = 0; round < 2000; round++) {
+        struct dt_wide_sum sum = {0}, back = {0};
+        struct dt_big exact, six;
+        double a[20], b[20];
+        int n = (int)(test_random() % 20), k = round % 4;
+        dt_big_of(0, &exact);
+        dt_big_of(6, &six);
+        for (int i = 0; i < n; i++) {
+            a[i] = few_bits(any_double(kind[k].from, kind[k].range));
+            b[i] = few_bits(any_double(-60, k == 1 ? 500 : 20));
+            dt_wide_sum_add(&sum, a[i], b[i]);
+            add_product(&exact, a[i], b[i], false);
+        }
+        for (int i = n; i-- > 0;)
+            dt_wide_sum_add(&back, a[i], b[i]);
+        dt_big_divide(&exact, &six, &six);
+        double want = exact.sign == 0 ? 0 : dt_big_nearest(&six);
+        CHECK(dt_wide_sum_over(&sum, 6) == want && dt_wide_sum_over(&back, 6) == want);
+    }
 }

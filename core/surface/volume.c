@@ -1,0 +1,304 @@
+/* volume.c - volumes between the linear surface and a level, or another linear surface.
+ *
+ * h is the height of the surface over the other one: a number at each corner, linear in a triangle. If the heights of a
+ * triangle have one sign, the volume is a third of their sum times the area. Otherwise one corner is alone on its side:
+ *
+ *              lone              The tip between the lone corner and the line h = 0 has the height of its corner, and
+ *              /  \              shares h / (h - h1) and h / (h - h2) of two edges, so of the area. The volume on the
+ *         h = 0 -- -- -          other side of the line is what the tip has too much beside the whole triangle:
+ *          /        \
+ *         1 -------- 2           6 tip = twice the area * h * h / (h - h1) * h / (h - h2)
+ *                                6 rest = 6 tip - twice the area * (h + h1 + h2), if h > 0
+ *
+ * All factors are positive, so their relative errors add up. What each triangle adds is rounded, but depends on the
+ * triangle alone; the sums are exact, so the order of the triangles does not matter.
+ *
+ * Errors, u = 2^-53: a height errs by u, and the sum of three by 2 u of the sum of their magnitudes, of which the volumes of
+ * both sides have at least a sixth together. A tip errs by 9 u, a rest by that and 12 u of both; twice the area, as computed in
+ * twice_area, by less than 64 u; a product by 2 u. Together that is less than 2^-46. */
+#include "core/exact/double2.h"
+#include "core/exact/sum.h"
+#include "core/query/query.h"
+#include "core/set/set.h"
+#include "core/set/view_rows.h"
+
+#include "core/delaunay_surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    PIECE = 4096,    /* triangles of the table */
+    RECORDS = 16384, /* heights, or triangles as they lie in memory */
+    SOME = 256       /* heights whose ids are on the stack */
+};
+
+enum stage { HEIGHTS, MESH, TABLE, READ };
+
+struct dt_volume {
+    const struct dt_view *view;           /* borrows */
+    const struct dt_field *field, *minus; /* borrows; minus: NULL for the level */
+    double level, scale;                  /* of values, so that no difference is infinite */
+    enum stage stage;
+    bool by_id;     /* heights are: once the set has been edited; until then they are by vertex */
+    double *height; /* owns `room`: scaled */
+    uint32_t room, from;
+    uint32_t record; /* the next one of the mesh */
+    struct dt_cursor cursor;
+    struct dt_wide_sum above, below, area; /* six times the volumes, scaled; twice the area */
+    uint32_t triangle[3 * PIECE];
+};
+
+void dt_volume_free(struct dt_volume *v)
+{
+    if (v == NULL)
+        return;
+    free(v->height);
+    free(v);
+}
+
+/* 2^-8 if there are values from 2^1000 on. Beside them, heights that lose bits thereby are too small to matter. */
+static double scale_for(const struct dt_field *field, const struct dt_field *minus, double level)
+{
+    struct dt_field_summary sum;
+    double most = fabs(level);
+    for (int k = 0; k < 2; k++) {
+        const struct dt_field *f = k == 0 ? field : minus;
+        if (f == NULL)
+            continue;
+        dt_field_summary(f, &sum);
+        most = fmax(most, fmax(-sum.least, sum.most));
+    }
+    return most >= 0x1p1000 ? 0x1p-8 : 1;
+}
+
+enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
+                               const struct dt_field *field, const struct dt_field *minus,
+                               double level, struct dt_volume **out)
+{
+    *out = NULL;
+    enum dt_status s = dt_view_readable(t, view, true);
+    if (s != DT_OK)
+        return s;
+    struct dt_volume *v = calloc(1, sizeof *v);
+    if (v == NULL)
+        return DT_NOMEM;
+    v->view = view;
+    v->field = field;
+    v->minus = minus;
+    v->scale = scale_for(field, minus, level);
+    v->level = level * v->scale;
+    v->room = view == NULL ? t->points.next_id : dt_view_next_id(view);
+    v->height = malloc(v->room * sizeof *v->height + 1);
+    s = v->height == NULL ? DT_NOMEM : dt_table_begin(t, view, DT_TRIANGLES, false, &v->cursor);
+    if (s == DT_OK)
+        *out = v;
+    else
+        dt_volume_free(v);
+    return s;
+}
+
+size_t dt_volume_memory(const struct dt_volume *v)
+{
+    return sizeof *v + v->room * sizeof *v->height;
+}
+
+/* ---- heights ---- */
+
+/* Of n ids, from `height` number `from` on. */
+static void read_some(struct dt_volume *v, const uint32_t *id, uint32_t n)
+{
+    double *height = v->height + v->from, low[SOME];
+    dt_field_values(v->field, v->view, id, n, height);
+    if (v->minus != NULL)
+        dt_field_values(v->minus, v->view, id, n, low);
+    for (uint32_t i = 0; i < n; i++)
+        height[i] = height[i] * v->scale - (v->minus == NULL ? v->level : low[i] * v->scale);
+    v->from += n;
+}
+
+static void read_heights(const struct dt *t, struct dt_volume *v)
+{
+    uint32_t all = v->by_id ? v->room : t->points.end, id[SOME];
+    for (uint32_t done = 0; done < RECORDS && v->from < all; done += SOME) {
+        uint32_t n = all - v->from < SOME ? all - v->from : SOME;
+        for (uint32_t i = 0; i < n; i++)
+            id[i] = v->by_id ? v->from + i : t->points.id[v->from + i];
+        read_some(v, id, n);
+    }
+    if (v->from == all)
+        v->stage = v->by_id ? TABLE : MESH;
+}
+
+/* ---- triangles ---- */
+
+/* Twice the area of a triangle that is not flat, in double words; *size: of the two products. */
+static double area_in_double_words(const struct dt_point p[3], double *size)
+{
+    struct dt_double2 ax = dt_double2_difference(p[1].x, p[0].x);
+    struct dt_double2 ay = dt_double2_difference(p[1].y, p[0].y);
+    struct dt_double2 bx = dt_double2_difference(p[2].x, p[0].x);
+    struct dt_double2 by = dt_double2_difference(p[2].y, p[0].y);
+    struct dt_double2 plus = dt_double2_multiply(ax, by);
+    struct dt_double2 minus = dt_double2_multiply(ay, bx);
+    *size = fabs(plus.hi) + fabs(minus.hi);
+    return dt_double2_add(plus, dt_double2_negate(minus)).hi;
+}
+
+/* Twice the area of a counterclockwise triangle, by less than 64 u of it. In doubles the difference of two products errs by 3 u
+ * of their sizes, which are at most 16 times the difference here; in double words by 2^-100 of 2^50 times the difference. */
+static double twice_area(const struct dt_point p[3])
+{
+    double ax = p[1].x - p[0].x, ay = p[1].y - p[0].y;
+    double bx = p[2].x - p[0].x, by = p[2].y - p[0].y;
+    double plus = ax * by, minus = ay * bx, size = fabs(plus) + fabs(minus);
+    double area = plus - minus;
+    if (area * 16 >= size)
+        return area;
+    area = area_in_double_words(p, &size);
+    if (area * 0x1p50 >= size)
+        return area;
+    struct dt_sum sum = {0};
+    for (int k = 0; k < 3; k++)
+        dt_sum_cross(&sum, p[k], p[(k + 1) % 3]);
+    return 2 * dt_sum_half(&sum);
+}
+
+static double least_of(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double most_of(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Six times what is on both sides, for twice the area 1: of the corner that is alone, with h > 0, and of the others. */
+static double tip_of(double h, double h1, double h2)
+{
+    return h * (h / (h - h1)) * (h / (h - h2));
+}
+
+static double rest_of(double tip, double whole)
+{
+    return tip > whole ? tip - whole : 0;
+}
+
+/* A triangle with heights on both sides, times 2^exponent, given twice its area. */
+static void add_both_sides(struct dt_volume *v, double area, const double h[3], int exponent)
+{
+    int lone = 0, above = (h[0] > 0) + (h[1] > 0) + (h[2] > 0);
+    double sign = above == 1 ? 1 : -1;
+    while (!(sign * h[lone] > 0))
+        lone++;
+    double tip = tip_of(sign * h[lone], sign * h[(lone + 1) % 3], sign * h[(lone + 2) % 3]);
+    double rest = rest_of(tip, sign * (h[0] + h[1] + h[2]));
+    dt_wide_sum_add_any(&v->above, area, above == 1 ? tip : rest, exponent);
+    dt_wide_sum_add_any(&v->below, area, above == 1 ? rest : tip, exponent);
+}
+
+/* The same where products of heights would lose bits. */
+static void add_small(struct dt_volume *v, double area, const double h[3])
+{
+    enum { MORE = 200 };
+    double larger[3];
+    for (int k = 0; k < 3; k++)
+        larger[k] = ldexp(h[k], MORE);
+    add_both_sides(v, area, larger, -MORE);
+}
+
+static void add_triangle(struct dt_volume *v, const struct dt_point p[3], const double h[3])
+{
+    double area = twice_area(p), whole = h[0] + h[1] + h[2];
+    double least = least_of(least_of(h[0], h[1]), h[2]), most = most_of(most_of(h[0], h[1]), h[2]);
+    dt_wide_sum_add(&v->area, area, 1);
+    if (least >= 0)
+        dt_wide_sum_add(&v->above, area, whole);
+    else if (most <= 0)
+        dt_wide_sum_add(&v->below, area, -whole);
+    else if (most < 0x1p-900 && least > -0x1p-900)
+        add_small(v, area, h);
+    else
+        add_both_sides(v, area, h, 0);
+}
+
+/* ---- in pieces ---- */
+
+static void read_record(const struct dt *t, struct dt_volume *v, const uint32_t *corner)
+{
+    static const uint32_t next[] = {1, 2, 0, 1};
+    const uint32_t *id = t->points.id;
+    uint32_t least;
+    uint32_t k = dt_least_of_three(id[corner[0]], id[corner[1]], id[corner[2]], &least);
+    const uint32_t vertex[] = {corner[k], corner[next[k]], corner[next[k + 1]]};
+    const struct dt_point *xy = t->points.xy, p[] = {xy[vertex[0]], xy[vertex[1]], xy[vertex[2]]};
+    const double h[] = {v->height[vertex[0]], v->height[vertex[1]], v->height[vertex[2]]};
+    if (!isnan(h[0] + h[1] + h[2]))
+        add_triangle(v, p, h);
+}
+
+static void read_mesh(const struct dt *t, struct dt_volume *v)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t end = m->tri_end - v->record < RECORDS ? m->tri_end : v->record + RECORDS;
+    for (; v->record < end; v->record++) {
+        const uint32_t *corner = m->half + 8 * (size_t)v->record;
+        if (corner[2] < DT_DEAD) /* no ghost either */
+            read_record(t, v, corner);
+    }
+    if (v->record == m->tri_end)
+        v->stage = READ;
+}
+
+static enum dt_status read_table(const struct dt *t, struct dt_volume *v)
+{
+    size_t rows, words;
+    enum dt_status s = dt_table_read(t, &v->cursor, v->triangle, 3 * PIECE, PIECE, &rows, &words);
+    if (s == DT_TOOLONG) /* the next call goes on */
+        return DT_OK;
+    for (size_t at = 0; s == DT_OK && at < words; at += 3) {
+        struct dt_point p[3];
+        double h[3];
+        for (size_t k = 0; k < 3; k++) {
+            p[k] = dt_view_place(t, v->view, v->triangle[at + k]);
+            h[k] = v->height[v->triangle[at + k]];
+        }
+        if (!isnan(h[0] + h[1] + h[2]))
+            add_triangle(v, p, h);
+    }
+    if (s == DT_OK && rows == 0)
+        v->stage = READ;
+    return s;
+}
+
+/* Begins again, with what the view has saved. */
+static void begin_by_ids(struct dt_volume *v)
+{
+    v->by_id = true;
+    v->stage = HEIGHTS;
+    v->from = 0;
+    v->above = v->below = v->area = (struct dt_wide_sum){0};
+}
+
+enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *done)
+{
+    enum dt_status s = dt_view_readable(t, v->view, true);
+    if (!v->by_id && v->stage != READ && s == DT_OK && dt_view_if_changed(t, v->view) != NULL)
+        begin_by_ids(v);
+    if (s == DT_OK && v->stage == HEIGHTS)
+        read_heights(t, v);
+    else if (s == DT_OK && v->stage == MESH)
+        read_mesh(t, v);
+    else if (s == DT_OK && v->stage == TABLE)
+        s = read_table(t, v);
+    *done = s == DT_OK && v->stage == READ;
+    return s;
+}
+
+void dt_volume_end(const struct dt_volume *v, struct dt_volumes *out)
+{
+    out->above = dt_wide_sum_over(&v->above, 6) / v->scale;
+    out->below = dt_wide_sum_over(&v->below, 6) / v->scale;
+    out->area = dt_wide_sum_over(&v->area, 2);
+}
