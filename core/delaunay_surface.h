@@ -317,8 +317,8 @@ struct dt_volumes {
     double area;  /* of the triangles that have a surface */
 };
 
-/* Above `minus`, or above the level if it is NULL. Both fields are of the view. The view must be one that reads rings, open
- * until the last dt_volume_read; NULL: now, and the set must not change until then. Cost: 8 bytes for each id. */
+/* Volumes over `minus`, or over the level if it is NULL. The view must be one that reads rings, begun since the last edit, and open
+ * until the last dt_volume_read. Without a view (NULL) the set must not change until then. Cost: 8 bytes for each id. */
 enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
                                const struct dt_field *field, const struct dt_field *minus,
                                double level, struct dt_volume **out);
@@ -329,7 +329,8 @@ enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *don
 /* Bytes that it has. */
 size_t dt_volume_memory(const struct dt_volume *v);
 
-/* Both volumes err by less than 2^-45 of their sum, and the area by as much of itself; infinite beyond the largest double. */
+/* Both volumes err by less than 2^-45 of their sum; the area errs by less than 2^-45 of itself. A number beyond the largest double
+ * is infinite. */
 void dt_volume_end(const struct dt_volume *v, struct dt_volumes *out);
 
 void dt_volume_free(struct dt_volume *v); /* NULL: nothing */

@@ -150,6 +150,10 @@ const struct command commands[] = {
      "[MAXEDGE e]",
      .help = "lines along which a field has a value, with the higher ground on their left",
      .rows = "dsid"},
+    {"VOLUME", 3, 5, QUERIES, cmd_volume, "VOLUME set field [LEVEL z | MINUS field]",
+     .help =
+         "the volumes between a field's surface and a level, 0 unless given, or another field's",
+     .result = "above:d below:d area:d"},
     {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius",
      .help = "the boundary of the triangles whose circumradius is at most the radius",
      .rows = "si"},

@@ -178,6 +178,11 @@ export class Client {
     options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; timeout?: number },
   ): Promise<ContourLine[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
+  volume(
+    set: string,
+    field: string,
+    options?: { level?: number; minus?: string; timeout?: number },
+  ): Promise<{ above: number; below: number; area: number }>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;

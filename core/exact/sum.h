@@ -39,7 +39,7 @@ double dt_sum_half(struct dt_sum *s);
 /* The same with digits from 2^-1600 on, for numbers from 2^-1500 to 2^1500. */
 enum { DT_WIDE_DIGITS = 100 };
 
-/* Start with {0}. Numbers whose last bits are `base` and 2^0 to 2^50 times as much, which are most, are added up in `near`. */
+/* Start with {0}. Most numbers have a last bit from 2^base to 2^(base + 50); `near` is the sum of these. */
 struct dt_wide_sum {
     int64_t digit[DT_WIDE_DIGITS];
     uint32_t added;
@@ -61,7 +61,7 @@ static inline void dt_wide_sum_add_bits(struct dt_wide_sum *s, uint64_t bits, in
     s->added_near++;
 }
 
-/* Adds a b 2^exponent with a relative error of at most 2^-53, whatever was added before. a, b >= 0. */
+/* Adds a b 2^exponent, a, b >= 0. The relative error is at most 2^-53. It depends on a b alone. */
 void dt_wide_sum_add_any(struct dt_wide_sum *s, double a, double b, int exponent);
 
 /* a b alone; faster. */

@@ -24,7 +24,7 @@ static inline void dt_triangle_turn(uint32_t row[3])
     }
 }
 
-/* Which of three ids is the least, and that id. Without a branch: it would be unpredictable. */
+/* Returns 0, 1 or 2: which of three ids is the least; *least is that id. There is no branch, which would be unpredictable. */
 static inline uint32_t dt_least_of_three(uint32_t a, uint32_t b, uint32_t c, uint32_t *least)
 {
     uint32_t at_b = b < a, two = a ^ ((a ^ b) & (0 - at_b)), at_c = c < two;

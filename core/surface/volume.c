@@ -10,12 +10,20 @@
  *         1 -------- 2           6 tip = twice the area * h * h / (h - h1) * h / (h - h2)
  *                                6 rest = 6 tip - twice the area * (h + h1 + h2), if h > 0
  *
- * All factors are positive, so their relative errors add up. What each triangle adds is rounded, but depends on the
- * triangle alone; the sums are exact, so the order of the triangles does not matter.
+ * All factors are positive, so their relative errors add up. The numbers of a triangle are rounded, and depend on the triangle
+ * alone. Their sums are exact, so the order of the triangles does not matter.
  *
- * Errors, u = 2^-53: a height errs by u, and the sum of three by 2 u of the sum of their magnitudes, of which the volumes of
- * both sides have at least a sixth together. A tip errs by 9 u, a rest by that and 12 u of both; twice the area, as computed in
- * twice_area, by less than 64 u; a product by 2 u. Together that is less than 2^-46. */
+ * Errors, with u = 2^-53:
+ *
+ *     a height                     u
+ *     the sum of three heights     2 u of the sum of their magnitudes; both volumes have at least a sixth of that sum together
+ *     a tip                        9 u
+ *     a rest                       that of the tip, and 12 u of both volumes
+ *     twice the area               64 u (twice_area)
+ *     a product of area and sum    2 u
+ *
+ * Together that is less than 2^-46.
+ */
 #include "core/exact/double2.h"
 #include "core/exact/sum.h"
 #include "core/query/query.h"
@@ -57,7 +65,8 @@ void dt_volume_free(struct dt_volume *v)
     free(v);
 }
 
-/* 2^-8 if there are values from 2^1000 on. Beside them, heights that lose bits thereby are too small to matter. */
+/* 2^-8 if there are values from 2^1000 on. Heights lose bits by this factor only where they are too small to matter beside such
+ * values. */
 static double scale_for(const struct dt_field *field, const struct dt_field *minus, double level)
 {
     struct dt_field_summary sum;
@@ -145,8 +154,9 @@ static double area_in_double_words(const struct dt_point p[3], double *size)
     return dt_double2_add(plus, dt_double2_negate(minus)).hi;
 }
 
-/* Twice the area of a counterclockwise triangle, by less than 64 u of it. In doubles the difference of two products errs by 3 u
- * of their sizes, which are at most 16 times the difference here; in double words by 2^-100 of 2^50 times the difference. */
+/* Twice the area of a counterclockwise triangle, with an error below 64 u. In doubles the difference of the products errs by 3 u of
+ * their sizes. These are at most 16 times the difference where doubles are used. In double words the error is 2^-100 of the
+ * sizes, which are at most 2^50 times the difference. */
 static double twice_area(const struct dt_point p[3])
 {
     double ax = p[1].x - p[0].x, ay = p[1].y - p[0].y;

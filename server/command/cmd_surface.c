@@ -7,6 +7,7 @@
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
 #include "server/replies/surface.h"
+#include "server/replies/volume.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -293,4 +294,27 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
         surface_answer(s, a, set, &surface);
     else
         surface_clear(&surface);
+}
+
+/* ---- VOLUME ---- */
+
+/* Reads from which level or field the volumes are measured. */
+static bool read_base(struct answer *a, const struct dataset *set, const struct request *q,
+                      struct volume *out)
+{
+    if (q->n == 3)
+        return true;
+    if (q->n == 5 && word_is(&q->word[3], "LEVEL"))
+        return read_number(a, &q->word[4], "level", &out->level);
+    if (q->n == 5 && word_is(&q->word[3], "MINUS"))
+        return (out->minus = find_field(a, set, &q->word[4])) != NULL;
+    answer_usage(a);
+    return false;
+}
+
+void cmd_volume(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct volume volume = {.field = find_field(a, set, &q->word[2])};
+    if (volume.field != NULL && read_base(a, set, q, &volume))
+        volume_answer(s, a, set, &volume);
 }

@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 enum {
-    STATS_COMMANDS = 64,             /* more than the number of commands */
+    STATS_COMMANDS = 80,             /* more than the number of commands */
     STATS_OTHER = STATS_COMMANDS - 1 /* all unknown commands */
 };
 

@@ -359,6 +359,14 @@ class Client extends Table {
     return () => bordersOf(triangles, ids, coords, values[field]);
   }
 
+  /** {above, below, area}: the volumes between the surface of a field and a level, or the surface of another field, `minus`; and the
+   * area of the triangles whose corners have values. */
+  async volume(set, field, { level, minus, timeout } = {}) {
+    const words = [...(level === undefined ? [] : ['LEVEL', Number(level)]), ...(minus === undefined ? [] : ['MINUS', checkField(minus)])];
+    const { keys } = await this.request(['VOLUME', checkSet(set), checkField(field), ...words].join(' '), { timeout });
+    return Object.fromEntries(Object.entries(keys).map(([key, text]) => [key, text === 'inf' ? Infinity : Number(text)]));
+  }
+
   /** Voronoi cells, with cellPolygon(id) and cellPolygons() as d3-delaunay's; box: [x0, y0, x1, y1]. */
   async voronoi(set, { ids = [], box, timeout } = {}) {
     const list = [...ids].map((id) => ` ${id}`).join('');

@@ -103,6 +103,16 @@ describe('surfaces', () => {
     assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75], clockwise: true }))], [1, 4, 2]);
   });
 
+  test('volumes are between a surface and a level, or another surface', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3], low: [1, 1, 1, 1, 1] } });
+    await client.triangulate('t');
+    assert.deepEqual(await client.volume('t', 'z'), { above: 16, below: 0, area: 16 });
+    const { above, below } = await client.volume('t', 'z', { level: 1 });
+    assert.ok(Math.abs(above - 128 / 27) < 1e-12 && Math.abs(below - 128 / 27) < 1e-12);
+    assert.equal((await client.volume('t', 'z', { minus: 'low' })).above, above);
+    await assert.rejects(client.volume('t', 'none'), Refused);
+  });
+
   test('contours leave out the triangles of missing values', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [9, 9, NaN, 9, 1] } });
     await client.triangulate('t');

@@ -227,6 +227,16 @@ class Commands(Table):
             words += ("MAXEDGE", float(max_edge))
         return self._ask(protocol.contours, *words)
 
+    def volume(self, name: str, field: str, level: Optional[float] = None, minus: Optional[str] = None) -> Dict[str, float]:
+        """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
+        field, `minus`; and the `area` of the triangles whose corners have values."""
+        words: Tuple[Word, ...] = ("VOLUME", set_name(name), field_name(field))
+        if level is not None:
+            words += ("LEVEL", float(level))
+        if minus is not None:
+            words += ("MINUS", field_name(minus))
+        return self._ask(protocol.numbers, *words)
+
     def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""

@@ -197,6 +197,10 @@ def fact_if_any(key: str, read: Callable[[str], _T]) -> Callable[[Reply], Option
     return lambda reply: read(reply.keys[key]) if key in reply.keys else None
 
 
+def numbers(reply: Reply) -> Dict[str, float]:
+    return {key: float(text) for key, text in reply.keys.items()}
+
+
 def truth(text: str) -> bool:
     return text in ("yes", "1")
 

@@ -96,6 +96,16 @@ class Shapes(WithDaemon):
         with self.assertRaises(Refused):
             self.client.alpha("t", -1)
 
+    def test_volumes_are_between_a_surface_and_a_level_or_another_surface(self):
+        self.client.set_field("t", "z", [0, 0, 0, 0, 3])
+        self.client.set_field("t", "low", [1, 1, 1, 1, 1])
+        self.assertEqual(self.client.volume("t", "z"), {"above": 16, "below": 0, "area": 16})
+        above = self.client.volume("t", "z", level=1)
+        self.assertAlmostEqual(above["above"], 128 / 27, 12)
+        self.assertEqual(self.client.volume("t", "z", minus="low"), above)
+        with self.assertRaises(Refused):
+            self.client.volume("t", "none")
+
     def test_lists_and_triangles_of_a_box(self):
         everything = self.client.lists("t")
         some = self.client.lists("t", within=(0, 0, 2, 2))

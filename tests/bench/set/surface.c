@@ -27,6 +27,7 @@ static const char *const name[SURFACE_KINDS] = {
     [SURFACE_CELLS_FRESH] = "the same in memory that the process has not used before",
     [SURFACE_AREAS] = "areas of the cells, per cell",
     [SURFACE_CONTOURS] = "contours of 20 levels, per point of the set",
+    [SURFACE_VOLUME] = "the volume above a level, per point of the set",
 };
 
 struct surface {
@@ -158,6 +159,20 @@ static void contours(struct surface *s)
     s->ns[SURFACE_CONTOURS] = live_ns(start, s->plan.n);
 }
 
+static void volume(struct surface *s)
+{
+    double start = measure_cpu();
+    struct dt_volume *v;
+    struct dt_volumes sums;
+    must(dt_volume_begin(s->set, NULL, dt_field_find(s->set, "z", 1), NULL, 0.25, &v) == DT_OK);
+    for (bool done = false; !done;)
+        must(dt_volume_read(s->set, v, &done) == DT_OK);
+    dt_volume_end(v, &sums);
+    dt_volume_free(v);
+    must(sums.area > 0 && sums.area < 1);
+    s->ns[SURFACE_VOLUME] = live_ns(start, s->plan.n);
+}
+
 static void begin(struct surface *s)
 {
     struct dt_added added;
@@ -199,6 +214,7 @@ static void measure(struct surface *s)
     values(s, SURFACE_NATURAL_ANYWHERE, DT_NATURAL);
     all_cells(s);
     contours(s);
+    volume(s);
 }
 
 /* The peer prints one number for each kind, 0 for what it does not measure. */

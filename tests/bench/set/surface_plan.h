@@ -15,6 +15,7 @@ enum surface_kind {
     SURFACE_CELLS_FRESH,
     SURFACE_AREAS, /* and their areas */
     SURFACE_CONTOURS,
+    SURFACE_VOLUME,
     SURFACE_KINDS
 };
 

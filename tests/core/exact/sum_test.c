@@ -67,7 +67,7 @@ static double any_double(int from, int range)
     return test_random() % 10 == 0 ? 0 : v;
 }
 
-/* The product of the next sums is rounded to 53 bits, and so are a and b if few of their bits are set. */
+/* v with few bits, so that the product of two such numbers has at most 53. */
 static double few_bits(double v)
 {
     return v == 0 ? 0 : ldexp(1 + (double)(test_random() % 1000) / 1024, ilogb(v));

@@ -1,4 +1,4 @@
-/* volume_test.c - volumes beside exact rational numbers, and their bytes whatever the order. */
+/* volume_test.c - volumes beside exact rational numbers, and equal bytes in any order. */
 #include "core/delaunay_surface.h"
 #include "core/exact/bignum.h"
 #include "tests/core/sets.h"

@@ -1,0 +1,83 @@
+/* volume.c - see volume.h. */
+#include "server/replies/volume.h"
+
+#include <string.h>
+
+#include "core/delaunay_surface.h"
+#include "server/jobs/job.h"
+#include "server/ops/cost.h"
+
+struct volume_job {
+    struct job job;
+    char field[DT_FIELD_NAME + 1], minus[DT_FIELD_NAME + 1]; /* minus: "" for the level */
+    double level;
+    struct dt_view *view; /* owns: the moment of the result */
+    struct dt_volumes sums;
+};
+
+static const struct dt_field *field_of(const struct volume_job *j, const char *name)
+{
+    return dt_field_find(j->job.dt, name, strlen(name));
+}
+
+/* The worker has the lock on entry and on return. */
+static enum dt_status add_up(struct volume_job *j)
+{
+    const struct dt *t = j->job.dt;
+    const struct dt_field *field = field_of(j, j->field), *minus = field_of(j, j->minus);
+    struct dt_volume *v = NULL;
+    bool done = false;
+    if (field == NULL || (minus == NULL && j->minus[0] != 0))
+        return DT_NOFIELD;
+    enum dt_status s = dt_volume_begin(t, j->view, field, minus, j->level, &v);
+    if (s == DT_OK)
+        s = job_reserve(&j->job, dt_volume_memory(v));
+    while (s == DT_OK && !done) {
+        s = dt_volume_read(t, v, &done);
+        if (s == DT_OK)
+            s = job_pause(&j->job);
+    }
+    if (s == DT_OK)
+        dt_volume_end(v, &j->sums);
+    dt_volume_free(v);
+    return s;
+}
+
+static void run_job(struct job *job)
+{
+    struct volume_job *j = (struct volume_job *)job;
+    j->view = dt_view_begin(job->dt, true);
+    job->status = j->view == NULL ? DT_NOMEM : add_up(j);
+}
+
+static void end_job(struct server *s, struct job *job, struct answer *a)
+{
+    struct volume_job *j = (struct volume_job *)job;
+    job_end_view(s, job, j->view);
+    if (!job_succeeded(job, a))
+        return;
+    reply_ok(a->out, 0);
+    reply_key_double(a->out, "above", j->sums.above);
+    reply_key_double(a->out, "below", j->sums.below);
+    reply_key_double(a->out, "area", j->sums.area);
+    reply_end(a->out);
+}
+
+void volume_answer(struct server *s, struct answer *a, struct dataset *set,
+                   const struct volume *volume)
+{
+    struct version *v = set->current;
+    struct volume_job *j = job_new(sizeof *j, run_job, end_job);
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    strcpy(j->field, dt_field_name(volume->field));
+    if (volume->minus != NULL)
+        strcpy(j->minus, dt_field_name(volume->minus));
+    j->level = volume->level;
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
+    j->job.what = "adding up";
+    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
+    job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
+}
