@@ -39,14 +39,14 @@ static bool enter(struct questions *all, struct dataset *set, const struct react
 {
     if (!loop_is_sharing(&r->loop))
         return true;
-    all->inside = gate_try_enter(&set->gate, r->number);
+    all->inside = gate_try_enter(&set->current->gate, r->number);
     return all->inside;
 }
 
 static void leave(struct questions *all, struct dataset *set, const struct reactor *r)
 {
     if (all->inside)
-        gate_leave(&set->gate, r->number);
+        gate_leave(&set->current->gate, r->number);
     all->inside = false;
 }
 

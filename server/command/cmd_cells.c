@@ -14,11 +14,11 @@
 #include <stdlib.h>
 
 enum {
-    CELLS_AT_ONCE = 64,  /* cells that a reactor looks at itself */
-    CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time, */
-    CELLS_MADE = 4096,   /* or makes */
-    HULL_LOCKED = 4096,  /* the same for points of the hull */
-    STARS_AT_ONCE = 256, /* as cells, for ALPHA */
+    CELLS_AT_ONCE = 64,   /* cells that a reactor looks at itself */
+    CELLS_A_VISIT = 1024, /* that a worker counts in one visit, */
+    CELLS_MADE = 4096,    /* or makes */
+    HULL_LOCKED = 4096,   /* the same for points of the hull */
+    STARS_AT_ONCE = 256,  /* as cells, for ALPHA */
     STARS_LOCKED = 4096
 };
 
@@ -60,7 +60,7 @@ static enum dt_status count_some(const struct dt *dt, struct dt_cells *c, size_t
     struct dt_point corner[8 * CELLS_AT_ONCE];
     size_t n = 1, found;
     *cells = 0;
-    while (n > 0 && *cells < CELLS_LOCKED) {
+    while (n > 0 && *cells < CELLS_A_VISIT) {
         enum dt_status status =
             dt_cells_read(dt, c, cell, CELLS_AT_ONCE, corner, 8 * CELLS_AT_ONCE, &n, &found);
         if (status == DT_TOOSMALL) {
@@ -346,11 +346,11 @@ static void run_alpha(struct job *job)
     job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
     if (job->status == DT_OK)
         job->status = read_alpha(j, alpha);
-    job_unlock(job); /* what is left does not need the set */
+    job_end_visit(job); /* what is left does not need the set */
     if (job->status == DT_OK)
         job->status = dt_alpha_end(alpha, &job->options, &j->ids, &j->loops);
     dt_alpha_free(alpha);
-    job_lock(job);
+    job_visit(job);
 }
 
 static void end_alpha(struct server *s, struct job *job, struct answer *a)

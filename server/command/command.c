@@ -218,18 +218,21 @@ static void carry_out(struct server *s, struct dataset *set, const struct reques
     c->handler(s, set, q, a);
 }
 
-/* While reactors share the world, one of them changes a set, or several read it. */
+/* While reactors share the world, one of them changes a set, or several read it. An edit does not wait for the piece that a
+ * worker reads: a reactor that is alone gives it to a worker. */
 static void carry_out_inside(struct server *s, struct dataset *set, const struct request *q,
                              struct answer *a)
 {
-    if ((a->command->flags & CMD_WRITE) != 0) {
-        gate_close(&set->gate);
+    struct gate *gate = &set->current->gate;
+    if ((a->command->flags & CMD_WRITE) == 0) {
+        gate_enter(gate, a->reactor->number);
         carry_out(s, set, q, a);
-        gate_open(&set->gate);
+        gate_leave(gate, a->reactor->number);
+    } else if (gate_close_unvisited(gate)) {
+        carry_out(s, set, q, a);
+        gate_open(gate);
     } else {
-        gate_enter(&set->gate, a->reactor->number);
-        carry_out(s, set, q, a);
-        gate_leave(&set->gate, a->reactor->number);
+        world_alone(a);
     }
 }
 
@@ -248,7 +251,7 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
             command_skip_body(s, q, a);
     } else if (c->body.rows != LOAD_NOTHING && a->body == NULL) {
         load_start(s, &c->body, q, a);
-    } else if (set != NULL && loop_is_sharing(&a->reactor->loop)) {
+    } else if (set != NULL && answer_shares(a)) {
         carry_out_inside(s, set, q, a);
     } else {
         carry_out(s, set, q, a);
@@ -336,7 +339,7 @@ static bool edits_at_once(const struct dataset *set, const struct command *c,
 void cmd_change(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct command *c = a->command;
-    if (loop_is_sharing(&a->reactor->loop) && !edits_at_once(set, c, q) && !world_alone(a))
+    if (answer_shares(a) && !edits_at_once(set, c, q) && !world_alone(a))
         return;
     struct submission *x = submission_new(s, a, c->change, &q->word[1]);
     if (x == NULL)

@@ -20,7 +20,7 @@ enum {
     FLUSH_BYTES = 1 << 20,
     SYNC_BYTES =
         8 << 20,      /* after which it syncs, so that the disk's queue stays short for the log */
-    TURN_ROWS = 4096, /* rows that are read under the lock at a time, */
+    TURN_ROWS = 4096, /* rows that are read in one visit, */
     TURN_PAGES = 32,  /* and pages of values, */
     TURN_CONSTRAINTS = 2048, /* or constraints, about */
     NICE = 10
@@ -84,9 +84,9 @@ static enum dt_status read_rows(const struct snapshot_source *s, uint32_t *from,
     enum dt_status status = DT_OK;
     size_t n = TURN_ROWS;
     for (*rows = 0; status == DT_OK && n == TURN_ROWS && *rows < RECORD_POINTS;) {
-        version_lock_read(s->version);
+        gate_visit(&s->version->gate);
         status = dt_view_rows(s->version->dt, s->view, from, row + *rows, TURN_ROWS, &n);
-        version_unlock(s->version);
+        gate_end_visit(&s->version->gate);
         *rows += (uint32_t)n;
     }
     return status;
@@ -111,7 +111,7 @@ enum { PAGE = DT_FIELD_PAGE };
 
 _Static_assert(RECORD_MOST_VALUES % DT_FIELD_PAGE == 0, "a record has whole pages of values");
 
-/* Whether the view can still be read; the lock is held. */
+/* Whether the view can still be read, in a visit. */
 static bool is_readable(const struct snapshot_source *s)
 {
     uint32_t from = 0;
@@ -128,13 +128,13 @@ struct writing {
 /* Goes on to the next field; false: the view cannot be read any more. */
 static bool next_field(const struct snapshot_source *s, struct writing *w)
 {
-    version_lock_read(s->version);
+    gate_visit(&s->version->gate);
     bool ok = is_readable(s);
     if (ok)
         w->field = dt_field_next(s->version->dt, s->view, w->field);
     if (ok && w->field != NULL)
         strcpy(w->name, dt_field_name(w->field));
-    version_unlock(s->version);
+    gate_end_visit(&s->version->gate);
     return ok;
 }
 
@@ -145,7 +145,7 @@ static bool read_values(const struct snapshot_source *s, const struct dt_field *
     bool ok = true, fits = true;
     r->first = (uint32_t)*from;
     for (r->n = 0, *more = true; ok && *more && fits;) {
-        version_lock_read(s->version);
+        gate_visit(&s->version->gate);
         ok = is_readable(s);
         for (unsigned i = 0; ok && fits && i < TURN_PAGES; i++) {
             const double *page = dt_field_page(f, s->view, from);
@@ -158,7 +158,7 @@ static bool read_values(const struct snapshot_source *s, const struct dt_field *
             r->n += PAGE;
             *from += PAGE;
         }
-        version_unlock(s->version);
+        gate_end_visit(&s->version->gate);
     }
     return ok;
 }
@@ -204,10 +204,10 @@ static bool read_constraints(const struct snapshot_source *s, uint32_t *from,
 {
     bool ok = true;
     while (ok && *from != DT_NONE && list->n < RECORD_CONSTRAINTS) {
-        version_lock_read(s->version);
+        gate_visit(&s->version->gate);
         ok = is_readable(s) &&
              dt_constraints_read(s->version->dt, s->view, from, TURN_CONSTRAINTS, list) == DT_OK;
-        version_unlock(s->version);
+        gate_end_visit(&s->version->gate);
     }
     return ok;
 }

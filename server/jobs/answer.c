@@ -5,9 +5,14 @@
 
 #include <stdarg.h>
 
+bool answer_shares(const struct answer *a)
+{
+    return a->reactor != NULL && loop_is_sharing(&a->reactor->loop);
+}
+
 bool world_alone(struct answer *a)
 {
-    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop))
+    if (!answer_shares(a))
         return true;
     answer_again(a);
     return false;

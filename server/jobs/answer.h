@@ -109,7 +109,10 @@ static inline void answer_changed(struct answer *a, uint64_t version)
     answer_version(a, version);
 }
 
-/* To be called before the world (reactor.h) is changed. False: the reactor shares it with others, and will carry out the request
+/* Whether its reactor shares the world (reactor.h) with others. */
+bool answer_shares(const struct answer *a);
+
+/* To be called before the world is changed. False: the reactor shares it with others, and will carry out the request
  * again when it is alone; what the caller has written is void. */
 bool world_alone(struct answer *a);
 

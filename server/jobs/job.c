@@ -46,22 +46,22 @@ enum dt_status job_reserve(struct job *j, size_t bytes)
     return j->busy ? DT_NOMEM : DT_OK;
 }
 
-void job_unlock(const struct job *j)
+void job_end_visit(const struct job *j)
 {
     if (j->queued_ns > 0)
-        version_unlock(j->base);
+        gate_end_visit(&j->base->gate);
 }
 
-void job_lock(const struct job *j)
+void job_visit(const struct job *j)
 {
     if (j->queued_ns > 0)
-        version_lock_read(j->base);
+        gate_visit(&j->base->gate);
 }
 
 enum dt_status job_pause(const struct job *j)
 {
-    job_unlock(j);
-    job_lock(j);
+    job_end_visit(j);
+    job_visit(j);
     return atomic_load(&j->cancel) ? DT_CANCELLED : DT_OK;
 }
 
@@ -83,9 +83,9 @@ static bool edits_in_place(const struct job *j)
 static void run(struct job *j)
 {
     if (j->fresh != NULL) {
-        version_lock_read(j->base);
+        gate_visit(&j->base->gate);
         j->status = dt_clone_points(j->base->dt, &j->options, &j->dt);
-        version_unlock(j->base);
+        gate_end_visit(&j->base->gate);
         if (j->status != DT_OK) {
             j->dt = NULL;
             return;
@@ -99,7 +99,7 @@ static void run(struct job *j)
     }
 }
 
-/* Under the version's lock, except for a build of a copy, which needs it only for copying. */
+/* Within the version's gate, except for a build of a copy, which needs that only for copying. */
 static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
@@ -107,12 +107,14 @@ static void run_later(struct work *w)
     reservation_trim_heap(&j->memory);
     bool edits = edits_in_place(j), reads = !j->changes && j->base != NULL;
     if (edits)
-        version_lock_edit(j->base);
+        gate_close(&j->base->gate);
     else if (reads)
-        version_lock_read(j->base);
+        gate_visit(&j->base->gate);
     run(j);
-    if (edits || reads)
-        version_unlock(j->base);
+    if (edits)
+        gate_open(&j->base->gate);
+    else if (reads)
+        gate_end_visit(&j->base->gate);
 }
 
 /* ---- on a reactor ---- */
@@ -120,20 +122,22 @@ static void run_later(struct work *w)
 /* Runs the job on this thread. False, with nothing done, if that would block all clients: it takes more steps
  * than this thread may do; or it edits in place while a piece of the set is being read, which takes
  * microseconds unless the processors are busy. */
-static bool run_now(struct server *s, struct job *j)
+static bool run_now(struct server *s, const struct answer *a, struct job *j)
 {
     if (!edits_in_place(j)) {
         run(j);
         return true;
     }
-    if (s->workers == NULL)
-        version_lock_edit(j->base); /* there is nobody else */
-    else if (!version_try_edit(j->base))
+    bool closed = a != NULL && answer_shares(a); /* the gate is, by who carries out the request */
+    if (!closed && s->workers == NULL)
+        gate_close(&j->base->gate); /* there is nobody else */
+    else if (!closed && !gate_try_close(&j->base->gate))
         return false;
     j->options.steps = s->workers == NULL ? 0 : COST_STEPS_AT_ONCE;
     run(j);
     j->options.steps = 0;
-    version_unlock(j->base);
+    if (!closed)
+        gate_open(&j->base->gate);
     return j->status != DT_TOOLONG;
 }
 
@@ -175,7 +179,7 @@ static void take_back(struct server *s, struct job *j)
 static void start(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
 {
     j->owner = a != NULL ? a->owner : 0;
-    bool done = (s->workers == NULL || weight == JOB_LIGHT) && run_now(s, j);
+    bool done = (s->workers == NULL || weight == JOB_LIGHT) && run_now(s, a, j);
     if (!done && j->changes && a != NULL && !world_alone(a))
         take_back(s, j);
     else if (!done)
@@ -254,7 +258,7 @@ static bool choose_copy(struct server *s, struct answer *a, struct job *j, struc
     if (!must && !j->copies)
         return true;
     if (reserve_copy(s, j, set->current->sum.points)) {
-        j->fresh = version_new(NULL);
+        j->fresh = version_new(&s->sets, NULL);
         if (j->fresh == NULL && a != NULL)
             answer_out_of_memory(a);
         return j->fresh != NULL;
@@ -310,7 +314,7 @@ void job_change(struct server *s, struct answer *a, struct job *j, struct datase
         weight = JOB_LONG;
     struct version *fresh = j->fresh;
     if (refuse(s, a, j, weight)) {
-        version_free(fresh);
+        free(fresh);
         drop_unborn(s, set);
         return;
     }
@@ -397,7 +401,7 @@ static void publish(struct server *s, struct job *j)
     } else {
         if (j->dt != NULL)
             s->sets.discard(s->sets.discard_ctx, j->dt);
-        version_free(j->fresh);
+        free(j->fresh);
     }
     j->set->writer = NULL;
     j->set->exclusive = false;

@@ -8,7 +8,7 @@
  *
  * and reads, changes, or has no set:
  *
- *     job_read    reads a version, which it pins, and holds its lock while it runs, so it must be short: it reads one
+ *     job_read    reads a version, which it pins, and is a visitor of its gate while it runs, so it must be short: it reads one
  *                 piece, or searches for about a millisecond. If job->set is set, it may run for long, since edits of
  *                 the set wait for its end; queries go on.
  *     job_change  is the only writer of a set. It edits in place, or it edits or triangulates a copy of the points,
@@ -89,10 +89,10 @@ bool job_succeeded(const struct job *j, struct answer *a);
 /* Makes job->memory, an empty reservation at first, that large: DT_OK, or DT_NOMEM with job->busy. */
 enum dt_status job_reserve(struct job *j, size_t bytes);
 
-/* Of a job that reads a version and is running: releases the lock, so that edits continue, and takes it again. They do nothing
- * on a reactor, which has no lock. */
-void job_unlock(const struct job *j);
-void job_lock(const struct job *j);
+/* Of a job that reads a version and is running: ends the visit, so that edits continue, and begins another. They do nothing
+ * on a reactor, which is no visitor. */
+void job_end_visit(const struct job *j);
+void job_visit(const struct job *j);
 
 /* Both, between two pieces. DT_CANCELLED if the job is to end. */
 enum dt_status job_pause(const struct job *j);

@@ -219,7 +219,7 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
  * of its turn, where it is alone once for all its edits. */
 static void after_edit(struct server *s, struct answer *a, struct dataset *set)
 {
-    if (a->reactor == NULL || !loop_is_sharing(&a->reactor->loop)) {
+    if (!answer_shares(a)) {
         upkeep_after_edit(s, set);
         return;
     }

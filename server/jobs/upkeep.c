@@ -110,11 +110,11 @@ static bool give_grid(struct server *s, struct dataset *set)
     if (set->writer != NULL)
         return false;
     bool later = s->workers != NULL && !s->stopping && !cost_at_once(COST_GRID, v->sum.points);
-    if (later || !version_try_edit(v))
+    if (later || !gate_try_close(&v->gate))
         return !begin_grid(s, set);
     (void)dt_prepare(v->dt, NULL);
     version_update(&s->sets, v);
-    version_unlock(v);
+    gate_open(&v->gate);
     return true;
 }
 

@@ -10,16 +10,16 @@
 #include <stdlib.h>
 
 enum {
-    STEPS_LOCKED = 20000,   /* steps of a worker under the lock, */
-    SHARE_LOCKED = 64,      /* or the number of points divided by this, if that is more */
-    SWEEP_ROWS = 4096,      /* rows that a sweep reads under the lock at a time, */
+    STEPS_A_VISIT = 20000,  /* steps of a worker in one visit, */
+    SHARE_A_VISIT = 64,     /* or the number of points divided by this, if that is more */
+    SWEEP_ROWS = 4096,      /* rows that a sweep reads in one visit, */
     CONSTRAINT_STEPS = 2048 /* or constraints, about */
 };
 
 struct query_job {
     struct job job;
     struct query query;
-    uint32_t steps;        /* limit of the search under the lock; 0: none */
+    uint32_t steps;        /* limit of the search in one visit; 0: none */
     struct dt_view *view;  /* owns, until it moves to a stream: the moment of the result */
     struct dt_view *keeps; /* owns: while it is open, edits keep the triangulation */
 };
@@ -247,8 +247,8 @@ static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep 
     return job_reserve(&j->job, dt_sweep_memory(sweep, &j->query.ids));
 }
 
-/* Finds the result by a sweep over the set at the moment of j->view. A worker has the lock on entry and on return,
- * and releases it between the pieces. */
+/* Finds the result by a sweep over the set at the moment of j->view. A worker is a visitor on entry and on return,
+ * but not between the pieces. */
 static enum dt_status sweep(struct query_job *j)
 {
     struct version *v = j->job.base;
@@ -263,14 +263,14 @@ static enum dt_status sweep(struct query_job *j)
     enum dt_status status = DT_OK;
     for (bool done = false; !done && status == DT_OK;) {
         status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
-        job_unlock(&j->job);
+        job_end_visit(&j->job);
         if (status == DT_OK)
             status = reserve_result(j, &sweep);
         if (status == DT_OK)
             status = dt_sweep_sift(&sweep, &q->ids, &done);
         if (status == DT_OK && atomic_load(&j->job.cancel))
             status = DT_CANCELLED;
-        job_lock(&j->job);
+        job_visit(&j->job);
     }
     if (status == DT_OK)
         status = reserve_result(j, &sweep);
@@ -330,21 +330,21 @@ static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, 
     return status == DT_OK ? finish_weights(w, &opt, &j->query.ids) : status;
 }
 
-/* The weights of many natural neighbours take long: a worker computes them while edits continue. It has the
- * lock on entry and on return. */
+/* The weights of many natural neighbours take long: a worker computes them while edits continue. It is a
+ * visitor on entry and on return. */
 static enum dt_status weigh(struct query_job *j)
 {
     struct version *v = j->job.base;
     struct dt_weigher *w;
     enum dt_status status =
         dt_weights_begin(v->dt, j->query.place.at, j->query.how, &j->job.options, &w);
-    job_unlock(&j->job);
+    job_end_visit(&j->job);
     if (status == DT_OK)
         status = weigh_reserved(j, w, false);
     if (status == DT_TOOLONG)
         status = weigh_reserved(j, w, true);
     dt_weights_free(w);
-    job_lock(&j->job);
+    job_visit(&j->job);
     return status;
 }
 
@@ -394,11 +394,11 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
     free(j->query.ids.v);
 }
 
-/* The limit on steps of a worker's search under the lock. */
-static uint32_t steps_locked(uint32_t points)
+/* The limit on steps of a worker's search in one visit. */
+static uint32_t steps_a_visit(uint32_t points)
 {
-    uint32_t share = points / SHARE_LOCKED;
-    return share > STEPS_LOCKED ? share : STEPS_LOCKED;
+    uint32_t share = points / SHARE_A_VISIT;
+    return share > STEPS_A_VISIT ? share : STEPS_A_VISIT;
 }
 
 /* Submits the query to a worker; a sweep over a small set runs on this thread. */
@@ -421,7 +421,7 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
     }
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "searching";
-    j->steps = may_sweep(q) || q->within ? steps_locked(v->sum.points) : 0;
+    j->steps = may_sweep(q) || q->within ? steps_a_visit(v->sum.points) : 0;
     j->query = *q;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : q->kind == QUERY_WEIGHTS ? JOB_SLOW : JOB_SHORT);
 }

@@ -1,7 +1,7 @@
 /* query.h - queries whose result is a list, found at once or, if that takes long, by a worker.
  *
  * A query is tried on a reactor with a limit on its steps (struct dt_options). If it exceeds the limit,
- * it goes to a worker, whose search holds the set's lock for a few milliseconds at most. A search that
+ * it goes to a worker, whose search visits the set for a few milliseconds at most. A search that
  * takes longer is replaced by a sweep over the set at one moment, piece by piece (core/sweep), so that
  * edits go on in between. NEAREST and WITHIN of a set without a triangulation are sweeps, too. */
 #ifndef SERVER_QUERY_H

@@ -129,11 +129,11 @@ static void run_making(struct job *j)
     struct making *m = (struct making *)j;
     bool past = m->stream->past.dt != NULL; /* nobody edits the copy */
     if (past)
-        job_unlock(j);
+        job_end_visit(j);
     if (!j->cancel)
         make(m->stream, m->piece, &j->cancel);
     if (past)
-        job_lock(j);
+        job_visit(j);
 }
 
 static void end_work(struct server *s, struct row_stream *st)
@@ -159,9 +159,9 @@ static void begin(struct server *s, struct row_stream *st, struct piece *p)
 {
     struct making *m = job_new(sizeof *m, run_making, end_making);
     if (m == NULL) {
-        version_lock_read(st->rows.version);
+        gate_visit(&st->rows.version->gate);
         make(st, p, NULL);
-        version_unlock(st->rows.version);
+        gate_end_visit(&st->rows.version->gate);
         settle(st, p);
         p->uncut = false;
         st->passed = st->passed || p->part.surface.passed;
@@ -296,13 +296,13 @@ static enum dt_status send_made(struct server *s, struct row_stream *st, struct 
     return DT_OK;
 }
 
-/* Cuts off the next piece. False: there is none, or an edit has the lock and other pieces are still to be sent.
+/* Cuts off the next piece. False: there is none, or the set is being edited and other pieces are still to be sent.
  * If there are no other pieces then, a worker cuts it off (uncut). */
 static bool cut_next(struct row_stream *st, struct piece *p)
 {
-    if (version_try_read(st->rows.version)) {
+    if (gate_try_visit(&st->rows.version->gate)) {
         bool cut = rows_cut(&st->rows, &p->part);
-        version_unlock(st->rows.version);
+        gate_end_visit(&st->rows.version->gate);
         return cut;
     }
     p->uncut = st->used == 0;
@@ -336,20 +336,20 @@ static enum dt_status go_on(struct server *s, struct row_stream *st, struct buf 
     return status;
 }
 
-/* Whether this thread makes the next piece itself; then it holds the lock. Not while an edit has it. */
+/* Whether this thread makes the next piece itself; then it is a visitor. Not while the set is being edited. */
 static bool may_fill(struct row_stream *st)
 {
-    return st->used == 0 && !st->heavy && version_try_read(st->rows.version);
+    return st->used == 0 && !st->heavy && gate_try_visit(&st->rows.version->gate);
 }
 
-/* Makes rows right in the output, with the lock, which is released. */
+/* Makes rows right in the output, in the visit, which ends. */
 static void fill(struct server *s, struct row_stream *st, struct buf *out)
 {
     struct reservation memory =
         server_reservation(s, BUDGET_REPLIES); /* then it is the connection's */
     st->rows.memory = &memory;
     rows_fill(&st->rows, out, buf_len(out) + PIECE);
-    version_unlock(st->rows.version);
+    gate_end_visit(&st->rows.version->gate);
     reservation_set(&memory, 0);
     if (out->cap > 4 * PIECE)
         buf_fit(out);

@@ -128,7 +128,7 @@ static enum dt_status join_lines(struct surface_job *j, struct dt_contour *c)
     return status == DT_OK ? write_lines(j, line, lines, taken) : status;
 }
 
-/* The worker has the lock on entry and on return. */
+/* The worker is a visitor of the set on entry and on return. */
 static enum dt_status find_lines(struct surface_job *j)
 {
     struct version *v = j->job.base;
@@ -145,11 +145,11 @@ static enum dt_status find_lines(struct surface_job *j)
         if (status == DT_OK)
             status = job_pause(&j->job);
     }
-    job_unlock(&j->job);
+    job_end_visit(&j->job);
     if (status == DT_OK)
         status = join_lines(j, c);
     dt_contour_free(c);
-    job_lock(&j->job);
+    job_visit(&j->job);
     return status;
 }
 

@@ -1,7 +1,7 @@
 /* surface.h - values between points: at places, at the cells of a raster, and contours.
  *
  * Everything is of one state of the set. Values are rows that are made as they are sent (sets/surface_rows.h). Contours
- * are traced by a worker, which holds the lock for a piece of a few milliseconds at a time and reads through a view;
+ * are traced by a worker, which visits the set for a piece of a few milliseconds at a time and reads through a view;
  * the result is in memory before it is sent. */
 #ifndef SERVER_SURFACE_H
 #define SERVER_SURFACE_H

@@ -13,21 +13,14 @@ enum { FIRST_BUCKETS = 64 };
 
 /* ---- versions ---- */
 
-struct version *version_new(struct dt *dt)
+struct version *version_new(struct registry *r, struct dt *dt)
 {
     struct version *v = malloc(sizeof *v);
     if (v == NULL)
         return NULL;
     *v = (struct version){.dt = dt, .refs = 1};
-    rwlock_init(&v->lock);
+    gate_init(&v->gate, &r->lanes);
     return v;
-}
-
-void version_free(struct version *v)
-{
-    if (v != NULL)
-        rwlock_clear(&v->lock);
-    free(v);
 }
 
 struct version *version_pin(struct version *v)
@@ -43,7 +36,7 @@ void version_unpin(struct registry *r, struct version *v)
     list_remove(&v->untidy);
     reservation_set(&v->memory, 0);
     r->discard(r->discard_ctx, v->dt);
-    version_free(v);
+    free(v);
 }
 
 bool version_update(struct registry *r, struct version *v)
@@ -58,39 +51,14 @@ bool version_update(struct registry *r, struct version *v)
     return v->sum.memory != before;
 }
 
-void version_lock_read(struct version *v)
-{
-    rwlock_read(&v->lock);
-}
-
-bool version_try_read(struct version *v)
-{
-    return rwlock_try_read(&v->lock);
-}
-
-void version_lock_edit(struct version *v)
-{
-    rwlock_write(&v->lock);
-}
-
-bool version_try_edit(struct version *v)
-{
-    return rwlock_try_write(&v->lock);
-}
-
-void version_unlock(struct version *v)
-{
-    rwlock_unlock(&v->lock);
-}
-
 /* Frees some of what was saved. True: nothing is left. */
 static bool tidy(struct registry *r, struct version *v)
 {
-    if (!version_try_edit(v))
+    if (!gate_try_close(&v->gate))
         return false;
     bool more = dt_view_tidy(v->dt);
     version_update(r, v);
-    version_unlock(v);
+    gate_open(&v->gate);
     return !more;
 }
 
@@ -211,16 +179,15 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
         return NULL;
     struct dataset *set = calloc(1, sizeof *set);
     struct dt *dt = dt_new_in(tolerance, r->pages);
-    struct version *v = dt != NULL ? version_new(dt) : NULL;
+    struct version *v = dt != NULL ? version_new(r, dt) : NULL;
     if (set == NULL || v == NULL) {
         free(set);
-        version_free(v);
+        free(v);
         dt_free(dt);
         return NULL;
     }
     set->current = v;
     set->queue.admits = admits_waiter;
-    gate_init(&set->gate, &r->lanes);
     set->name_len = name->len;
     memcpy(set->name, name->text, name->len);
     enter_bucket(r, set);
@@ -331,7 +298,7 @@ static void move_set(struct registry *r, struct dataset *set, struct registry *f
     int64_t expires_ms = set->expires_ms;
     registry_expire(from, set, 0);
     version_update(r, set->current);
-    gate_init(&set->gate, &r->lanes);
+    gate_init(&set->current->gate, &r->lanes);
     if (old != NULL) {
         replace_contents(r, old, set, same);
         registry_expire(r, old, expires_ms);

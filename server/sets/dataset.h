@@ -1,5 +1,5 @@
 /* dataset.h - named sets, their versions, and the queues of requests that wait for them. A reactor uses them that is alone in
- * the world (loop.h), or shares it and is inside the gate of its set, or has closed that gate and edits the set.
+ * the world (loop.h), or shares it and is inside the gate of the set's current version, or has closed that gate and edits the set.
  *
  * A version is a set's points and triangulation, with a reference count: the set refers to its current
  * version, jobs and replies to the version that they read. Edits change it in place. A build of points that no load has
@@ -7,9 +7,10 @@
  * the current one when it is complete.
  *
  * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
- * moment (dt_view_begin), piece by piece; edits go on in between. The lock separates the pieces that
- * workers and the snapshot thread read from edits; either holds it for about a millisecond. Reactors
- * read without the lock while no job edits in place, and never wait for it.
+ * moment (dt_view_begin), piece by piece; edits go on in between. Who edits a version in place has closed its gate (gate.h).
+ * Reactors that share the world are inside the gate while they read; a reactor that is alone reads without it while no job
+ * edits in place. Workers and the snapshot's thread are visitors while they read a piece, for about a millisecond; reactors
+ * do not wait for them.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
  * in a queue (wait.h). If the job edits in place, `exclusive` is set too, and readers also wait. */
@@ -19,7 +20,6 @@
 #include "core/delaunay.h"
 #include "proto/request.h"
 #include "server/sets/budget.h"
-#include "server/sets/rwlock.h"
 #include "server/sets/wait.h"
 #include "server/system/gate.h"
 
@@ -27,7 +27,7 @@ struct version {
     struct list_link untidy; /* first: in registry.untidy */
     struct dt *dt;           /* owns; not to be read while a job edits it in place */
     unsigned refs;
-    struct rwlock lock;        /* of dt, see above */
+    struct gate gate;          /* of dt, see above */
     struct dt_summary sum;     /* of dt after the last completed edit */
     struct reservation memory; /* sum.memory */
     _Atomic uint64_t
@@ -48,8 +48,6 @@ struct dataset_result {
 struct dataset {
     struct list_link expiring; /* first: in registry.expiring_sets, if expires_ms is not 0 */
     struct dataset *next;      /* in its bucket */
-    struct gate
-        gate; /* of reactors that share the world: who reads the set is inside, who edits it closes it */
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
@@ -77,7 +75,7 @@ struct registry {
         *world; /* borrows; closed while sets come and go, which is checked; NULL: none */
     struct budget *budget; /* borrows; of all versions; NULL: none */
     struct lanes
-        lanes; /* owns; of reactors that are inside the gate of a set; empty: there is one reactor */
+        lanes; /* owns; of reactors that are inside the gate of a version; empty: there is one reactor */
     struct dt_pages *pages;    /* borrows; for the large arrays of sets; NULL: none */
     uint32_t life;             /* the number of this life of the daemon (record.h) */
     _Atomic uint64_t unlogged; /* changes that are in no log */
@@ -133,21 +131,12 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
 size_t registry_scan(const struct registry *r, size_t cursor,
                      void (*visit)(struct dataset *set, void *ctx), void *ctx);
 
-struct version *version_new(struct dt *dt);
-/* Frees a version that never became part of a set, but not its dt; NULL is allowed. */
-void version_free(struct version *v);
+/* A version with one reference; it does not own dt yet: free() is its end unless it becomes part of a set. NULL: out of memory. */
+struct version *version_new(struct registry *r, struct dt *dt);
 struct version *version_pin(struct version *v);
 void version_unpin(struct registry *r, struct version *v);
 /* Updates the summary and the budget after an edit. Returns whether it takes another amount of memory now. */
 bool version_update(struct registry *r, struct version *v);
-
-/* The lock: shared to read a piece, exclusive to edit. The try forms return false instead of waiting. Each
- * ends with version_unlock on the same thread. */
-void version_lock_read(struct version *v);
-bool version_try_read(struct version *v);
-void version_lock_edit(struct version *v);
-bool version_try_edit(struct version *v);
-void version_unlock(struct version *v);
 
 /* Ends a view: some of what was saved for it is freed at once, the rest by edits and by registry_tidy. NULL
  * is allowed. */

@@ -42,7 +42,7 @@ struct digest {
  * (version_end_view). False: out of memory, with no view. */
 bool digest_begin(struct digest *d, const struct dataset *set);
 
-/* Reads the next piece of dt, that of the version which was current at the beginning, under the caller's lock. *done:
+/* Reads the next piece of dt, that of the version which was current at the beginning, in the caller's visit. *done:
  * that was all. DT_NOMEM: the view cannot be read any more. */
 enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done);
 

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read under the lock at a time */
+enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read in one visit */
 
 /* What is copied before there is a set. */
 struct copy {
@@ -60,17 +60,17 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
 }
 
 /* A piece has been read: edits go on, if there are any. */
-static enum dt_status pause_copy(struct version *v, const struct dt_options *opt, bool locked)
+static enum dt_status pause_copy(struct version *v, const struct dt_options *opt, bool visits)
 {
-    if (locked) {
-        version_unlock(v);
-        version_lock_read(v);
+    if (visits) {
+        gate_end_visit(&v->gate);
+        gate_visit(&v->gate);
     }
     return atomic_load(opt->cancel) ? DT_CANCELLED : DT_OK;
 }
 
 static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
-                                const struct dt_field *f, const struct dt_options *opt, bool locked,
+                                const struct dt_field *f, const struct dt_options *opt, bool visits,
                                 struct copy *c)
 {
     uint32_t from = 0, end = 0;
@@ -78,17 +78,17 @@ static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
     for (bool done = false; status == DT_OK && !done;) {
         status = take_rows(c, v->dt, view, f, &from, &done);
         if (status == DT_OK)
-            status = pause_copy(v, opt, locked);
+            status = pause_copy(v, opt, visits);
     }
     while (status == DT_OK && end != DT_NONE) {
         status = dt_constraints_read(v->dt, view, &end, CONSTRAINTS, &c->constraints);
         if (status == DT_OK)
-            status = pause_copy(v, opt, locked);
+            status = pause_copy(v, opt, visits);
     }
     return status;
 }
 
-/* Makes the set, which needs no lock. */
+/* Makes the set, outside of any visit. */
 static enum dt_status build(const struct copy *c, uint32_t next_id, const struct dt_options *opt,
                             struct dt *t)
 {
@@ -115,7 +115,7 @@ static size_t memory_at_most(const struct version *v, const struct dt_options *o
 }
 
 enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
-                         const struct dt_options *opt, bool locked, struct reservation *memory,
+                         const struct dt_options *opt, bool visits, struct reservation *memory,
                          struct past *out)
 {
     struct copy c = {0};
@@ -123,9 +123,9 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
     *out = (struct past){0};
     if (!reservation_resize(memory, memory_at_most(v, opt)))
         return DT_NOMEM;
-    enum dt_status status = copy_rows(v, view, f, opt, locked, &c);
-    if (locked)
-        version_unlock(v);
+    enum dt_status status = copy_rows(v, view, f, opt, visits, &c);
+    if (visits)
+        gate_end_visit(&v->gate);
     if (status == DT_OK && (out->dt = dt_new(dt_tolerance(v->dt))) == NULL)
         status = DT_NOMEM;
     if (status == DT_OK)
@@ -139,7 +139,7 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
         dt_free(out->dt);
         out->dt = NULL;
     }
-    if (locked)
-        version_lock_read(v);
+    if (visits)
+        gate_visit(&v->gate);
     return status;
 }

@@ -13,11 +13,11 @@ struct past {
 };
 
 /* Copies the representatives, with their ids and the values of f, and triangulates them; DT_NOMEM also if `memory` has
- * no room. If `locked`, the caller has the lock of the version, on return too; in between it is released, after pieces of
+ * no room. If `visits`, the caller is a visitor of the version, on return too; in between it leaves, after pieces of
  * less than a millisecond. opt: its flag is polled. `memory` then has the bytes of the copy. Cost: that of
  * dt_triangulate. */
 enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
-                         const struct dt_options *opt, bool locked, struct reservation *memory,
+                         const struct dt_options *opt, bool visits, struct reservation *memory,
                          struct past *out);
 
 #endif

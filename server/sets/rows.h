@@ -101,7 +101,7 @@ size_t rows_count(const struct rows *r);
 /* Appends rows until out holds `limit` bytes or more, r->done is set, r->status is not DT_OK, or the bound of r->pace is
  * reached, which may be before the first row. Then r->pace.slow says that the next row exceeds the bound by itself; the
  * next call makes that row. DT_CANCELLED: the flag of the pace was seen. Uses only *r, its version's set (const) and out, so
- * that a worker may call it under the version's lock. */
+ * that a worker may call it as a visitor of the version. */
 void rows_fill(struct rows *r, struct buf *out, size_t limit);
 
 /* Splits off the next rows of *r as *part, about 30 KiB of text; *r continues behind them. A part may be

@@ -9,7 +9,7 @@ enum {
     CELLS_LINEAR = 1 << 15, /* values of a piece, some milliseconds of work */
     CELLS_NATURAL = 1 << 13,
     CELLS_TEXT = 1 << 13,
-    STEPS_LOCKED = 1 << 17 /* while edits wait */
+    STEPS_A_VISIT = 1 << 17 /* while edits wait */
 };
 
 /* How many values are found together: whole rows if they are text. */
@@ -27,7 +27,7 @@ static size_t batch(const struct surface_rows *r)
 static enum dt_status find(const struct surface_rows *r, const struct dt_surface *s, size_t n,
                            const struct pace *pace, size_t *done)
 {
-    struct dt_options opt = pace_options(pace, STEPS_LOCKED);
+    struct dt_options opt = pace_options(pace, STEPS_A_VISIT);
     size_t from = r->at + r->found;
     double *to = r->value + r->found;
     return r->place != NULL ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)

@@ -66,6 +66,13 @@ static void take_turn(struct gate *g)
         sleep_while(&g->served, now);
 }
 
+/* The same if nobody else has or awaits the turn. */
+static bool try_turn(struct gate *g)
+{
+    unsigned mine = atomic_load(&g->served);
+    return atomic_compare_exchange_strong(&g->next, &mine, mine + 1);
+}
+
 static void pass_turn(struct gate *g)
 {
     unsigned served = atomic_fetch_add(&g->served, 1) + 1;
@@ -103,6 +110,32 @@ void gate_leave(struct gate *g, unsigned lane)
     wake_all(&mine->left);
 }
 
+/* ---- sharing without a lane ---- */
+
+bool gate_try_visit(struct gate *g)
+{
+    atomic_fetch_add(&g->visitors, 1);
+    if (atomic_load(&g->closed) == 0)
+        return true;
+    gate_end_visit(g);
+    return false;
+}
+
+void gate_visit(struct gate *g)
+{
+    if (gate_try_visit(g))
+        return;
+    take_turn(g);
+    atomic_fetch_add(&g->visitors, 1);
+    pass_turn(g);
+}
+
+void gate_end_visit(struct gate *g)
+{
+    if (atomic_fetch_sub(&g->visitors, 1) == 1 && atomic_load(&g->closed) != 0)
+        wake_all(&g->visitors);
+}
+
 /* ---- closing ---- */
 
 static void await_lane(struct lane *lane, const struct gate *g)
@@ -120,12 +153,56 @@ static void await_lane(struct lane *lane, const struct gate *g)
     }
 }
 
-void gate_close(struct gate *g)
+static void await_visitors(struct gate *g)
+{
+    unsigned n;
+    for (int i = 0; i < SPINS; i++) {
+        if (atomic_load(&g->visitors) == 0)
+            return;
+        spin();
+    }
+    while ((n = atomic_load(&g->visitors)) != 0)
+        sleep_while(&g->visitors, n);
+}
+
+/* Keeps new ones out, and waits until no lane is inside. */
+static void close_to_lanes(struct gate *g)
 {
     take_turn(g);
     atomic_store(&g->closed, 1);
     for (unsigned i = 0; i < g->lanes->n; i++)
         await_lane(&g->lanes->of[i], g);
+}
+
+void gate_close(struct gate *g)
+{
+    close_to_lanes(g);
+    await_visitors(g);
+}
+
+/* Opens it again if somebody is inside. */
+static bool stay_closed_if(struct gate *g, bool empty)
+{
+    if (!empty)
+        gate_open(g);
+    return empty;
+}
+
+bool gate_close_unvisited(struct gate *g)
+{
+    close_to_lanes(g);
+    return stay_closed_if(g, atomic_load(&g->visitors) == 0);
+}
+
+bool gate_try_close(struct gate *g)
+{
+    if (!try_turn(g))
+        return false;
+    atomic_store(&g->closed, 1);
+    bool empty = atomic_load(&g->visitors) == 0;
+    for (unsigned i = 0; i < g->lanes->n; i++)
+        empty = empty && atomic_load(&g->lanes->of[i].inside) != g;
+    return stay_closed_if(g, empty);
 }
 
 void gate_open_and_enter(struct gate *g, unsigned lane)

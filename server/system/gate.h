@@ -1,4 +1,4 @@
-/* gate.h - a lock that a few threads share almost all the time. Now and then one of the threads closes the lock.
+/* gate.h - a lock that threads share almost all the time. Now and then one of the threads closes the lock.
  *
  * Each thread has a lane, which is a cache line of its own. A thread that enters a gate notes that in its lane and writes
  * nothing else, so threads that share the gate never write the same line. Who closes the gate waits until it is in no
@@ -8,6 +8,8 @@
  *     lane 0   lane 1   lane 2        gates a, b
  *     [ a  ]   [    ]   [ b  ]        open:       lanes enter and leave
  *     [    ]   [    ]   [ b  ]        a closed:   by lane 1, which is alone in a
+ *
+ * Threads without a lane are visitors, which the gate counts.
  *
  * Whoever finds the gate closed, or wants to close it, takes a ticket, and tickets are served in order. So neither threads that
  * close the gate often nor threads that share it can keep others out. Waiting threads spin for a few microseconds, then sleep.
@@ -35,7 +37,8 @@ struct lanes {
 };
 
 struct gate {
-    struct lanes *lanes; /* borrows */
+    struct lanes *lanes;  /* borrows */
+    atomic_uint visitors; /* threads without a lane that are inside, or look whether they may be */
     atomic_uint closed;
     atomic_uint next;   /* ticket */
     atomic_uint served; /* the ticket whose turn it is */
@@ -55,14 +58,22 @@ void gate_leave(struct gate *g, unsigned lane);
 /* The same without waiting; false: the gate is closed. */
 bool gate_try_enter(struct gate *g, unsigned lane);
 
-/* Closes the gate: on return no lane is inside, and none will be until gate_open. The caller's lane must not be inside. Cost: a
+/* The same for a thread without a lane. */
+void gate_visit(struct gate *g);
+void gate_end_visit(struct gate *g);
+bool gate_try_visit(struct gate *g);
+
+/* Closes the gate: on return nobody is inside, and nobody will be until gate_open. The caller must not be inside. Cost: a
  * look at each lane. */
 void gate_close(struct gate *g);
+/* The same without waiting for visitors, or for anybody. False: somebody is inside, or closes it. */
+bool gate_close_unvisited(struct gate *g);
+bool gate_try_close(struct gate *g);
 /* Opens it; `lane` shares it from then on, without a moment in which somebody else could close it. */
 void gate_open_and_enter(struct gate *g, unsigned lane);
 void gate_open(struct gate *g);
 
-/* Whether a thread has closed the gate, or is closing it and waits until all lanes have left. */
+/* Whether a thread has closed the gate, or is closing it and waits until all others have left. */
 static inline bool gate_is_closed(const struct gate *g)
 {
     return atomic_load_explicit(&g->closed, memory_order_relaxed) != 0;

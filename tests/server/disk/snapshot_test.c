@@ -483,14 +483,14 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     struct request *q = &l.server.reactor->request;
     local_ask(&l, "ADD t 0 0  1 1\nADD other 5 5\n");
     struct version *v = version_of(&l, "t");
-    CHECK(version_try_read(v)); /* the snapshot's thread reads */
+    CHECK(gate_try_visit(&v->gate)); /* the snapshot's thread reads */
     CHECK(request_split(q, "MOVE t 1 7 7", 12));
     buf_rewind(&l.out, 0);
     command_run(&l.server, q, &a);
     CHECK(a.next == ANSWER_WORK && buf_len(&l.out) == 0);
     CHECK_STR(local_ask(&l, "MOVE other 0 6 6\nPING\n"), "OK 0\nOK 0\n");
-    CHECK(!version_try_edit(v));
-    version_unlock(v);
+    CHECK(!gate_try_close(&v->gate));
+    gate_end_visit(&v->gate);
     struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
     CHECK(poll(&event, 1, 10000) == 1);
     buf_rewind(&l.out, 0);
@@ -498,8 +498,8 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     buf_append_char(&l.out, '\0');
     CHECK_STR(buf_head(&l.out), "OK 0\n");
     CHECK_STR(local_ask(&l, "GET t 1\n"), "OK 1\n1 7 7\n");
-    CHECK(version_of(&l, "t") == v && version_try_edit(v));
-    version_unlock(v);
+    CHECK(version_of(&l, "t") == v && gate_try_close(&v->gate));
+    gate_open(&v->gate);
     local_stop(&l);
 }
 

@@ -72,11 +72,11 @@ TEST(build_is_installed_when_the_reader_of_a_piece_has_finished)
     struct dataset *set = local_set(&l, "t");
     struct version *v = set->current;
     begin(&l);
-    version_lock_read(v); /* as a worker's query does */
+    gate_visit(&v->gate); /* as a worker's query does */
     while (!set->exclusive)
         collect(&l);
     CHECK(set->writer != NULL && set->exclusive && !v->sum.triangulated);
-    version_unlock(v);
+    gate_end_visit(&v->gate);
     CHECK(strncmp(local_ask(&l, "CHECK t\n"), "OK 0 delaunay=yes points=20000 ", 31) == 0);
     CHECK(set->current == v && !set->exclusive);
     local_stop(&l);

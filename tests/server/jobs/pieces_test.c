@@ -96,11 +96,11 @@ TEST(cancelled_search_of_an_untriangulated_set_has_no_result)
     load(&l, "");
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         struct version *v = local_set(&l, "t")->current;
-        version_lock_edit(v);
+        gate_close(&v->gate);
         struct job *j = begin(&l, lines[i]);
         poll(NULL, 0, 10);
         atomic_store(&j->cancel, true);
-        version_unlock(v);
+        gate_open(&v->gate);
         CHECK_MSG(finish(&l) == DT_CANCELLED, "%s", lines[i]);
     }
     local_stop(&l);

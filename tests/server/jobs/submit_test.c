@@ -245,8 +245,8 @@ TEST(edit_is_in_the_log_from_when_others_can_read_it)
     struct version *v = ask(&b, request)->base;
     while (v->lsn == before)
         sched_yield();
-    version_lock_read(v); /* as a reader of a piece does */
-    version_unlock(v);
+    gate_visit(&v->gate); /* as a reader of a piece does */
+    gate_end_visit(&v->gate);
     CHECK(log_last(durable_log(&b.l.server)) == before + 1 && v->lsn == before + 1);
     CHECK(set_t(&b)->exclusive && tellings == 0);
     while (tellings == 0)

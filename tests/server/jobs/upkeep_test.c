@@ -66,13 +66,13 @@ TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
     start_renewal(&l);
     struct dataset *set = local_set(&l, "t");
     struct version *v = set->current;
-    version_lock_read(v); /* as a worker's query does */
+    gate_visit(&v->gate); /* as a worker's query does */
     event = (struct pollfd){.fd = workers_event(l.server.workers), .events = POLLIN};
     CHECK(poll(&event, 1, 10000) == 1);
     server_collect(&l.server, finish, &l);
     CHECK(set->writer != NULL && set->exclusive);
     CHECK(dt_renew_due(v->dt));
-    version_unlock(v);
+    gate_end_visit(&v->gate);
     CHECK(strncmp(local_ask(&l, "ADD t 0.25 0.25\n"), "OK 0 first=", 11) == 0);
     CHECK(set->current == v && !dt_renew_due(v->dt));
     CHECK(strncmp(local_ask(&l, "DEL t 0\n"), "OK 0 deleted=1 ", 15) == 0);

@@ -113,10 +113,10 @@ TEST(versions_that_keep_what_was_saved_are_tidied_a_few_at_a_time)
         struct version *v = create(name)->current;
         struct dt_view *view = dt_view_begin(v->dt, false);
         CHECK(view != NULL);
-        version_lock_edit(v);
+        gate_close(&v->gate);
         version_end_view(&sets, v, view);
         CHECK(list_holds(&v->untidy));
-        version_unlock(v);
+        gate_open(&v->gate);
     }
     for (unsigned left = MANY; left > 0; left -= left < A_CALL ? left : A_CALL) {
         unsigned n = 0;
@@ -136,9 +136,9 @@ TEST(version_that_is_freed_is_no_longer_to_be_tidied)
     struct dataset *set = create("t");
     struct version *v = version_pin(set->current);
     struct dt_view *view = dt_view_begin(v->dt, false);
-    version_lock_edit(v);
+    gate_close(&v->gate);
     version_end_view(&sets, v, view);
-    version_unlock(v);
+    gate_open(&v->gate);
     registry_drop(&sets, set);
     CHECK(list_first(&sets.untidy) == v);
     version_unpin(&sets, v);

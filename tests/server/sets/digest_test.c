@@ -411,11 +411,11 @@ TEST(digest_of_a_large_set_is_a_job_that_is_cancelled_with_its_client)
     uint64_t jobs = l.server.count.jobs, digest = digest_at(&l, "t", VERSION);
     CHECK(l.server.count.jobs == jobs + 1);
     struct version *v = local_set(&l, "t")->current;
-    version_lock_edit(v); /* so that the worker waits */
+    gate_close(&v->gate); /* so that the worker waits */
     ask(&l, &a, "DIGEST t");
     CHECK(a.next == ANSWER_WORK && strcmp(a.job->what, "reading") == 0);
     a.job->cancel = true;
-    version_unlock(v);
+    gate_open(&v->gate);
     while (!list_is_empty(&l.server.jobs)) {
         struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
@@ -433,7 +433,7 @@ TEST(digest_is_refused_when_too_many_requests_wait_for_a_worker)
     local_start(&l, 1);
     load_many(&l, LARGE);
     struct version *v = local_set(&l, "t")->current;
-    version_lock_edit(v);
+    gate_close(&v->gate);
     for (int i = 0; i < 2 * LIMIT_QUEUED_JOBS && l.out.failed == false; i++) {
         buf_consume(&l.out, buf_len(&l.out));
         ask(&l, &a, "DIGEST t");
@@ -442,6 +442,6 @@ TEST(digest_is_refused_when_too_many_requests_wait_for_a_worker)
     }
     buf_append_char(&l.out, '\0');
     CHECK_STR(buf_head(&l.out), "ERR BUSY too many requests are waiting for a worker; try again\n");
-    version_unlock(v);
+    gate_open(&v->gate);
     local_stop(&l);
 }

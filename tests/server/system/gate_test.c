@@ -29,6 +29,7 @@ struct party {
     pthread_t thread;
     unsigned lane;
     unsigned one_in; /* this share of its rounds closes the gate; 0: none */
+    bool visits;     /* it uses no lane */
     uint64_t wrong, closings;
 };
 
@@ -50,6 +51,10 @@ static void *take_part(void *arg)
             } else {
                 gate_open(&gate);
             }
+        } else if (p->visits) {
+            gate_visit(&gate);
+            p->wrong += shared.a != shared.b;
+            gate_end_visit(&gate);
         } else {
             gate_enter(&gate, p->lane);
             p->wrong += shared.a != shared.b;
@@ -59,15 +64,16 @@ static void *take_part(void *arg)
     return NULL;
 }
 
-/* Every thread that closes is alone, and all threads come to an end. */
-static void check(const unsigned one_in[THREADS])
+/* Every thread that closes is alone, and all threads come to an end. The last `visitors` ones have no lanes. */
+static void check(const unsigned one_in[THREADS], unsigned visitors)
 {
     struct party party[THREADS];
     uint64_t closings = 0;
     shared.a = shared.b = 0;
     begin_gate(THREADS);
     for (unsigned i = 0; i < THREADS; i++) {
-        party[i] = (struct party){.lane = i, .one_in = one_in[i]};
+        party[i] =
+            (struct party){.lane = i, .one_in = one_in[i], .visits = i + visitors >= THREADS};
         CHECK(pthread_create(&party[i].thread, NULL, take_part, &party[i]) == 0);
     }
     for (unsigned i = 0; i < THREADS; i++) {
@@ -81,10 +87,69 @@ static void check(const unsigned one_in[THREADS])
 
 TEST_TIMEOUT(whoever_has_closed_the_gate_is_alone, 60)
 {
-    check((const unsigned[THREADS]){10, 10, 10, 10});
-    check((const unsigned[THREADS]){1, 0, 0, 0});
-    check((const unsigned[THREADS]){1, 1, 2, 0});
-    check((const unsigned[THREADS]){1000, 0, 0, 0});
+    check((const unsigned[THREADS]){10, 10, 10, 10}, 0);
+    check((const unsigned[THREADS]){1, 0, 0, 0}, 0);
+    check((const unsigned[THREADS]){1, 1, 2, 0}, 0);
+    check((const unsigned[THREADS]){1000, 0, 0, 0}, 0);
+}
+
+TEST_TIMEOUT(whoever_has_closed_the_gate_has_no_visitors, 60)
+{
+    check((const unsigned[THREADS]){10, 10, 0, 0}, 2);
+    check((const unsigned[THREADS]){1, 0, 0, 0}, 3);
+    check((const unsigned[THREADS]){3, 3, 3, 3}, 4);
+}
+
+/* ---- visitors ---- */
+
+TEST(who_does_not_wait_closes_no_gate_that_somebody_is_inside)
+{
+    begin_gate(2);
+    gate_visit(&gate);
+    CHECK(gate_try_visit(&gate) && gate_try_enter(&gate, 0));
+    CHECK(!gate_try_close(&gate));
+    gate_leave(&gate, 0);
+    CHECK(!gate_try_close(&gate) && !gate_close_unvisited(&gate));
+    gate_end_visit(&gate);
+    CHECK(!gate_try_close(&gate) && !gate_close_unvisited(&gate));
+    gate_end_visit(&gate);
+    CHECK(gate_try_close(&gate));
+    CHECK(!gate_try_close(&gate) && !gate_try_visit(&gate) && !gate_try_enter(&gate, 1));
+    gate_open(&gate);
+    CHECK(gate_close_unvisited(&gate) && !gate_try_visit(&gate));
+    gate_open(&gate);
+    gate_enter(&gate, 1);
+    CHECK(!gate_try_close(&gate));
+    gate_leave(&gate, 1);
+    lanes_clear(&lanes);
+}
+
+static void *close_once(void *arg)
+{
+    atomic_uint *closed = arg;
+    gate_close(&gate);
+    atomic_store(closed, 1);
+    gate_open(&gate);
+    return NULL;
+}
+
+TEST_TIMEOUT(gate_admits_no_new_visitor_while_a_thread_waits_to_close_it, 60)
+{
+    pthread_t other;
+    atomic_uint closed = 0;
+    begin_gate(1);
+    gate_visit(&gate);
+    CHECK(pthread_create(&other, NULL, close_once, &closed) == 0);
+    while (gate_try_visit(&gate)) { /* until it waits */
+        gate_end_visit(&gate);
+        sched_yield();
+    }
+    CHECK(atomic_load(&closed) == 0);
+    gate_end_visit(&gate);
+    CHECK(pthread_join(other, NULL) == 0);
+    CHECK(atomic_load(&closed) == 1 && gate_try_visit(&gate));
+    gate_end_visit(&gate);
+    lanes_clear(&lanes);
 }
 
 /* ---- who closes it often keeps nobody out ---- */
