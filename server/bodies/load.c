@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
@@ -350,6 +351,15 @@ double *load_take(struct load *l, struct reservation *memory)
     if (memory->budget == NULL)
         *memory = (struct reservation){l->memory.budget, l->memory.kind, 0};
     reservation_move(memory, &l->memory);
+    return p;
+}
+
+double *load_copy(const struct load *l)
+{
+    size_t bytes = l->body.n * l->body.width * sizeof(double);
+    double *p = bytes == 0 ? NULL : dt_pages_grow(l->server->pages, NULL, 0, bytes);
+    if (p != NULL)
+        memcpy(p, l->body.xy, bytes);
     return p;
 }
 

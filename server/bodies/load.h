@@ -92,6 +92,9 @@ struct word load_field_names(const struct load_shape *shape, const struct reques
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);
 
+/* A copy of the rows, which the caller owns (dt_pages_release); NULL: out of memory, or there are none. */
+double *load_copy(const struct load *l);
+
 /* For points that are about to be added: returns the bytes that are to be free meanwhile, for what follows, which are the
  * caller's to announce from now on (keep_expect). */
 size_t load_hand_on_expected(struct server *s, struct load *l);

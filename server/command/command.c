@@ -328,18 +328,10 @@ void command_run_body(struct server *s, struct load *l, struct answer *a)
 
 /* ---- changes ---- */
 
-/* Whether a reactor that shares the world tries the edit: otherwise reading the request would be in vain. Two words are the least
- * that an item of an edit with many items takes. */
-static bool edits_at_once(const struct dataset *set, const struct command *c,
-                          const struct request *q)
-{
-    return submit_shares(set, c->change) && cost_at_once(COST_EDIT, q->n / 2);
-}
-
 void cmd_change(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct command *c = a->command;
-    if (answer_shares(a) && !edits_at_once(set, c, q) && !world_alone(a))
+    if (!submit_may(a, set, c->change, q->n / 2)) /* an item of many has two words at least */
         return;
     struct submission *x = submission_new(s, a, c->change, &q->word[1]);
     if (x == NULL)

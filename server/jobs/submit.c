@@ -258,9 +258,10 @@ static void end(struct server *s, struct job *j, struct answer *a)
         keep_expect(s, 0, x->expected);
 }
 
+enum { VALUES_AT_ONCE = 4096 };
+
 static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
-    enum { VALUES_AT_ONCE = 4096 };
     bool refreshes = c->kind->record >= RECORD_CONSTRAIN && version_is_stale(set->current);
     switch (c->kind->items) {
     case ITEMS_CONSTRAINTS:
@@ -309,10 +310,17 @@ static bool keeps_live(struct server *s, const struct dataset *set, struct submi
 
 /* ---- all changes ---- */
 
-bool submit_shares(const struct dataset *set, enum change_code code)
+bool submit_shares(const struct dataset *set, enum change_code code, size_t n)
 {
-    return set != NULL && change_kinds[code].edit != NULL && change_kinds[code].note == NULL &&
+    const struct change_kind *kind = &change_kinds[code];
+    bool few = kind->items == ITEMS_COLUMN ? n <= VALUES_AT_ONCE : cost_at_once(COST_EDIT, n);
+    return set != NULL && few && kind->edit != NULL && kind->note == NULL &&
            !dt_renew_due(set->current->dt);
+}
+
+bool submit_may(struct answer *a, const struct dataset *set, enum change_code code, size_t n)
+{
+    return !answer_shares(a) || submit_shares(set, code, n) || world_alone(a);
 }
 
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,

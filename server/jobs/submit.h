@@ -19,9 +19,11 @@ struct submission {
 struct submission *submission_new(struct server *s, struct answer *a, enum change_code code,
                                   const struct word *set);
 
-/* Whether a reactor that shares the world may submit such a change, within the gate of the set. Then nothing but the set and the log
- * changes, unless the change turns out to need a worker. */
-bool submit_shares(const struct dataset *set, enum change_code code);
+/* Whether a reactor that shares the world may submit such a change of n items, within the gate of the set. Then nothing but the set
+ * and the log changes, unless the change turns out to need a worker. */
+bool submit_shares(const struct dataset *set, enum change_code code, size_t n);
+/* The same of any reactor. False: it shares the world, and the request is carried out again when it is alone (world_alone). */
+bool submit_may(struct answer *a, const struct dataset *set, enum change_code code, size_t n);
 
 /* Checks the limits and the memory for a change of the set, NULL for a new one; a long job reserves that memory. The change needs
  * only its sizes yet: n, and the number of columns. False: the ERR line has been

@@ -145,11 +145,22 @@ static bool take_points(struct session *s)
     return settle_load(s, more);
 }
 
+/* As the request requires, whose body is complete. Its end frees memory, so a reactor that is alone calls those who wait for some. */
+static void enter_world(struct session *s)
+{
+    bool shares = !s->again && s->waiter.queue == NULL && s->command != NULL &&
+                  (s->command->flags & CMD_SHARES) != 0;
+    if (shares)
+        loop_share(s->conn.loop);
+    if (!shares || !wait_is_first(&s->server->memory, NULL))
+        loop_alone(s->conn.loop);
+}
+
 bool session_step_load(struct session *s)
 {
     if (s->load->parser != NULL || !s->load->body.complete)
         return take_points(s);
-    loop_alone(s->conn.loop);
+    enter_world(s);
     if (s->conn.closed || s->conn.finishing)
         return false;
     return s->in_bulk ? end_bulk(s) : carry_out_load(s);

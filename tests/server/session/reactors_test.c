@@ -107,6 +107,15 @@ static void *edit(void *arg)
         CHECK_STR(hear_line(fd), "OK 1");
         sprintf(text, "%u %u.%u %u", id, i, me + 1, me + 100);
         CHECK_STR(hear_line(fd), text);
+        sprintf(text, "LOAD %c 2\n%u.%u %u\n%u.%u %u\n", 'p' + (int)(i % 2), i, me + 1, me + 200, i,
+                me + 1, me + 300);
+        say(fd, text);
+        CHECK(strstr(hear_line(fd), " added=2 coincident=0 ") != NULL);
+        sprintf(text,
+                "*6\r\n$5\r\nFSETB\r\n$1\r\n%c\r\n$1\r\ny\r\n$1\r\n0\r\n$1\r\n1\r\n$8\r\n%08u\r\n",
+                'p' + (int)(i % 2), me);
+        say(fd, text);
+        CHECK(strncmp(hear_line(fd), "+OK version=", 12) == 0);
         if (i % 4 == 3) {
             sprintf(text, "DEL %c %u\n", 'p' + (int)(i % 2), id);
             say(fd, text);
@@ -223,7 +232,7 @@ TEST(edit_that_turns_out_to_need_a_worker_is_carried_out_once)
     say(fd, "DEL t 0\n"); /* its neighbours are all others */
     snprintf(text, sizeof text, "OK 0 deleted=1 version=%" PRIu64, before + 2);
     CHECK_STR(hear_line(fd), text);
-    say(fd, "ADD t 0 0\nDEL t 0\n");
+    say(fd, "LOAD t 1\n0 0\nDEL t 0\n"); /* the body is still there when it is carried out again */
     snprintf(text, sizeof text, "OK 0 first=%d added=1 coincident=0 version=%" PRIu64, HUB + 1,
              before + 4);
     CHECK_STR(hear_line(fd), text);

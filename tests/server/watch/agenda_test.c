@@ -130,7 +130,7 @@ TEST(edit_of_a_watched_set_needs_no_reactor_that_is_alone)
     begin();
     ask("ADD s 0 0 1 0 0 1\nWATCH s\n");
     CHECK(local_set(&b.l, "s")->watched != NULL);
-    CHECK(submit_shares(local_set(&b.l, "s"), CHANGE_ADD));
+    CHECK(submit_shares(local_set(&b.l, "s"), CHANGE_ADD, 1));
     end();
 }
 
