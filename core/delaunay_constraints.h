@@ -73,6 +73,9 @@ enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint3
 enum dt_status dt_constraints_read(const struct dt *t, const struct dt_view *v, uint32_t *from,
                                    size_t steps, struct dt_constraint_list *out);
 
+/* < 0 if the constraint at a is before that at b in this order, 0 if they are the same; ends ascending. */
+int dt_constraint_compare(const void *a, const void *b);
+
 /* How many end at the id, but at most `most`, which the cost is, too. */
 size_t dt_constraints_at(const struct dt *t, uint32_t id, size_t most);
 

@@ -71,7 +71,4 @@ static inline bool dt_declared_is_live(const struct dt_declared *d, uint32_t row
 /* Appends one; DT_NOMEM leaves the list as it was. Cost: constant, amortised. */
 enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c);
 
-/* < 0 if a is before b in the order of dt_constraints; ends ascending. */
-int dt_constraint_compare(const void *a, const void *b);
-
 #endif

@@ -214,6 +214,21 @@ static void put_event_facts(struct buf *out, struct words w)
     }
 }
 
+/* The types of a row that begins with that letter. */
+static const char *event_types(char first)
+{
+    switch (first) {
+    case 'p': /* point id x y value ... */
+        return "sid";
+    case 'c': /* constraint a b kind k x y x y */
+        return "siisid";
+    case 'r': /* released a b kind k */
+        return "siisi";
+    default: /* list id kind id ...; gone id */
+        return "sisi";
+    }
+}
+
 void resp3_push(struct buf *out, const char *head, size_t head_len, const char *rows,
                 size_t rows_len, size_t n)
 {
@@ -230,7 +245,7 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
     while (rows_len > 0) {
         const char *lf = memchr(rows, '\n', rows_len);
         struct reply_part row = {REPLY_ROW, rows, (size_t)(lf - rows), false};
-        put_row(out, *rows == 'p' ? "sid" : "sisi", &row);
+        put_row(out, event_types(*rows), &row);
         rows_len -= row.len + 1;
         rows = lf + 1;
     }

@@ -42,7 +42,7 @@ static bool read_fields(struct answer *a, const struct dataset *set, const struc
     return true;
 }
 
-/* Reads [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS name,name ...]; false: the ERR line has been written. */
+/* Reads [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS name,name ...] [CONSTRAINTS]; false: the ERR line has been written. */
 static bool read_options(struct answer *a, const struct dataset *set, const struct request *q,
                          struct scope *scope, uint64_t *since)
 {
@@ -60,6 +60,9 @@ static bool read_options(struct answer *a, const struct dataset *set, const stru
         } else if (word_is(w, "FIELDS") && i + 2 <= q->n) {
             fields = w + 1;
             good = true;
+        } else if (word_is(w, "CONSTRAINTS")) {
+            took = 1;
+            good = scope->constraints = true;
         } else {
             answer_usage(a);
             good = false;

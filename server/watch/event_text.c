@@ -82,6 +82,36 @@ void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_wha
     put_ring(e, dt, id);
 }
 
+static void put_declared(struct event *e, const struct dt_constraint *c,
+                         const struct dt_point at[2])
+{
+    buf_append_text(&e->rows, "constraint ");
+    reply_row_constraint(&e->rows, c->a, c->b, c->border, c->number);
+    for (int i = 0; e->scope->boxed && i < 2 && !e->rows.failed; i++) {
+        reply_more_value(&e->rows, at[i].x);
+        reply_more_value(&e->rows, at[i].y);
+    }
+    e->n++;
+}
+
+void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_constraint *c,
+                          bool moved, bool known)
+{
+    struct dt_point at[2];
+    bool declared = dt_constraint_has(dt, c) && dt_get(dt, c->a, &at[0]) == DT_OK &&
+                    dt_get(dt, c->b, &at[1]) == DT_OK;
+    e->steps += LOOKED_AT;
+    if (moved && !e->scope->boxed) /* the ids are the same */
+        return;
+    if (declared && scope_has_segment(e->scope, at)) {
+        put_declared(e, c, at);
+    } else if (known) {
+        buf_append_text(&e->rows, "released ");
+        reply_row_constraint(&e->rows, c->a, c->b, c->border, c->number);
+        e->n++;
+    }
+}
+
 static void begin_head(struct event *e, const char *set)
 {
     buf_append_text(&e->head, "EVENT ");

@@ -3,11 +3,13 @@
  *     EVENT 3 set=t version=17        the rows of what is different now
  *     point 7 1 0.5                   its place, and values; the ring that it had does not count any more
  *     list 7 i 1 2 3                  its ring, as in LISTS
- *     gone 4 */
+ *     gone 4
+ *     constraint 3 7 line 0           it is declared; with a box, and the places of 3 and of 7
+ *     released 3 4 border 1 */
 #ifndef SERVER_EVENT_TEXT_H
 #define SERVER_EVENT_TEXT_H
 
-#include "core/delaunay.h"
+#include "core/delaunay_constraints.h"
 #include "proto/buf.h"
 #include "server/watch/known.h"
 #include "server/watch/scope.h"
@@ -32,6 +34,11 @@ struct event {
 enum event_what { EVENT_ALL, EVENT_RING, EVENT_NEW };
 
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what);
+
+/* Says of a constraint that it is declared, or released if it is not, or does not meet the box. `moved`: only that an end has moved;
+ * `known`: a reader may know it. */
+void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_constraint *c,
+                          bool moved, bool known);
 
 /* Whether it is large enough for a part, or has taken so long. */
 bool event_is_full(const struct event *e);

@@ -7,11 +7,13 @@
 #include <string.h>
 
 enum {
-    MOST_KEYS = 1024,   /* more changes than this are found by a sweep, */
-    BOX_KEYS = 256,     /* and with a box more than this: few points are in it */
-    BOX_STEPS = 10000,  /* a box whose search takes longer, or of which more points */
-    BOX_KNOWN = 10000,  /* may be known, is swept like the whole set */
-    LINE_STEPS = 100000 /* rings on a line that take more are sent in parts */
+    MOST_KEYS = 1024,    /* more changes than this are found by a sweep, */
+    BOX_KEYS = 256,      /* and with a box more than this: few points are in it */
+    BOX_STEPS = 10000,   /* a box whose search takes longer, or of which more points */
+    BOX_KNOWN = 10000,   /* may be known, is swept like the whole set */
+    LINE_STEPS = 100000, /* rings on a line that take more are sent in parts */
+    LISTED_STEPS = 256,  /* of constraints that are listed at a time, */
+    MOST_ALTERED = 1024  /* and of those that have changed */
 };
 
 uint32_t feed_line(const struct watched *k)
@@ -151,31 +153,104 @@ static bool sweep_box(struct event *e, struct feed *f, struct position *p)
     return !f->wide;
 }
 
+/* Points, their values and rings. */
+static void put_points(struct event *e, struct feed *f, struct position *p)
+{
+    const struct watched *k = f->of;
+    if (p->goal == 0) {
+        bool all = put_change(e, f, p);
+        p->ids = k->ids;
+        p->tick = all ? feed_tick(k) : p->tick;
+        p->goal = all ? 0 : feed_tick(k);
+        if (all)
+            return;
+    }
+    if (!sweep_box(e, f, p))
+        for (; p->sweep < p->ids && !event_is_full(e); p->sweep++)
+            put_swept(e, f, p, p->sweep);
+    if (p->sweep < p->ids)
+        return;
+    p->tick = p->goal;
+    p->goal = p->sweep = 0;
+}
+
+/* The next ones of all constraints. */
+static void put_listed(struct event *e, const struct feed *f, struct position *p)
+{
+    const struct dt *dt = f->of->set->current->dt;
+    struct dt_constraint_list list = {.n = 0};
+    while (p->lists && !event_is_full(e) && !e->rows.failed) {
+        list.n = 0;
+        if (dt_constraints_read(dt, NULL, &p->listed, LISTED_STEPS, &list) != DT_OK)
+            e->rows.failed = true;
+        for (size_t i = 0; !e->rows.failed && i < list.n; i++)
+            event_put_constraint(e, dt, &list.v[i], false, false);
+        e->steps += LISTED_STEPS;
+        p->lists = p->listed != DT_NONE;
+    }
+    free(list.v);
+}
+
+static int by_constraint(const void *a, const void *b)
+{
+    const struct dt_touched_constraint *const *p = a, *const *q = b;
+    return dt_constraint_compare(&(*p)->what, &(*q)->what);
+}
+
+/* The next constraints that have changed, each once. */
+static void put_altered(struct event *e, const struct feed *f, struct position *p)
+{
+    const struct altered *r = &f->of->altered;
+    const struct dt_touched_constraint *row[MOST_ALTERED];
+    size_t n = 0;
+    for (; n < MOST_ALTERED && p->altered < r->end; n++)
+        row[n] = altered_at(r, p->altered++);
+    if (n > 1)
+        qsort(row, n, sizeof row[0], by_constraint);
+    for (size_t i = 0, first = 0; i < n; i++) {
+        bool moved = true, known = false;
+        if (i + 1 < n && by_constraint(&row[i], &row[i + 1]) == 0)
+            continue;
+        for (; first <= i; first++) {
+            moved = moved && row[first]->moved;
+            known = known || scope_has_segment(&f->scope, row[first]->at);
+        }
+        event_put_constraint(e, f->of->set->current->dt, &row[i]->what, moved, known);
+    }
+}
+
+static void put_constraints(struct event *e, const struct feed *f, struct position *p)
+{
+    put_listed(e, f, p);
+    while (!p->lists && p->altered < f->of->altered.end && !event_is_full(e))
+        put_altered(e, f, p);
+}
+
+/* Whether what has changed after the position is not known any more. */
+static bool is_lost(const struct feed *f, const struct position *p)
+{
+    uint64_t reached = p->goal != 0 ? p->goal : p->tick;
+    return reached == 0 || reached < first_tick(f) ||
+           (f->scope.constraints && p->altered < f->of->altered.first);
+}
+
 /* As much as makes a part of what has changed after the position, which moves behind it. */
 static void put_rows(struct event *e, struct feed *f, struct position *p)
 {
-    const struct watched *k = f->of;
-    uint64_t reached = p->goal != 0 ? p->goal : p->tick;
-    if (reached == 0 || reached < first_tick(f)) {
-        *p = (struct position){.reset = true};
+    bool constraints = f->scope.constraints;
+    if (is_lost(f, p)) {
+        *p = (struct position){.reset = true, .lists = constraints};
+        p->altered = constraints ? f->of->altered.end : 0;
         if (f->watchers == 1)
             known_clear(&f->known);
     }
     e->reset = p->reset;
     p->reset = false;
-    if (p->goal == 0 && put_change(e, f, p)) {
-        *p = (struct position){.tick = feed_tick(k), .ids = k->ids};
-        return;
-    }
-    if (p->goal == 0) {
-        p->goal = feed_tick(k);
-        p->ids = k->ids;
-    }
-    if (!sweep_box(e, f, p))
-        for (; p->sweep < p->ids && !event_is_full(e); p->sweep++)
-            put_swept(e, f, p, p->sweep);
-    if (p->sweep == p->ids)
-        *p = (struct position){.tick = p->goal, .ids = p->ids};
+    if (p->goal != 0 || !p->lists ||
+        p->tick == 0) /* once the points are complete, a list of constraints goes first */
+        put_points(e, f, p);
+    if (constraints && p->goal == 0)
+        put_constraints(e, f, p);
 }
 
 /* ---- texts ---- */
@@ -220,7 +295,7 @@ static void make_text(struct feed *f, const struct position *from)
                              .lsn = durable_lsn(k->server, k->set)};
     f->from = f->to = *from;
     put_rows(&f->text, f, &f->to);
-    bool more = f->to.goal != 0 || f->to.tick < feed_tick(k);
+    bool more = feed_lacks(f, &f->to);
     f->silent = f->text.n == 0 && more && !f->text.rows.failed;
     if (f->silent)
         f->to.reset = f->text.reset;
@@ -254,7 +329,8 @@ static bool send_event(const struct watcher *w, struct event *e)
 static bool is_same(const struct position *a, const struct position *b)
 {
     return a->tick == b->tick && a->goal == b->goal && a->sweep == b->sweep && a->ids == b->ids &&
-           a->reset == b->reset;
+           a->reset == b->reset && a->altered == b->altered && a->lists == b->lists &&
+           a->listed == b->listed;
 }
 
 bool feed_serve(struct watcher *w)
@@ -357,6 +433,7 @@ struct position feed_since(struct feed *f, uint64_t version)
         version_is_stale(k->set->current))
         return (struct position){.tick = 0};
     p.ids = m->ids;
+    p.altered = f->scope.constraints ? m->altered : 0;
     if (version != m->version && k->set->exclusive)
         return (struct position){.tick = 0};
     if (version != m->version) /* it may know ids that are newer than the mark */

@@ -12,6 +12,7 @@
 #define SERVER_FEED_H
 
 #include "server/clients/session_state.h"
+#include "server/watch/altered.h"
 #include "server/watch/credit.h"
 #include "server/watch/event_text.h"
 #include "server/watch/recent.h"
@@ -25,6 +26,10 @@ struct position {
     uint32_t sweep; /* in a sweep: ids from here on have not been looked at */
     uint64_t goal;  /* the tick at which it began; 0: there is none */
     bool reset;     /* the next event begins a reset */
+    /* With constraints: */
+    uint64_t altered; /* all changes of them before this number (altered.h); */
+    bool lists;       /* in a reset: all of them are sent, */
+    uint32_t listed;  /* those whose smaller end is below have been */
 };
 
 /* A set that is watched, was until lately, or was when it was dropped. */
@@ -48,6 +53,7 @@ struct watched {
     uint64_t value_tick; /* and all values until this one */
     uint64_t line_tick;  /* the last one at which all points were on one line */
     struct recent recent;
+    struct altered altered;
     struct stamps row_stamps,
         value_stamps;     /* of the row and the ring, and of the values of each id */
     int64_t retry_ms;     /* no triangulation for watchers before */
@@ -91,10 +97,16 @@ static inline uint64_t feed_tick(const struct watched *k)
     return k->recent.mark_end;
 }
 
-/* Whether the watcher lacks something that has been collected. */
+/* Whether who is in that position lacks something that has been collected. */
+static inline bool feed_lacks(const struct feed *f, const struct position *p)
+{
+    return p->goal != 0 || p->tick < feed_tick(f->of) || p->lists ||
+           (f->scope.constraints && p->altered < f->of->altered.end);
+}
+
 static inline bool feed_lags(const struct watcher *w)
 {
-    return w->at.goal != 0 || w->at.tick < feed_tick(w->feed->of);
+    return feed_lacks(w->feed, &w->at);
 }
 
 /* How many points are on one line, if all are; else 0. Who watches a part of a line cannot see whether two neighbours of a point

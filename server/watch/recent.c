@@ -36,10 +36,10 @@ static void trim(struct recent *r)
         r->mark_first++;
 }
 
-void recent_restart(struct recent *r, uint64_t version, uint32_t ids)
+void recent_restart(struct recent *r, uint64_t version, uint32_t ids, uint64_t altered)
 {
     r->mark_first = r->mark_end;
-    recent_mark(r, version, ids);
+    recent_mark(r, version, ids, altered);
 }
 
 /* Makes room for n more keys behind `oldest`, as far as the ring may grow. */
@@ -65,7 +65,7 @@ void recent_put(struct recent *r, const uint64_t *key, size_t n)
     trim(r);
 }
 
-void recent_mark(struct recent *r, uint64_t version, uint32_t ids)
+void recent_mark(struct recent *r, uint64_t version, uint32_t ids, uint64_t altered)
 {
     if (r->mark_end - r->mark_first == r->marks && r->marks < RECENT_MARKS) {
         void *ring = r->mark;
@@ -77,7 +77,7 @@ void recent_mark(struct recent *r, uint64_t version, uint32_t ids)
     if (r->mark_end - r->mark_first > r->marks)
         r->mark_first++;
     if (r->marks > 0)
-        r->mark[at & (r->marks - 1)] = (struct recent_mark){version, r->key_end, ids};
+        r->mark[at & (r->marks - 1)] = (struct recent_mark){version, r->key_end, altered, ids};
 }
 
 uint64_t recent_find(const struct recent *r, uint64_t version)

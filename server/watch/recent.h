@@ -15,7 +15,8 @@
 enum { RECENT_KEYS = 32768, RECENT_MARKS = 8192 }; /* powers of two; 0.45 MB in all */
 
 struct recent_mark {
-    uint64_t version, at; /* how many keys there had been */
+    uint64_t version, at; /* how many keys there had been, */
+    uint64_t altered;     /* and how many changes of constraints (altered.h) */
     uint32_t ids;         /* the next id */
 };
 
@@ -28,11 +29,11 @@ struct recent {
 };
 
 /* Everything may have changed up to this version. */
-void recent_restart(struct recent *r, uint64_t version, uint32_t ids);
+void recent_restart(struct recent *r, uint64_t version, uint32_t ids, uint64_t altered);
 
 /* These keys have changed since the last mark, and there is a new mark. */
 void recent_put(struct recent *r, const uint64_t *key, size_t n);
-void recent_mark(struct recent *r, uint64_t version, uint32_t ids);
+void recent_mark(struct recent *r, uint64_t version, uint32_t ids, uint64_t altered);
 
 /* The tick of the last mark whose version is not later; 0: it is not known what has changed since. */
 uint64_t recent_find(const struct recent *r, uint64_t version);

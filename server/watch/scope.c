@@ -12,7 +12,8 @@ void scope_clear(struct scope *s)
 
 bool scope_equal(const struct scope *a, const struct scope *b)
 {
-    if ((a->names == NULL) != (b->names == NULL) || a->boxed != b->boxed)
+    if ((a->names == NULL) != (b->names == NULL) || a->boxed != b->boxed ||
+        a->constraints != b->constraints)
         return false;
     if (a->names != NULL && strcmp(a->names, b->names) != 0)
         return false;

@@ -1,12 +1,15 @@
-/* scope.h - what a watcher wants to know of a set: the points in a box or all of them, and the values of some fields. */
+/* scope.h - what a watcher wants to know of a set: the points in a box or all of them, the values of some fields, and the constraints
+ * that meet the box, or all of them. */
 #ifndef SERVER_SCOPE_H
 #define SERVER_SCOPE_H
 
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 
 /* Start with {0}: all points, no values. */
 struct scope {
     char *names; /* owns; of fields, separated by commas; NULL: none */
+    bool constraints;
     bool boxed;
     struct dt_point lo, hi; /* the closed box */
     /* The fields as they were found last; NULL: there is none of that name. */
@@ -28,5 +31,11 @@ bool scope_has_value(const struct scope *s, uint64_t key);
 
 /* Whether a point belongs to it: it is there, and if there is a box, it is a representative in it, as for WITHIN. */
 bool scope_has_point(const struct scope *s, const struct dt *dt, uint32_t id, struct dt_point *p);
+
+/* Whether a constraint between these places belongs to it. */
+static inline bool scope_has_segment(const struct scope *s, const struct dt_point at[2])
+{
+    return !s->boxed || dt_segment_meets_box(at[0], at[1], s->lo, s->hi);
+}
 
 #endif

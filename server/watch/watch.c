@@ -50,7 +50,7 @@ static void wake(struct timer *t)
 static void count_memory(struct watched *k)
 {
     reservation_set(&k->memory, sizeof *k + recent_memory(&k->recent) +
-                                    stamps_memory(&k->row_stamps) +
+                                    stamps_memory(&k->row_stamps) + altered_memory(&k->altered) +
                                     stamps_memory(&k->value_stamps) + k->feed_bytes);
 }
 
@@ -68,10 +68,15 @@ static void collect(struct watched *k)
     struct dt *dt = k->set->current->dt;
     uint64_t tick = feed_tick(k) + 1;
     const uint64_t *row, *value = NULL;
-    size_t rows, values = 0;
+    const struct dt_touched_constraint *constraint;
+    size_t rows, values = 0, constraints;
     uint32_t from = k->ids;
     bool rows_known = dt_touched_take(dt, &row, &rows);
     bool values_known = !k->values || dt_touched_take_values(dt, &value, &values);
+    if (dt_touched_take_constraints(dt, &constraint, &constraints))
+        altered_put(&k->altered, constraint, constraints);
+    else
+        altered_forget(&k->altered);
     dt_touched_begin(dt, k->values);
     k->version = k->set->version;
     k->ids = dt_next_id(dt);
@@ -89,7 +94,7 @@ static void collect(struct watched *k)
         k->value_tick = tick;
     if (feed_line(k) > 0)
         k->line_tick = tick;
-    recent_mark(&k->recent, k->version, k->ids);
+    recent_mark(&k->recent, k->version, k->ids, k->altered.end);
     list_move(&k->queue, &k->current);
 }
 
@@ -217,6 +222,7 @@ static void free_watched(struct watched *k)
 {
     timer_clear(&k->due);
     recent_clear(&k->recent);
+    altered_clear(&k->altered);
     stamps_clear(&k->row_stamps);
     stamps_clear(&k->value_stamps);
     reservation_set(&k->memory, 0);
@@ -303,7 +309,7 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     k->due.run = wake;
     k->memory = server_reservation(s, BUDGET_CLIENTS);
     dt_touched_begin(set->current->dt, false);
-    recent_restart(&k->recent, k->version, k->ids);
+    recent_restart(&k->recent, k->version, k->ids, k->altered.end);
     agenda_enter(k);
     set->watched = k;
     return k;

@@ -17,6 +17,32 @@ static void random_place(char *text, size_t size, bool lattice)
         snprintf(text, size, "%g %g", test_uniform(), test_uniform());
 }
 
+/* An edit of constraints at the id. */
+static void random_constraint(char *line, size_t size, uint32_t id)
+{
+    const char *border = test_below(3) == 0 ? " BORDER" : "";
+    unsigned k = test_below(3);
+    switch (test_below(8)) {
+    case 0:
+        snprintf(line, size, "DEL t %u CASCADE\n", (unsigned)id);
+        break;
+    case 1:
+        snprintf(line, size, test_below(4) == 0 ? "RELEASE t ALL\n" : "RELEASE t OF %u\n", k);
+        break;
+    case 2:
+        snprintf(line, size, "RELEASE t%s OF %u %u %u\n", border, k, (unsigned)id,
+                 (unsigned)(id / 2));
+        break;
+    case 3:
+        snprintf(line, size, "CONSTRAIN t%s OF %u PATH %u %u %u\n", border, k, (unsigned)id,
+                 (unsigned)(id / 2), (unsigned)(id / 3));
+        break;
+    default:
+        snprintf(line, size, "CONSTRAIN t%s OF %u %u %u\n", border, k, (unsigned)id,
+                 (unsigned)(id / 2));
+    }
+}
+
 /* An edit of a set that has had `ids` ids; some name an id that is gone, and fail. */
 static void random_edit(char *line, size_t size, uint32_t ids, bool lattice)
 {
@@ -30,11 +56,8 @@ static void random_edit(char *line, size_t size, uint32_t ids, bool lattice)
         snprintf(line, size, "ADD t %s\n", place);
         break;
     case 8:
-        snprintf(line, size, "CONSTRAIN t %u %u\n", (unsigned)id, (unsigned)(id / 2));
-        break;
     case 9:
-        snprintf(line, size, test_below(3) > 0 ? "DEL t %u CASCADE\n" : "RELEASE t ALL\n",
-                 (unsigned)id);
+        random_constraint(line, size, id);
         break;
     case 2:
         at = (size_t)snprintf(line, size, "ADD t");
@@ -78,7 +101,7 @@ static void random_value(char *line, size_t size, uint32_t ids)
     }
 }
 
-enum { MIRRORS = 6 };
+enum { MIRRORS = 8 };
 
 /* Some have caught up and are compared, some are behind, some connections are lost. */
 static void random_reader(struct mirror *m, const struct daemon *d, int fd, uint64_t version,
@@ -113,7 +136,11 @@ static void make_mirrors(struct mirror *m, bool lattice)
     for (int i = 0; i < MIRRORS; i++)
         m[i].options = (struct mirror_options){.resp = test_below(2) == 0};
     m[2].options.fields = m[3].options.fields = "z";
-    m[3].options.box = m[4].options.box = m[5].options.box = box;
+    for (int i = 3; i < MIRRORS; i++)
+        m[i].options.box = box;
+    for (int i = 1; i < MIRRORS; i += 2)
+        m[i].options.constraints = true;
+    m[6].options.constraints = true; /* the same as m[7] */
 }
 
 static void follow_history(const struct daemon *d, bool lattice, bool triangulated)
@@ -368,7 +395,7 @@ TEST(connection_watches_so_many_sets_and_no_more)
     converse(&d, "WATCH none\nWATCH s1 SINCE x\nWATCH s1 SINCE\n",
              "ERR NOSET there is no set none\nERR NUMBER x is not a version\n"
              "ERR SYNTAX usage: WATCH set [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS "
-             "name,name,...]\n");
+             "name,name,...] [CONSTRAINTS]\n");
     close(fd);
     close(other);
     daemon_end(&d);

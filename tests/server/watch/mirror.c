@@ -1,6 +1,7 @@
 /* mirror.c - see mirror.h. */
 #include "tests/server/watch/mirror.h"
 
+#include "core/delaunay_constraints.h"
 #include "tests/test.h"
 
 #include <inttypes.h>
@@ -43,13 +44,37 @@ static void name_once(unsigned *last, unsigned event)
     *last = event;
 }
 
+/* Where the row of that constraint is, or could be; of the row `a b kind k` counts. */
+static char **place_of(char **rows, const char *row)
+{
+    char **free_place = NULL;
+    size_t key = 0;
+    for (int words = 0; row[key] != '\0' && words < 4; key++)
+        words += row[key + 1] == ' ' || row[key + 1] == '\0';
+    for (unsigned i = 0; i < MIRROR_CONSTRAINTS; i++) {
+        const char *at = rows[i];
+        if (at == NULL)
+            free_place = free_place == NULL ? &rows[i] : free_place;
+        else if (strncmp(at, row, key) == 0 && (at[key] == ' ' || at[key] == '\0'))
+            return &rows[i];
+    }
+    CHECK(free_place != NULL);
+    return free_place;
+}
+
 static void take_row(struct mirror *m, const char *row)
 {
     char kind[8], side = 0;
     uint32_t id;
     int after = 0;
-    CHECK(sscanf(row, "%7s %" SCNu32 "%n", kind, &id, &after) == 2 && id < MIRROR_IDS);
     m->rows++;
+    if (strncmp(row, "constraint ", 11) == 0 || strncmp(row, "released ", 9) == 0) {
+        const char *what = strchr(row, ' ') + 1;
+        CHECK(m->options.constraints);
+        set_row(place_of(m->constraint, what), row[0] == 'c' ? what : NULL);
+        return;
+    }
+    CHECK(sscanf(row, "%7s %" SCNu32 "%n", kind, &id, &after) == 2 && id < MIRROR_IDS);
     if (strcmp(kind, "list") == 0) {
         char text[ROW];
         CHECK(sscanf(row + after, " %c%n", &side, &after) == 1 && (side == 'i' || side == 'b'));
@@ -152,6 +177,8 @@ void mirror_take(struct mirror *m)
         set_row(&m->point[i], NULL);
         set_row(&m->list[i], NULL);
     }
+    for (unsigned i = 0; reset && i < MIRROR_CONSTRAINTS; i++)
+        set_row(&m->constraint[i], NULL);
     for (; n > 0; n--)
         take_row_of(m, text);
 }
@@ -194,6 +221,8 @@ void mirror_watch(struct mirror *m, const struct daemon *d, bool since)
         append(line, "FIELDS ", " ");
         append(line, o->fields, "");
     }
+    if (o->constraints)
+        append(line, "CONSTRAINTS", " ");
     append(line, "\n", "");
     m->fd = daemon_connect(d);
     m->whole = since;
@@ -223,6 +252,8 @@ void mirror_free(struct mirror *m)
         free(m->point[i]);
         free(m->list[i]);
     }
+    for (unsigned i = 0; i < MIRROR_CONSTRAINTS; i++)
+        free(m->constraint[i]);
     if (m->fd >= 0)
         close(m->fd);
 }
@@ -280,6 +311,55 @@ static void ask_points(const struct mirror *m, int fd, char **row)
     }
 }
 
+/* Appends the place of an id, as POINTS says it. */
+static struct dt_point append_place(char *row, char *const *point, uint32_t id)
+{
+    struct dt_point p;
+    CHECK(point[id] != NULL && sscanf(point[id], "%*u %lf %lf", &p.x, &p.y) == 2);
+    append(row, strchr(point[id], ' ') + 1, " ");
+    return p;
+}
+
+/* Whether the constraint of the row meets the box; appends the places of its ends. */
+static bool meets_box(const struct mirror *m, char *const *point, char *row)
+{
+    struct dt_point lo, hi, at[2];
+    uint32_t a, b;
+    CHECK(sscanf(m->options.box, "%lf %lf %lf %lf", &lo.x, &lo.y, &hi.x, &hi.y) == 4);
+    CHECK(sscanf(row, "%" SCNu32 " %" SCNu32, &a, &b) == 2);
+    at[0] = append_place(row, point, a);
+    at[1] = append_place(row, point, b);
+    struct dt_point low = {lo.x < hi.x ? lo.x : hi.x, lo.y < hi.y ? lo.y : hi.y};
+    struct dt_point high = {lo.x < hi.x ? hi.x : lo.x, lo.y < hi.y ? hi.y : lo.y};
+    return dt_segment_meets_box(at[0], at[1], low, high);
+}
+
+static void check_constraints(struct mirror *m, int fd)
+{
+    static char *point[MIRROR_IDS];
+    char text[ROW];
+    unsigned have = 0, want = 0;
+    if (m->options.box != NULL)
+        ask_rows(fd, "POINTS t", point);
+    say(fd, "CONSTRAINTS t\n");
+    const char *head = hear_line(fd);
+    CHECK_MSG(strncmp(head, "OK ", 3) == 0, "%s", head);
+    for (unsigned long n = strtoul(head + 3, NULL, 10); n > 0; n--) {
+        snprintf(text, sizeof text, "%s", hear_line(fd));
+        if (m->options.box != NULL && !meets_box(m, point, text))
+            continue;
+        const char *got = *place_of(m->constraint, text);
+        CHECK_MSG(got != NULL && strcmp(got, text) == 0, "%s, not %s",
+                  got == NULL ? "nothing" : got, text);
+        want++;
+    }
+    for (unsigned i = 0; i < MIRROR_CONSTRAINTS; i++)
+        have += m->constraint[i] != NULL;
+    CHECK_MSG(have == want, "%u constraints, not %u", have, want);
+    for (unsigned i = 0; i < MIRROR_IDS; i++)
+        set_row(&point[i], NULL);
+}
+
 void mirror_check(struct mirror *m, int fd, bool triangulated)
 {
     static char *row[MIRROR_IDS], *within[MIRROR_IDS];
@@ -303,4 +383,6 @@ void mirror_check(struct mirror *m, int fd, bool triangulated)
     if (triangulated)
         ask_rows(fd, line, row);
     compare(row, m->list);
+    if (m->options.constraints)
+        check_constraints(m, fd);
 }

@@ -4,13 +4,14 @@
 
 #include "tests/server/daemon.h"
 
-enum { MIRROR_IDS = 8192 };
+enum { MIRROR_IDS = 8192, MIRROR_CONSTRAINTS = 4096 };
 
 /* What it watches: set `t`. */
 struct mirror_options {
     const char *fields; /* names, separated by commas; NULL: none */
     const char *box;    /* x0 y0 x1 y1; NULL: all points */
     bool resp;          /* RESP 3 */
+    bool constraints;
 };
 
 /* Start with the options and {0}. */
@@ -22,6 +23,8 @@ struct mirror {
     unsigned long rows; /* of all events so far */
     bool whole, dropped;
     char *point[MIRROR_IDS], *list[MIRROR_IDS]; /* own: rows as in POINTS FIELDS and LISTS */
+    char *constraint
+        [MIRROR_CONSTRAINTS]; /* own: rows as in CONSTRAINTS, in the box with the places of the ends; NULL: none */
     unsigned events;
     unsigned place_event[MIRROR_IDS],
         ring_event[MIRROR_IDS]; /* the last one that named the id; from 1 */
@@ -40,7 +43,7 @@ void mirror_watch(struct mirror *m, const struct daemon *d, bool since);
 void mirror_take(struct mirror *m);
 void mirror_catch_up(struct mirror *m, uint64_t version);
 
-/* It has what POINTS, or WITHIN, and LISTS say to the connection fd. */
+/* It has what POINTS, or WITHIN, LISTS and CONSTRAINTS say to the connection fd. */
 void mirror_check(struct mirror *m, int fd, bool triangulated);
 
 /* Closes the connection; what it has stays. */

@@ -6,10 +6,10 @@
 /* One key a version: version i + 1 has key i. */
 static void put_versions(struct recent *r, uint64_t n)
 {
-    recent_restart(r, 0, 7);
+    recent_restart(r, 0, 7, 0);
     for (uint64_t i = 0; i < n; i++) {
         recent_put(r, &i, 1);
-        recent_mark(r, i + 1, 7);
+        recent_mark(r, i + 1, 7, 0);
     }
 }
 
@@ -28,7 +28,7 @@ TEST(keys_since_a_version_are_found)
     put_versions(&r, 1000);
     for (uint64_t v = 0; v <= 1000; v += 100)
         check_since(&r, v);
-    recent_restart(&r, 2000, 9);
+    recent_restart(&r, 2000, 9, 0);
     CHECK(recent_find(&r, 1999) == 0 && recent_find(&r, 2000) == 1002);
     recent_clear(&r);
 }
@@ -37,9 +37,9 @@ TEST(version_between_two_marks_has_the_keys_of_the_earlier_one)
 {
     struct recent r = {.keys = 0};
     uint64_t key = 1;
-    recent_restart(&r, 10, 0);
+    recent_restart(&r, 10, 0, 0);
     recent_put(&r, &key, 1);
-    recent_mark(&r, 20, 0);
+    recent_mark(&r, 20, 0, 0);
     CHECK(recent_find(&r, 15) == 1 && recent_at(&r, 1)->at == 0);
     CHECK(recent_find(&r, 25) == 2 && recent_at(&r, 2)->at == 1);
     CHECK(recent_find(&r, 9) == 0 && recent_at(&r, 0) == NULL && recent_at(&r, 3) == NULL);
@@ -62,7 +62,7 @@ TEST(oldest_versions_are_forgotten_within_bounded_memory)
 TEST(version_is_forgotten_with_the_first_key_that_is_overwritten)
 {
     struct recent r = {.keys = 0};
-    recent_restart(&r, 1, 0);
+    recent_restart(&r, 1, 0, 0);
     for (uint64_t i = 0; i < RECENT_KEYS; i++)
         recent_put(&r, &i, 1);
     CHECK(recent_find(&r, 1) == 1 && recent_at(&r, 1)->at == 0 && recent_key(&r, 0) == 0);

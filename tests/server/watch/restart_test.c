@@ -15,7 +15,13 @@ static void append_edit(char *text, size_t size)
 {
     size_t at = strlen(text);
     unsigned id = test_below(POINTS);
-    switch (test_below(4)) {
+    switch (test_below(6)) {
+    case 4:
+        snprintf(text + at, size - at, "CONSTRAIN t %u %u\n", id, id / 2);
+        break;
+    case 5:
+        snprintf(text + at, size - at, "RELEASE t %u %u\n", id, id / 2);
+        break;
     case 0:
         snprintf(text + at, size - at, "ADD t %g %g\n", test_uniform(), test_uniform());
         break;
@@ -56,8 +62,8 @@ static void edit_and_kill(const struct daemon *d, struct mirror *m)
 TEST_TIMEOUT(watchers_of_a_killed_daemon_continue_and_have_the_same_set, 120)
 {
     enum { ROUNDS = 6 };
-    static struct mirror m[MIRRORS] = {{.options = {.fields = "z"}},
-                                       {.options = {.box = "0.2 0.6 0.7 0.1"}},
+    static struct mirror m[MIRRORS] = {{.options = {.fields = "z", .constraints = true}},
+                                       {.options = {.box = "0.2 0.6 0.7 0.1", .constraints = true}},
                                        {.options = {.resp = true}}};
     struct directory dir = directory_new();
     struct daemon d;

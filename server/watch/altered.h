@@ -1,0 +1,36 @@
+/* altered.h - the constraints that have changed lately: that edits have declared or released, or of which they have moved an
+ * end. They are numbered from 0; the oldest ones are forgotten. */
+#ifndef SERVER_ALTERED_H
+#define SERVER_ALTERED_H
+
+#include "core/delaunay_constraints.h"
+
+enum { ALTERED_MOST = 16384 }; /* 0.9 MB */
+
+/* Start with {0}. */
+struct altered {
+    struct dt_touched_constraint *row; /* owns: those with the numbers `first` to end - 1 */
+    size_t cap;
+    uint64_t first, end;
+};
+
+/* These have changed. If there is no memory for them, everything is forgotten. */
+void altered_put(struct altered *r, const struct dt_touched_constraint *c, size_t n);
+
+/* Any constraint may have changed: what has a number before the end is forgotten. */
+void altered_forget(struct altered *r);
+
+/* One that is remembered. */
+static inline const struct dt_touched_constraint *altered_at(const struct altered *r, uint64_t n)
+{
+    return &r->row[n - r->first];
+}
+
+static inline size_t altered_memory(const struct altered *r)
+{
+    return r->cap * sizeof *r->row;
+}
+
+void altered_clear(struct altered *r);
+
+#endif
