@@ -11,6 +11,7 @@ from urllib.parse import unquote
 from . import _private
 
 PORT = 6374
+_PRIVATE = "a private daemon, whose sets are in memory alone and end with this process"
 _TCP = re.compile(r"delaunay://(?:[^@/:]*:([^@/]*)@)?(?:\[([^\]/]+)\]|([^@/:\[\]]+))(?::([0-9]{1,5}))?/?\Z")
 _UNIX = re.compile(r"unix://(?:[^@/:]*:([^@/]*)@)?(/.+)\Z")
 _FORMS = "a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:"
@@ -25,7 +26,7 @@ class Address(NamedTuple):
     default: bool = False  # or else the private daemon
 
     def __str__(self) -> str:
-        return self.path or "%s:%d" % (self.host, self.port)
+        return _PRIVATE if self.private else self.path or "%s:%d" % (self.host, self.port)
 
 
 def parse(url: Optional[str]) -> Address:
@@ -71,12 +72,13 @@ def _connect_to_private(timeout: Optional[float]) -> socket.socket:
         return _connect_to(Address(path=_private.socket_path(instead_of=path)), timeout)
 
 
-def describe(address: Address, s: socket.socket) -> str:
-    """What a connected socket leads to, for people."""
-    if address.path or s.family != socket.AF_UNIX:
+def describe(address: Address, s: Optional[socket.socket]) -> str:
+    """What a socket is connected with, for people; None: it is not connected yet."""
+    if not address.default:
         return str(address)
-    why = ", because no server listens at %s" % (address,) if address.default else ""
-    return "a private daemon, whose sets are in memory alone and end with this process" + why
+    if s is None:
+        return "%s, or else a private daemon" % (address,)
+    return str(address) if s.family != socket.AF_UNIX else "%s, because no server listens at %s" % (_PRIVATE, address)
 
 
 def connect(address: Address, timeout: Optional[float]) -> socket.socket:

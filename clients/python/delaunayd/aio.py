@@ -33,7 +33,7 @@ class Client(Commands):
 
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
-        self._where = str(self._address)
+        self._where = _address.describe(self._address, None)
         self._timeout = timeout
         self._lock: Optional[asyncio.Lock] = None
         self._reader: Optional[asyncio.StreamReader] = None

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from delaunayd import Client, _address, _private
+from delaunayd import Client, _address, _private, aio
 
 HERE = str(Path(__file__).parent.parent)
 
@@ -47,6 +47,13 @@ class Private(unittest.TestCase):
             self.assertEqual(c.command("CONFIG", "GET", "private").rows, ["private yes"])
             self.assertIn("a private daemon, whose sets are in memory alone", repr(c))
             self.assertIn("no server listens at 127.0.0.1:1>", repr(c))
+
+    def test_a_client_that_is_not_connected_yet_says_what_it_will_use(self):
+        with mock.patch.dict(os.environ):
+            os.environ.pop("DELAUNAY_URL", None)
+            self.assertIn("a private daemon, whose sets are in memory alone", repr(aio.Client("private:")))
+            self.assertIn("localhost:6374, or else a private daemon>", repr(aio.Client()))
+            self.assertIn("Client of somewhere:1>", repr(aio.Client("delaunay://somewhere:1")))
 
     def test_who_starts_it_learns_that_in_the_log(self):
         with script(
