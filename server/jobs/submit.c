@@ -310,6 +310,7 @@ static bool keeps_live(struct server *s, const struct dataset *set, struct submi
 
 /* ---- all changes ---- */
 
+/* A new grid is begun by who is alone. While there is no memory for it, it stays due, and all edits of the set run alone. */
 bool submit_shares(const struct dataset *set, enum change_code code, size_t n)
 {
     const struct change_kind *kind = &change_kinds[code];

@@ -13,7 +13,8 @@
  * do not wait for them.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
- * in a queue (wait.h). If the job edits in place, `exclusive` is set too, and readers also wait. */
+ * in a queue (wait.h). If a worker edits in place, `exclusive` is set too, and readers also wait there: a reactor must not wait
+ * at the gate for as long as such an edit takes, and what the edit has made counts only when a reactor has ended the job. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
 
