@@ -266,14 +266,14 @@ static void run_yielded(struct loop *loop)
     loop->in_yielded = false;
 }
 
-/* The same for disposals. Those that they add come behind the rest. */
-static void run_disposals(struct loop *loop)
+/* The same for others. Tasks that they add wait for the next turn, behind the rest. */
+static void run_part(struct loop *loop, struct list *list)
 {
     struct list mine = {0};
-    list_move(&mine, &loop->disposals);
+    list_move(&mine, list);
     run_some(loop, &mine);
-    list_move(&mine, &loop->disposals);
-    list_move(&loop->disposals, &mine);
+    list_move(&mine, list);
+    list_move(list, &mine);
 }
 
 static void deliver(struct loop *loop, struct source *source, uint32_t events)
@@ -306,14 +306,14 @@ void loop_run(struct loop *loop)
     while (!loop->stopped) {
         int n = wait_for(loop, event);
         /* Deferred tasks come before new events: they have waited longer. */
-        run_all(loop, &loop->deferred);
+        run_part(loop, &loop->deferred);
         for (int i = 0; i < n; i++)
             deliver(loop, event[i].data.ptr, event[i].events);
         run_yielded(loop);
         run_timers(loop);
         tick_if_due(loop);
         end_turn(loop);
-        run_disposals(loop);
+        run_part(loop, &loop->disposals);
     }
 }
 

@@ -1,9 +1,9 @@
 /* loop.h - an event loop: epoll, level-triggered, one thread. A daemon has one loop, or several, which share a world.
  *
  * A turn:
- *     1. run deferred tasks
- *     2. wait for events, and deliver them to their sources
- *     3. run yielded tasks for a quarter of a millisecond
+ *     1. wait for events
+ *     2. run deferred tasks for a quarter of a millisecond, and deliver the events to their sources
+ *     3. run yielded tasks for as long
  *     4. run the timers that are due
  *     5. dispose of closed sources, for as long
  * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
@@ -114,7 +114,8 @@ bool loop_watch(struct loop *loop, struct source *source, uint32_t events);
 void loop_change(struct loop *loop, struct source *source, uint32_t events);
 void loop_forget(struct loop *loop, struct source *source);
 
-/* Runs the task at the beginning of the next turn. Does nothing if the task is queued already. */
+/* Runs the task at the beginning of the next turn, or of a later one if there are very many. Does nothing if the task is queued
+ * already. */
 void loop_defer(struct loop *loop, struct task *task);
 
 /* Queues the task behind the others that have yielded: it runs in this turn or a later one. */

@@ -10,16 +10,18 @@ pids=()
 scratch=$(mktemp -d)
 trap 'kill "${pids[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$scratch"' EXIT
 
-start() { # NAME
-    "$build/delaunayd" --port 0 --reactors "$reactors" >"$scratch/$1" &
+start() { # NAME [OPTION...]
+    "$build/delaunayd" --port 0 --reactors "$reactors" "${@:2}" >"$scratch/$1" &
     pids+=($!)
     until [ -s "$scratch/$1" ]; do sleep 0.05; done
     sed 's/.*://' "$scratch/$1"
 }
 
 start asked >"$scratch/port"
+start logs --data "$scratch/data" --fsync everysec >"$scratch/with_log"
 start idle >"$scratch/other"
 port=$(<"$scratch/port")
+with_log=$(<"$scratch/with_log")
 other=$(<"$scratch/other")
 
 ping() { # PORT TITLE
@@ -27,7 +29,7 @@ ping() { # PORT TITLE
 }
 
 beside() { # KIND [FLAG...]
-    "$build/load" --port "$port" --title "$*" --mix "$1" --held $keys --set live --seconds $((seconds + 1)) \
+    "$build/load" --port "$port" --title "$* $note" --mix "$1" --held $keys --set live --seconds $((seconds + 1)) \
         --connections 1000 "${@:2}" >"$scratch/herd" &
     local herd=$!
     sleep 0.5
@@ -38,7 +40,10 @@ beside() { # KIND [FLAG...]
     cat "$scratch/herd" "$scratch/row" "$scratch/idle_row"
 }
 
-"$build/load" --port "$port" --mix nearest --count 1 --points $keys --set live >/dev/null
+for p in "$port" "$with_log"; do
+    "$build/load" --port "$p" --mix nearest --count 1 --points $keys --set live >/dev/null
+done
+note=""
 "$build/load" --head
 ping "$port" "PING"
 beside nearest --together
@@ -46,3 +51,6 @@ beside nearest-32 --together
 beside add --together
 beside nearest
 beside add
+port=$with_log
+note="with a log"
+beside add --together

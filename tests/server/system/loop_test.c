@@ -99,7 +99,38 @@ TEST(time_in_which_the_loop_is_stopped_is_not_time_awake)
               (int)(loop.now_ms - loop.awake_ms));
     loop_clear(&loop);
 }
-static unsigned disposed;
+static unsigned disposed, done;
+
+static void do_slowly(struct task *t)
+{
+    (void)t;
+    for (int64_t end = clock_ns() + WORK_NS; clock_ns() < end;)
+        ;
+    if (++done == GREEDY)
+        loop_stop(&loop);
+}
+
+static void count_turns_and_yield(struct task *t)
+{
+    turns++;
+    loop_yield(&loop, t);
+}
+
+/* As when the log releases the replies of a thousand clients at once. */
+TEST(deferred_tasks_that_take_long_share_the_turns_with_others)
+{
+    static struct task other = {.run = count_turns_and_yield};
+    CHECK(loop_init(&loop, NULL, 0));
+    for (int i = 0; i < GREEDY; i++) {
+        greedy[i].task.run = do_slowly;
+        loop_defer(&loop, &greedy[i].task);
+    }
+    loop_yield(&loop, &other);
+    loop_run(&loop);
+    CHECK(done == GREEDY);
+    CHECK_MSG(turns >= GREEDY / (LOOP_TURN_NS / WORK_NS + 1), "%u turns", turns);
+    loop_clear(&loop);
+}
 
 static void dispose_slowly(struct task *t)
 {
