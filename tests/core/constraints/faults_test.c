@@ -264,3 +264,99 @@ TEST(thousands_of_constraints_may_share_a_point)
     CHECK(kept == SPOKES && dt_check(t, NULL, NULL) == DT_OK);
     dt_free(t);
 }
+
+/* ---- what outlines enclose ---- */
+
+/* The points of a ring, from id `first` on, become its border. */
+static void enclose(struct dt *t, uint32_t first, uint32_t n, uint32_t number)
+{
+    size_t added;
+    uint32_t missing;
+    for (uint32_t i = 0; i < n; i++) {
+        struct dt_constraint side = {first + i, first + (i + 1) % n, true, number};
+        CHECK(dt_constrain(t, &side, 1, NULL, &added, &missing) == DT_OK && added == 1);
+    }
+}
+
+/* The areas of the borders, which are closed, and of all that is inside. */
+static void check_areas(struct dt *t, const double *area, size_t n, double all)
+{
+    struct dt_region *row, inside;
+    size_t rows;
+    check_mesh(t);
+    CHECK(dt_survey(t, NULL) == DT_OK && dt_regions(t, &row, &rows, &inside) == DT_OK);
+    CHECK(rows == n && inside.area == all);
+    for (size_t i = 0; i < n; i++)
+        CHECK(row[i].closed && row[i].area == area[i]);
+    free(row);
+}
+
+/* CDT #42, #123: sides that lie partly on one another. */
+TEST(outlines_that_overlap_along_a_side_break_nothing_inside)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {4, 1}, {8, 1}, {8, 6}, {4, 6}};
+    for (uint32_t second = 1; second <= 2; second++) {
+        struct dt *t = set_of(p, 8);
+        enclose(t, 0, 4, 1);
+        enclose(t, 4, 4, second);
+        check_areas(t, second == 1 ? (double[]){36} : (double[]){16, 20}, second, 36);
+        CHECK(has_edge(t, 4, 2) && has_edge(t, 1, 4) && has_edge(t, 2, 7));
+        dt_free(t);
+    }
+}
+
+/* Godot #86127. */
+TEST(outlines_may_be_nested_and_touch_at_corners_and_along_sides)
+{
+    const struct dt_point p[] = {{0, 0}, {12, 0}, {12, 12}, {0, 12}, /* the outline */
+                                 {0, 6}, {6, 0},  {8, 8},            /* a hole: two corners on it */
+                                 {6, 6}, {6, 2},  {2, 6},            /* an island in that */
+                                 {8, 8}, {12, 8}, {12, 12}, {8, 12}}; /* a hole along two sides */
+    struct dt *t = set_of(p, 14);
+    enclose(t, 0, 4, 1);
+    enclose(t, 4, 3, 1);
+    enclose(t, 7, 3, 1);
+    enclose(t, 10, 4, 1);
+    check_areas(t, (double[]){144 - 30 + 8 - 16}, 1, 144 - 30 + 8 - 16);
+    dt_free(t);
+}
+
+/* spade #73: what is inside the outline, not the hull. */
+TEST(what_is_inside_an_outline_that_is_not_convex_is_not_its_hull)
+{
+    const struct dt_point p[] = {{0, 0}, {9, 0}, {9, 9}, {6, 9}, {6, 3}, {3, 3}, {3, 9}, {0, 9}};
+    struct dt *t = set_of(p, 8);
+    struct dt_ids rows = {0};
+    uint32_t all[600];
+    enclose(t, 0, 8, 5);
+    check_areas(t, (double[]){63}, 1, 63);
+    CHECK(dt_inside(t, 5, DT_TRIANGLES, false, NULL, &rows) == DT_OK);
+    CHECK(rows.n == 3 * (8 - 2) && triangles(t, all) == rows.n + 3 * 2);
+    free(rows.v);
+    dt_free(t);
+}
+
+/* QGIS #44501: which original each part belongs to. */
+TEST(parts_of_a_constraint_belong_to_the_one_that_was_declared)
+{
+    const struct dt_point p[] = {{0, 0}, {2, 0}, {4, 0}, {6, 0}, {3, 2}, {3, -2}};
+    const struct dt_constraint line[] = {{0, 3, false, 7}, {4, 5, true, 9}};
+    struct dt *t = set_of(p, 6);
+    struct dt_constraint *row;
+    struct dt_split plan;
+    size_t n;
+    uint32_t missing;
+    CHECK(dt_constrain(t, &line[0], 1, NULL, &n, &missing) == DT_OK);
+    CHECK(has_edge(t, 0, 1) && has_edge(t, 1, 2) && has_edge(t, 2, 3));
+    CHECK(dt_constraints(t, NULL, DT_NONE, &row, &n) == DT_OK && n == 1);
+    CHECK(row->a == 0 && row->b == 3 && !row->border && row->number == 7);
+    free(row);
+    CHECK(dt_plan_split(t, &line[1], 1, NULL, &plan, &missing) == DT_OK);
+    CHECK(plan.n_points == 1 && plan.n_released == 1 && plan.n_added == 4 && plan.split == 2);
+    for (size_t i = 0; i < plan.n_added; i++) {
+        bool of_line = plan.added[i].a == 0 || plan.added[i].a == 3;
+        CHECK(plan.added[i].number == (of_line ? 7 : 9) && plan.added[i].border == !of_line);
+    }
+    dt_split_clear(&plan);
+    dt_free(t);
+}
