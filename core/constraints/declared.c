@@ -6,6 +6,8 @@
 
 #include "core/memory/memory.h"
 
+enum { ROW_BITS = 28 }; /* of DT_MAX_CONSTRAINTS */
+
 void dt_declared_clear(struct dt_declared *d)
 {
     dt_array_free(d->row);
@@ -42,12 +44,27 @@ enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared 
 
 /* ---- the table ---- */
 
+static uint64_t hash(const struct dt_declared_row *r)
+{
+    uint64_t key = ((uint64_t)r->end[0] << 32 | r->end[1]) * 0x9e3779b97f4a7c15u;
+    return (key ^ key >> 32 ^ (uint64_t)r->what << 16) * 0xd6e8feb86659fd93u;
+}
+
 /* The place, of so many, at which the search for a row begins. */
 static uint32_t home(const struct dt_declared_row *r, uint32_t places)
 {
-    uint64_t key = ((uint64_t)r->end[0] << 32 | r->end[1]) * 0x9e3779b97f4a7c15u;
-    key = (key ^ key >> 32 ^ (uint64_t)r->what << 16) * 0xd6e8feb86659fd93u;
-    return (uint32_t)((key >> 32) * places >> 32);
+    return (uint32_t)((hash(r) >> 32) * places >> 32);
+}
+
+/* What the table has beside the number of a row: 0 to 14, so that no entry is DT_NONE. */
+static uint32_t tag(const struct dt_declared_row *r)
+{
+    return (uint32_t)((hash(r) & 0xff) * 15 >> 8) << ROW_BITS;
+}
+
+static uint32_t row_at(const struct dt_declared *d, uint32_t place)
+{
+    return d->table[place] == DT_NONE ? DT_NONE : d->table[place] & ((1u << ROW_BITS) - 1);
 }
 
 static uint32_t following(const struct dt_declared *d, uint32_t place)
@@ -63,8 +80,9 @@ static bool equal(const struct dt_declared_row *a, const struct dt_declared_row 
 /* Where the row is, or a free place where it could be. */
 static uint32_t place_of(const struct dt_declared *d, const struct dt_declared_row *r)
 {
-    uint32_t i = home(r, d->places);
-    while (d->table[i] != DT_NONE && !equal(&d->row[d->table[i]], r))
+    uint32_t i = home(r, d->places), own = tag(r);
+    while (d->table[i] != DT_NONE &&
+           (d->table[i] >> ROW_BITS != own >> ROW_BITS || !equal(&d->row[row_at(d, i)], r)))
         i = following(d, i);
     return i;
 }
@@ -84,7 +102,7 @@ static enum dt_status grow_table(struct dt_declared *d, size_t rows)
         table[i] = DT_NONE;
     for (uint32_t i = 0; i < d->end; i++)
         if (dt_declared_is_live(d, i))
-            table[place_of(d, &d->row[i])] = i;
+            table[place_of(d, &d->row[i])] = tag(&d->row[i]) | i;
     return DT_OK;
 }
 
@@ -114,7 +132,7 @@ static struct dt_declared_row row_of(const struct dt_constraint *c)
 uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constraint *c)
 {
     struct dt_declared_row r = row_of(c);
-    return d->rows == 0 ? DT_NONE : d->table[place_of(d, &r)];
+    return d->rows == 0 ? DT_NONE : row_at(d, place_of(d, &r));
 }
 
 void dt_declared_fetch(const struct dt_declared *d, const struct dt_constraint *c)
@@ -137,7 +155,7 @@ static void leave_table(struct dt_declared *d, uint32_t hole)
             i = following(d, i);
             if (d->table[i] == DT_NONE)
                 return;
-            from = home(&d->row[d->table[i]], n);
+            from = home(&d->row[row_at(d, i)], n);
         } while ((i + n - from) % n < (i + n - hole) % n);
         d->table[hole] = d->table[i];
         hole = i;
@@ -182,7 +200,7 @@ enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint
     if (reused)
         d->free_list = d->row[*row].next[0];
     d->row[*row] = r;
-    d->table[place_of(d, &r)] = *row;
+    d->table[place_of(d, &r)] = tag(&r) | *row;
     d->rows++;
     enter_list(d, *row, 0);
     enter_list(d, *row, 1);

@@ -3,7 +3,7 @@
  * A row is in a list at each of its ends, and a hash table finds it by what it is:
  *
  *      first: id -> a row          row    next[end], prev[end]: the rows before and after it in the list of that end
- *      table: what it is -> row
+ *      table: what it is -> row; the entry has four bits of a hash, too, so that few rows are looked at in vain
  *
  * In memory: 28 bytes a row, up to 8 of the table, and 4 for each id that is an end. Knows nothing of meshes. */
 #ifndef DT_DECLARED_H
@@ -24,7 +24,7 @@ struct dt_declared {
     struct dt_declared_row *row; /* owns `cap` */
     uint32_t rows, end, cap;     /* live rows; rows 0 .. end - 1 are live or free */
     uint32_t free_list;          /* with free rows */
-    uint32_t *table;             /* owns `places`: rows, DT_NONE if free; linear probing */
+    uint32_t *table; /* owns `places`: hash bits, row; DT_NONE if free; linear probing */
     uint32_t places;
     struct dt_idmap first; /* id -> a row at that end */
 };
