@@ -156,6 +156,12 @@ enum dt_status dt_survey(struct dt *t, const struct dt_options *opt);
 /* Whether they are known; a set without borders has none. */
 bool dt_surveyed(const struct dt *t);
 
+/* Whether a border is declared. Constant. */
+bool dt_has_borders(const struct dt *t);
+
+/* Whether triangulation and constraints, and so regions, are still those of the view. Constant. */
+bool dt_view_has_regions(const struct dt *t, const struct dt_view *v);
+
 /* An upper bound of the bytes that dt_survey touches at its peak beyond dt_summary.memory. Cost: O(triangles). */
 size_t dt_survey_memory(const struct dt *t);
 
@@ -172,13 +178,17 @@ enum dt_status dt_regions(const struct dt *t, struct dt_region **rows, size_t *n
                           struct dt_region *inside);
 
 /* Appends to *in the numbers of the borders that have the place inside, and to *on those whose region it is on the edge
- * of: some way from there is inside and some other one is not. Each ascending. Cost: as dt_locate, and the logarithm of
- * the borders for each; at a vertex, for each triangle there. */
-enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, struct dt_ids *in,
-                             struct dt_ids *on);
+ * of: some way from there is inside and some other one is not. Each ascending. opt may be NULL: its steps (DT_TOOLONG) and its
+ * flag. Cost: as dt_locate, and the logarithm of the borders for each; at a vertex, for each triangle there. */
+enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, const struct dt_options *opt,
+                             struct dt_ids *in, struct dt_ids *on);
+
+/* Whether the border of the number, or any if that is DT_NONE, is there and closed: DT_NOREGION, DT_OPEN. All borders may be open.
+ * Cost: the logarithm of the borders. */
+enum dt_status dt_region_check(const struct dt *t, uint32_t number);
 
 /* Appends the rows of DT_TRIANGLES or DT_EDGES, in their order, that are inside the border of the number, or inside any
- * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. DT_NOREGION, DT_OPEN. opt may be NULL: its
+ * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. Errors of dt_region_check, but there may be no border at all. opt may be NULL: its
  * flag is polled. Cost: about twice that of reading the table. */
 enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
                          const struct dt_options *opt, struct dt_ids *out);

@@ -56,7 +56,8 @@ void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
  *   outside the hull      nan
  *
  * It is nan where a value that counts is nan, and in triangles that have an edge longer than max_edge, but for
- * their corners and for edges that another triangle without such an edge shares. A mean is never outside the range
+ * their corners and for edges that another triangle without such an edge shares; and where no triangle around the place is
+ * inside borders, if the surface ends there. A mean is never outside the range
  * of the values that count; it errs by less than DT_WEIGHTS_ERROR times their range, 2^-51 times the largest
  * magnitude of them, and the least double, 2^-1074. */
 struct dt_surface {
@@ -64,6 +65,8 @@ struct dt_surface {
     uint32_t pages;      /* page[pages] is one of missing values, for all ids beyond */
     enum dt_interpolation how;
     double max_edge; /* HUGE_VAL: any */
+    bool inside;     /* the surface ends at the border of the number, or at all borders: DT_NONE */
+    uint32_t number;
 };
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of
@@ -82,7 +85,7 @@ struct dt_raster {
 
 struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell);
 
-/* The values at n places, or at the centres of n cells from the cell `from` on. DT_TOOLONG, DT_CANCELLED: *done of
+/* The values at n places, or at the centres of n cells from the cell `from` on. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of
  * them are written, and the call may be repeated for the others; all n if DT_OK. opt may be NULL: its flag and its
  * steps. Cost: that of dt_locate for each place; for cells, the number of cells and of triangles along their rows; and
  * the number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
@@ -250,7 +253,7 @@ bool dt_view_is_current(const struct dt *t, const struct dt_view *v);
  * line goes straight from edge to edge, with the higher ground on its left; on an edge it is at a place that depends
  * on its ends, their values and the level alone. So lines never branch and never cross; they may touch at a point
  * whose value is the level. A line is closed, or it begins and ends where there is no surface: at the hull, or at
- * a triangle that has an edge longer than max_edge or a corner without a value.
+ * a triangle that has an edge longer than max_edge, a corner without a value, or is not inside (dt_contour_inside).
  *
  * The order is canonical. A closed line begins on the edge whose ids come first, the smaller one compared first; lines
  * are sorted by their levels, and then by the edges on which they begin. Places that are equal to the one before are
@@ -283,6 +286,10 @@ struct dt_contour_line {
 enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge, struct dt_contour **out);
+
+/* Before the first dt_contour_read: lines end at the border of the number, or at all borders if that is DT_NONE. Then the set must
+ * not be edited until all are read: DT_UNSURVEYED. Errors of dt_region_check. */
+enum dt_status dt_contour_inside(struct dt_contour *c, const struct dt *t, uint32_t number);
 
 /* Reads the next piece: values, triangles or crossings, some thousands of them. If the set of the view is edited before all
  * are read, the triangles are read again, as they were. */

@@ -23,7 +23,8 @@ size_t dt_declared_memory(const struct dt_declared *d)
 
 enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared *copy)
 {
-    struct dt_declared c = {.rows = d->rows, .end = d->end, .free_list = d->free_list};
+    struct dt_declared c = {
+        .rows = d->rows, .borders = d->borders, .end = d->end, .free_list = d->free_list};
     if (d->rows == 0) {
         *copy = (struct dt_declared){0};
         return DT_OK;
@@ -202,6 +203,7 @@ enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint
     d->row[*row] = r;
     d->table[place_of(d, &r)] = tag(&r) | *row;
     d->rows++;
+    d->borders += r.what & 1;
     enter_list(d, *row, 0);
     enter_list(d, *row, 1);
     return DT_OK;
@@ -215,6 +217,7 @@ void dt_declared_remove(struct dt_declared *d, uint32_t row)
     leave_list(d, row, 1);
     r->end[0] = DT_NONE;
     r->next[0] = d->free_list;
+    d->borders -= r->what & 1;
     d->free_list = row;
     if (--d->rows == 0)
         dt_declared_clear(d);

@@ -23,6 +23,7 @@ struct dt_declared_row {
 struct dt_declared {
     struct dt_declared_row *row; /* owns `cap` */
     uint32_t rows, end, cap;     /* live rows; rows 0 .. end - 1 are live or free */
+    uint32_t borders;            /* of the live rows */
     uint32_t free_list;          /* with free rows */
     uint32_t *table; /* owns `places`: hash bits, row; DT_NONE if free; linear probing */
     uint32_t places;

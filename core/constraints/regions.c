@@ -7,13 +7,16 @@ void dt_regions_clear(struct dt_regions *r)
 {
     free(r->region);
     free(r->range);
+    free(r->sorted);
+    free(r->start);
     free(r->inside);
     *r = (struct dt_regions){0};
 }
 
 size_t dt_regions_memory(const struct dt_regions *r)
 {
-    return r->n * sizeof *r->region + r->ranges * sizeof *r->range + r->faces * sizeof *r->inside;
+    return r->n * (sizeof *r->region + sizeof *r->start) +
+           r->ranges * (sizeof *r->range + sizeof *r->sorted) + r->faces * sizeof *r->inside;
 }
 
 static int compare_numbers(const void *key, const void *region)
@@ -56,4 +59,20 @@ uint32_t dt_regions_of(const struct dt_regions *r, uint32_t face, uint32_t *out,
     struct list list = {out, room, 0};
     search(r, 0, r->ranges, face, &list);
     return list.n;
+}
+
+bool dt_regions_has(const struct dt_regions *r, uint32_t region, uint32_t face)
+{
+    uint32_t lo = r->start[region], hi = r->start[region + 1];
+    while (lo < hi) { /* the last range that does not begin behind the face is before hi */
+        uint32_t mid = lo + (hi - lo) / 2;
+        const struct dt_region_range *range = &r->range[r->sorted[mid]];
+        if (range->first <= face && face < range->end)
+            return true;
+        if (range->first > face)
+            hi = mid;
+        else
+            lo = mid + 1;
+    }
+    return false;
 }

@@ -32,6 +32,8 @@ struct dt_regions {
     bool current;                  /* else it is empty */
     struct dt_region *region;      /* owns n, by number; triangles are not counted */
     struct dt_region_range *range; /* owns: of closed regions, by first */
+    uint32_t *sorted;              /* owns: the ranges by region, then by first, */
+    uint32_t *start;               /* owns: and where those of a region begin; of n + 1 regions */
     bool *inside;                  /* owns: of every face, whether it is in a region */
     uint32_t n, ranges, faces;
     double area; /* of all that is inside */
@@ -56,5 +58,20 @@ const struct dt_region *dt_regions_find(const struct dt_regions *r, uint32_t num
 /* Writes the indices of the regions that the face is in, in no order, as many as there is room for. Returns how many there
  * are. Cost: the logarithm of the ranges for each. */
 uint32_t dt_regions_of(const struct dt_regions *r, uint32_t face, uint32_t *out, uint32_t room);
+
+/* Whether the face is in the region, which is an index. Cost: the logarithm of its ranges. */
+bool dt_regions_has(const struct dt_regions *r, uint32_t region, uint32_t face);
+
+/* What is inside one region, or inside any: DT_NONE. */
+struct dt_enclosure {
+    const struct dt_regions *regions; /* borrows until borders change */
+    uint32_t region;
+};
+
+static inline bool dt_encloses(const struct dt_enclosure *e, uint32_t face)
+{
+    return e->region == DT_NONE ? e->regions->inside[face]
+                                : dt_regions_has(e->regions, e->region, face);
+}
 
 #endif

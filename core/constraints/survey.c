@@ -361,7 +361,23 @@ static void *shrink(void *array, size_t bytes)
     return less;
 }
 
-static void finish_ranges(struct dt_regions *r)
+/* Sorts the ranges by region, stably. */
+static enum dt_status sort_ranges(struct dt_regions *r)
+{
+    r->sorted = malloc((r->ranges + (size_t)1) * sizeof *r->sorted);
+    r->start = calloc(r->n + (size_t)2, sizeof *r->start);
+    if (r->sorted == NULL || r->start == NULL)
+        return DT_NOMEM;
+    for (uint32_t i = 0; i < r->ranges; i++)
+        r->start[r->range[i].region + 2]++;
+    for (uint32_t i = 2; i < r->n + 2; i++)
+        r->start[i] += r->start[i - 1];
+    for (uint32_t i = 0; i < r->ranges; i++) /* start[k + 1] becomes the end of k */
+        r->sorted[r->start[r->range[i].region + 1]++] = i;
+    return DT_OK;
+}
+
+static enum dt_status finish_ranges(struct dt_regions *r)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < r->ranges; i++)
@@ -371,6 +387,7 @@ static void finish_ranges(struct dt_regions *r)
     set_most(r->range, 0, kept);
     r->range = shrink(r->range, (r->ranges + (size_t)1) * sizeof *r->range);
     r->inside = shrink(r->inside, (r->faces + (size_t)1) * sizeof *r->inside);
+    return sort_ranges(r);
 }
 
 static void add_half(const struct survey *s, uint32_t h, struct dt_sum *sum)
@@ -433,8 +450,9 @@ enum dt_status dt_regions_survey(struct dt_regions *r, struct dt_mesh *m, const 
         status = prepare_tour(&s);
     if (status == DT_OK)
         status = m->vertices < 2 ? stay_outside(r) : tour(&s);
+    if (status == DT_OK)
+        status = finish_ranges(r);
     if (status == DT_OK) {
-        finish_ranges(r);
         find_areas(&s);
         r->current = true;
     }

@@ -68,6 +68,7 @@ enum dt_status dt_regions(const struct dt *t, struct dt_region **rows, size_t *n
 /* The regions of the faces around a place, each as often as faces are in it. */
 struct around {
     const struct dt *t;
+    struct dt_stop work;
     struct dt_ids regions; /* owns */
     uint32_t faces,
         last; /* faces, and the one before; a run of triangles of one face counts once */
@@ -77,14 +78,14 @@ static enum dt_status add_face(struct around *a, uint32_t face)
 {
     const struct dt_regions *r = regions_of(a->t);
     if (a->faces > 0 && face == a->last)
-        return DT_OK;
+        return dt_work(&a->work, 1);
     a->faces++;
     a->last = face;
     uint32_t n = dt_regions_of(r, face, NULL, 0);
-    if (n == 0)
-        return DT_OK;
-    enum dt_status status = dt_ids_reserve(&a->regions, n);
-    if (status == DT_OK)
+    enum dt_status status = dt_work(&a->work, 1 + (uint64_t)n);
+    if (status == DT_OK && n > 0)
+        status = dt_ids_reserve(&a->regions, n);
+    if (status == DT_OK && n > 0)
         a->regions.n += dt_regions_of(r, face, a->regions.v + a->regions.n, n);
     return status;
 }
@@ -123,10 +124,10 @@ static enum dt_status split(struct around *a, struct dt_ids *in, struct dt_ids *
     return DT_OK;
 }
 
-enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, struct dt_ids *in,
-                             struct dt_ids *on)
+enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, const struct dt_options *opt,
+                             struct dt_ids *in, struct dt_ids *on)
 {
-    struct around a = {.t = t};
+    struct around a = {.t = t, .work = dt_stop_of(opt)};
     uint32_t half;
     enum dt_status status = readable(t);
     if (status != DT_OK || regions_of(t) == NULL)
@@ -141,36 +142,46 @@ enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, struct dt_id
 
 /* ---- triangles and edges ---- */
 
-/* By face: whether it is inside the border of the number; NULL: out of memory. The caller frees it. */
-static bool *mask_of(const struct dt_regions *r, uint32_t number)
+enum dt_status dt_enclosure_of(const struct dt *t, uint32_t number, struct dt_enclosure *out)
 {
+    const struct dt_regions *r = regions_of(t);
+    enum dt_status status = readable(t);
+    if (status != DT_OK)
+        return status;
+    *out = (struct dt_enclosure){r, DT_NONE};
+    if (!dt_has_borders(t))
+        return DT_NOREGION;
+    if (number == DT_NONE)
+        return DT_OK;
     const struct dt_region *region = dt_regions_find(r, number);
-    bool *mask = calloc(r->faces, sizeof *mask);
-    for (uint32_t f = 0; mask != NULL && number == DT_NONE && f < r->faces; f++)
-        mask[f] = r->inside[f];
-    for (uint32_t i = 0; mask != NULL && region != NULL && i < r->ranges; i++)
-        for (uint32_t f = r->range[i].first;
-             r->region + r->range[i].region == region && f < r->range[i].end; f++)
-            mask[f] = true;
-    return mask;
+    if (region == NULL)
+        return DT_NOREGION;
+    out->region = (uint32_t)(region - r->region);
+    return region->closed ? DT_OK : DT_OPEN;
+}
+
+enum dt_status dt_region_check(const struct dt *t, uint32_t number)
+{
+    struct dt_enclosure in;
+    return dt_enclosure_of(t, number, &in);
 }
 
 /* Whether the row of the table is inside: a triangle with the edge from its first corner to its second. */
-static bool is_inside(const struct dt *t, const bool *mask, const struct dt_cursor *c,
+static bool is_inside(const struct dt *t, const struct dt_enclosure *in, const struct dt_cursor *c,
                       const uint32_t *row)
 {
     const struct dt_mesh *m = &t->mesh;
     uint32_t h = dt_half_between(m, dt_points_vertex(&t->points, row[0]),
                                  dt_points_vertex(&t->points, row[1]));
-    bool left = mask[dt_face(m, h)], right = mask[dt_face(m, dt_twin(m, h))];
+    uint32_t left = dt_face(m, h), right = dt_face(m, dt_twin(m, h));
     if (c->table == DT_EDGES)
-        return left || right;
-    return c->cw ? right : left;
+        return dt_encloses(in, left) || (right != left && dt_encloses(in, right));
+    return dt_encloses(in, c->cw ? right : left);
 }
 
 /* Appends the next rows that are inside. *done: there are no more. */
-static enum dt_status read_rows(const struct dt *t, const bool *mask, struct dt_cursor *c,
-                                struct dt_ids *out, bool *done)
+static enum dt_status read_rows(const struct dt *t, const struct dt_enclosure *in,
+                                struct dt_cursor *c, struct dt_ids *out, bool *done)
 {
     enum { ROWS = 1024 };
     uint32_t row[3 * ROWS], width = c->table == DT_EDGES ? 2 : 3;
@@ -181,46 +192,32 @@ static enum dt_status read_rows(const struct dt *t, const bool *mask, struct dt_
     if (status == DT_OK)
         status = dt_ids_reserve(out, words);
     for (size_t i = 0; status == DT_OK && i < rows * width; i += width) {
-        bool in = is_inside(t, mask, c, row + i);
-        for (uint32_t k = 0; in && k < width; k++)
+        bool inside = is_inside(t, in, c, row + i);
+        for (uint32_t k = 0; inside && k < width; k++)
             out->v[out->n++] = row[i + k];
     }
     return status;
-}
-
-static enum dt_status check_number(const struct dt_regions *r, uint32_t number)
-{
-    const struct dt_region *region = r == NULL ? NULL : dt_regions_find(r, number);
-    if (number == DT_NONE)
-        return DT_OK;
-    if (region == NULL)
-        return DT_NOREGION;
-    return region->closed ? DT_OK : DT_OPEN;
 }
 
 enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
                          const struct dt_options *opt, struct dt_ids *out)
 {
     struct dt_stop stop = dt_stop_of(opt);
-    const struct dt_regions *r = regions_of(t);
     struct dt_cursor c;
     size_t from = out->n;
-    enum dt_status status = readable(t);
-    if (status == DT_OK)
-        status = check_number(r, number);
+    struct dt_enclosure in;
+    bool done = false;
+    enum dt_status status = dt_enclosure_of(t, number, &in);
+    if (status == DT_NOREGION && number == DT_NONE)
+        return DT_OK;
     if (status == DT_OK)
         status = dt_table_begin(t, NULL, table, cw, &c);
-    if (status != DT_OK || r == NULL || r->ranges == 0)
-        return status;
-    bool *mask = mask_of(r, number), done = mask == NULL;
-    status = mask == NULL ? DT_NOMEM : DT_OK;
     while (status == DT_OK && !done) {
-        status = read_rows(t, mask, &c, out, &done);
+        status = read_rows(t, &in, &c, out, &done);
         if (status == DT_OK && dt_stopped(&stop))
             status = dt_stop_status(&stop);
     }
     if (status != DT_OK)
         out->n = from;
-    free(mask);
     return status;
 }

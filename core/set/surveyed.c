@@ -1,10 +1,22 @@
 /* surveyed.c - the regions of a set: found when a query is going to need them, and forgotten when borders change. */
+#include "core/delaunay_surface.h"
 #include "core/mesh/fixed.h"
 #include "core/set/set.h"
 
 bool dt_surveyed(const struct dt *t)
 {
     return !dt_is_constrained(t) || t->constraints->regions.current;
+}
+
+bool dt_has_borders(const struct dt *t)
+{
+    return dt_is_constrained(t) && t->constraints->declared.borders > 0;
+}
+
+bool dt_view_has_regions(const struct dt *t, const struct dt_view *v)
+{
+    uint64_t now = t->constraints == NULL ? 0 : dt_history_now(&t->constraints->history);
+    return v->constraints == now && dt_view_is_current(t, v);
 }
 
 enum dt_status dt_survey(struct dt *t, const struct dt_options *opt)
@@ -35,9 +47,9 @@ static size_t count_parts(const struct dt_mesh *m)
 
 size_t dt_survey_memory(const struct dt *t)
 {
-    /* A row: two keys, twice, and a region. A part: its key, grown or sorted; where it is found; a door, grown; a room,
-     * grown; a range; a bit. A triangle: on the stack, grown. */
-    enum { ROW = 56, PART = 120, TRIANGLE = 8, SLACK = 16384 };
+    /* A row: two keys, twice, a region, and where its ranges begin. A part: its key, grown or sorted; where it is found; a door,
+     * grown; a room, grown; a range, and its number; a bit. A triangle: on the stack, grown. */
+    enum { ROW = 60, PART = 124, TRIANGLE = 8, SLACK = 16384 };
     if (!dt_is_live(t) || dt_surveyed(t))
         return 0;
     return t->constraints->declared.rows * (size_t)ROW + count_parts(&t->mesh) * PART +

@@ -14,7 +14,8 @@
  * read through a table, which continues with those of the view. */
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
-#include "core/set/set.h"
+#include "core/mesh/fixed.h"
+#include "core/query/query.h"
 #include "core/set/view_rows.h"
 
 #include "core/delaunay_surface.h"
@@ -51,6 +52,8 @@ struct dt_contour {
     double *level;                /* owns */
     uint32_t levels;
     double max_edge;
+    bool inside; /* lines end at borders */
+    struct dt_enclosure enclosure;
     enum stage stage;
     uint32_t *class; /* owns ids */
     uint32_t ids, from;
@@ -114,6 +117,14 @@ enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
         memcpy(c->level, level, levels * sizeof *level);
     *out = c;
     return DT_OK;
+}
+
+enum dt_status dt_contour_inside(struct dt_contour *c, const struct dt *t, uint32_t number)
+{
+    if (dt_view_if_changed(t, c->view) != NULL)
+        return DT_UNSURVEYED;
+    c->inside = true;
+    return dt_enclosure_of(t, number, &c->enclosure);
 }
 
 /* ---- classes ---- */
@@ -267,6 +278,12 @@ static enum dt_status make_room(struct dt_contour *c)
     return DT_OK;
 }
 
+/* Whether a triangle, not a dead one, is inside the borders at which lines end. */
+static bool has_lines(const struct dt_contour *c, const struct dt_mesh *m, uint32_t record)
+{
+    return !c->inside || dt_encloses(&c->enclosure, dt_face(m, 8 * record));
+}
+
 static enum dt_status read_mesh(const struct dt *t, struct dt_contour *c)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -276,7 +293,7 @@ static enum dt_status read_mesh(const struct dt *t, struct dt_contour *c)
     while (s == DT_OK && c->record < end && c->n < most) {
         const uint32_t *v = m->half + 8 * (size_t)c->record;
         bool whole = true;
-        if (v[2] < DT_DEAD) { /* no ghost either */
+        if (v[2] < DT_DEAD && has_lines(c, m, c->record)) { /* no ghost either */
             const uint32_t *id = t->points.id;
             s = cross(t, c, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]}, most, &whole);
         }
@@ -310,6 +327,8 @@ static enum dt_status read_table(const struct dt *t, struct dt_contour *c)
 enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done)
 {
     enum dt_status s = dt_view_readable(t, c->view, true);
+    if (s == DT_OK && c->inside && dt_view_if_changed(t, c->view) != NULL)
+        return DT_UNSURVEYED;
     if (c->stage == MESH && s == DT_OK && dt_view_if_changed(t, c->view) != NULL) {
         c->stage = TABLE;
         c->n = c->sub = 0;

@@ -4,6 +4,7 @@
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/fields/column.h"
+#include "core/mesh/fixed.h"
 #include "core/query/nearest.h"
 #include "core/query/query.h"
 
@@ -51,7 +52,8 @@ enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const str
                               const struct dt_options *opt)
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE};
-    return is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
+    enum dt_status status = is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
+    return status == DT_OK && s->inside ? dt_enclosure_of(t, s->number, &v->enclosure) : status;
 }
 
 enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n)
@@ -83,11 +85,29 @@ static bool is_edge_short(const struct dt_valuer *v, uint32_t half)
     return dt_compare_radius(xy[dt_origin(m, half)], xy[dt_dest(m, half)], v->s->max_edge) <= 0;
 }
 
+/* Whether the triangle is inside the borders at which the surface ends. */
+static bool is_inside(const struct dt_valuer *v, uint32_t half)
+{
+    return !v->s->inside || dt_encloses(&v->enclosure, dt_face(&v->t->mesh, half));
+}
+
+/* Whether a triangle at the origin of the half edge is. */
+static bool is_vertex_inside(const struct dt_valuer *v, uint32_t half)
+{
+    bool inside = !v->s->inside;
+    for (uint32_t h = half; !inside && h != DT_NONE;) {
+        inside = is_inside(v, h);
+        h = dt_turn_ccw(&v->t->mesh, h);
+        h = h == half ? DT_NONE : h;
+    }
+    return inside;
+}
+
 /* Whether the triangle of the half edge has a surface; a ghost has none. */
 static bool has_surface(struct dt_valuer *v, uint32_t half)
 {
     uint32_t base = dt_base(half);
-    if (dt_is_ghost(&v->t->mesh, half))
+    if (dt_is_ghost(&v->t->mesh, half) || !is_inside(v, half))
         return false;
     if (v->s->max_edge == HUGE_VAL)
         return true;
@@ -104,7 +124,7 @@ static bool edge_has_surface(struct dt_valuer *v, uint32_t half)
 {
     uint32_t twin = dt_twin(&v->t->mesh, half);
     if (dt_is_ghost(&v->t->mesh, half) && dt_is_ghost(&v->t->mesh, twin))
-        return v->s->max_edge == HUGE_VAL || is_edge_short(v, half);
+        return !v->s->inside && (v->s->max_edge == HUGE_VAL || is_edge_short(v, half));
     return has_surface(v, half) || has_surface(v, twin);
 }
 
@@ -184,7 +204,8 @@ static inline enum dt_status value_at(struct dt_valuer *v, struct dt_point q, en
     case DT_OUTSIDE:
         return DT_OK;
     case DT_ON_VERTEX:
-        *out = dt_value_of(v, half == DT_NONE ? m->alone : dt_origin(m, half));
+        if (is_vertex_inside(v, half))
+            *out = dt_value_of(v, half == DT_NONE ? m->alone : dt_origin(m, half));
         return DT_OK;
     case DT_ON_EDGE:
         if (!edge_has_surface(v, half))
@@ -281,7 +302,7 @@ enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const
                                 double y, uint32_t n, double *out)
 {
     enum dt_status s = DT_OK;
-    bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL;
+    bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside;
     uint64_t doubtful = planes ? dt_plane_values(v, half, x, y, n, out)
                                : values_in_triangles(v, half, x, y, n, out, &s);
     for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)

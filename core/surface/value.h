@@ -11,8 +11,9 @@
 
 /* What one place after the other is computed in, while the set does not change. */
 struct dt_valuer {
-    const struct dt *t;         /* borrows */
-    const struct dt_surface *s; /* borrows */
+    const struct dt *t;            /* borrows */
+    const struct dt_surface *s;    /* borrows */
+    struct dt_enclosure enclosure; /* of s->inside */
     struct dt_stop work;
     uint32_t
         *fetched; /* owns 2 DT_BLOCKS: the blocks that have been fetched lately; NULL: none are */

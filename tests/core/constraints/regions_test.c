@@ -200,6 +200,8 @@ static void check_lists(const struct dt *t, const struct answer *a, uint32_t num
     size_t n = 0;
     enum dt_status status = dt_inside(t, number, DT_TRIANGLES, false, NULL, &in);
     bool there = number == DT_NONE;
+    CHECK(dt_has_borders(t) == (a->borders.n > 0));
+    CHECK(dt_region_check(t, number) == (dt_has_borders(t) ? status : DT_NOREGION));
     for (size_t i = 0; i < a->borders.n; i++)
         there |= a->borders.v[i].number == number;
     bool closed = number == DT_NONE || is_closed(&a->borders, number);
@@ -262,7 +264,8 @@ static void check_place(const struct dt *t, const struct answer *a, struct at q)
             some |= a->in[i / 3];
         }
     }
-    CHECK(dt_regions_at(t, (struct dt_point){(double)q.x / 6, (double)q.y / 6}, &in, &on) == DT_OK);
+    CHECK(dt_regions_at(t, (struct dt_point){(double)q.x / 6, (double)q.y / 6}, NULL, &in, &on) ==
+          DT_OK);
     for (uint32_t k = 0; k < NUMBERS; k++) {
         CHECK(has(&in, k) == ((all & some) >> k & 1));
         CHECK(has(&on, k) == ((some & ~all) >> k & 1));
@@ -365,7 +368,7 @@ TEST(two_parcels_with_a_common_side_are_whole)
     CHECK(RING(t, 1, 0, 1, 13, 12) == DT_OK && RING(t, 2, 1, 3, 15, 13) == DT_OK);
     CHECK(dt_survey(t, NULL) == DT_OK);
     check_regions(t);
-    CHECK(dt_regions_at(t, (struct dt_point){1, 1.5}, &in, &on) == DT_OK);
+    CHECK(dt_regions_at(t, (struct dt_point){1, 1.5}, NULL, &in, &on) == DT_OK);
     CHECK(in.n == 0 && on.n == 2 && on.v[0] == 1 && on.v[1] == 2);
     free(in.v);
     free(on.v);
@@ -395,6 +398,7 @@ TEST(an_open_border_encloses_nothing_and_a_line_does_not_close_it)
     CHECK(dt_inside(t, 1, DT_TRIANGLES, false, NULL, &out) == DT_OPEN);
     CHECK(dt_inside(t, 7, DT_TRIANGLES, false, NULL, &out) == DT_NOREGION);
     CHECK(dt_inside(t, DT_NONE, DT_TRIANGLES, false, NULL, &out) == DT_OK && out.n == 0);
+    CHECK(dt_region_check(t, 1) == DT_OPEN && dt_region_check(t, DT_NONE) == DT_OK);
     check_regions(t);
     dt_free(t);
 }
@@ -500,7 +504,7 @@ TEST(a_thousand_nested_borders_take_memory_for_each_once)
     CHECK(dt_survey(t, NULL) == DT_OK && dt_survey_memory(t) == 0);
     dt_summary(t, &after);
     CHECK(after.memory - before.memory < 100 * N && after.memory - before.memory < estimate);
-    CHECK(dt_regions_at(t, (struct dt_point){0.5, 10.5}, &in, &on) == DT_OK);
+    CHECK(dt_regions_at(t, (struct dt_point){0.5, 10.5}, NULL, &in, &on) == DT_OK);
     CHECK(in.n == N - 10 && in.v[0] == 10 && on.n == 0);
     CHECK(dt_check(t, NULL, NULL) == DT_OK);
     free(in.v);

@@ -13,7 +13,7 @@ static double value_of_id[DT_FIELD_PAGE];
 static void check_mean(const struct dt *t, struct dt_point q, enum dt_interpolation how)
 {
     static const double *page[] = {value_of_id};
-    struct dt_surface s = {page, 1, how, HUGE_VAL};
+    struct dt_surface s = {.page = page, .pages = 1, .how = how, .max_edge = HUGE_VAL};
     struct dt_point p[FEW];
     double z[FEW], weight[FEW], least = HUGE_VAL, most = -HUGE_VAL, sum = 0, got;
     uint32_t n = 0;

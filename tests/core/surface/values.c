@@ -30,7 +30,7 @@ struct dt_surface surface_of(enum dt_interpolation how)
     static const double *page[PAGES + 1];
     for (int i = 0; i <= PAGES; i++)
         page[i] = random_values[i];
-    return (struct dt_surface){page, PAGES, how, HUGE_VAL};
+    return (struct dt_surface){.page = page, .pages = PAGES, .how = how, .max_edge = HUGE_VAL};
 }
 
 struct dt *set_with(const struct dt_point *p, const double *z, uint32_t n)

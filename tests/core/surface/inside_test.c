@@ -1,0 +1,219 @@
+/* inside_test.c - surfaces that end at borders: what is inside is as without, and there is nothing outside. */
+#include "core/delaunay_constraints.h"
+#include "core/delaunay_surface.h"
+#include "tests/core/surface/values.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 9, POINTS = 40, NUMBERS = 3 };
+
+static uint32_t below(uint32_t n)
+{
+    return (uint32_t)(test_random() % n);
+}
+
+/* Whether the place is inside the border of the number, or any, or on its edge. */
+static bool is_enclosed(const struct dt *t, uint32_t number, struct dt_point q)
+{
+    struct dt_ids in = {0}, on = {0};
+    CHECK(dt_regions_at(t, q, NULL, &in, &on) == DT_OK);
+    bool found = number == DT_NONE && in.n + on.n > 0;
+    for (size_t i = 0; i < in.n + on.n; i++)
+        found |= (i < in.n ? in.v[i] : on.v[i - in.n]) == number;
+    free(in.v);
+    free(on.v);
+    return found;
+}
+
+/* A random set with values and borders, some of which cross nothing; surveyed. */
+static struct dt *random_set(void)
+{
+    struct dt_point p[POINTS];
+    double z[POINTS];
+    uint32_t missing;
+    size_t added;
+    for (int i = 0; i < POINTS; i++) {
+        p[i] = (struct dt_point){below(SIDE), below(SIDE)};
+        z[i] = below(12) == 0 ? (double)NAN : (double)below(9);
+    }
+    struct dt *t = set_with(p, z, POINTS);
+    for (int rings = 0; rings < 12; rings++) {
+        uint32_t n = 3 + below(3), id[5], number = below(NUMBERS);
+        struct dt_constraint c[5];
+        for (uint32_t i = 0; i < n; i++)
+            id[i] = below(POINTS);
+        for (uint32_t i = 0; i < n; i++)
+            c[i] = (struct dt_constraint){id[i], id[(i + 1) % n], true, number};
+        (void)dt_constrain(t, c, below(20) == 0 ? n - 1 : n, NULL, &added, &missing);
+    }
+    CHECK(dt_survey(t, NULL) == DT_OK);
+    return t;
+}
+
+static void check_places(const struct dt *t, uint32_t number, enum dt_interpolation how,
+                         double max_edge)
+{
+    struct dt_surface all = surface_in(t, how), inside = surface_in(t, how);
+    all.max_edge = inside.max_edge = max_edge;
+    inside.inside = true;
+    inside.number = number;
+    for (int i = 0; i < 100; i++) {
+        struct dt_point q = {below(4 * SIDE + 4) / 4.0 - 0.5, below(4 * SIDE + 4) / 4.0 - 0.5};
+        double want = is_enclosed(t, number, q) ? value_at(t, &all, q) : (double)NAN;
+        double got = value_at(t, &inside, q);
+        /* a triangle whose edge is too long does not lend its edge to what is beyond the border */
+        if (max_edge == HUGE_VAL || isnan(want) || !isnan(got))
+            check_same(got, want, q);
+    }
+    dt_surface_end(&all);
+    dt_surface_end(&inside);
+}
+
+static void check_cells(const struct dt *t, uint32_t number, enum dt_interpolation how)
+{
+    enum { COLUMNS = 37, ROWS = 20 };
+    struct dt_surface s = surface_in(t, how);
+    struct dt_raster r = {{-1, -1}, {SIDE, SIDE}, COLUMNS, ROWS};
+    double value[COLUMNS * ROWS];
+    size_t done;
+    s.inside = true;
+    s.number = number;
+    CHECK(dt_raster_values(t, &s, &r, 0, COLUMNS * ROWS, NULL, value, &done) == DT_OK);
+    for (uint64_t i = 0; i < COLUMNS * ROWS; i++) {
+        struct dt_point q = dt_raster_centre(&r, i);
+        check_same(value[i], value_at(t, &s, q), q);
+    }
+    dt_surface_end(&s);
+}
+
+/* ---- contours ---- */
+
+struct segment {
+    struct dt_point from, to;
+};
+
+struct segments {
+    struct segment *v; /* owns */
+    size_t n;
+};
+
+static int compare(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(struct segment));
+}
+
+/* Those of all lines, sorted; with a number only those inside. */
+static struct segments contour(const struct dt *t, bool inside, uint32_t number)
+{
+    static const double level[] = {2.5, 4.5};
+    struct segments s = {malloc(4096 * sizeof *s.v), 0};
+    const struct dt_contour_line *line;
+    struct dt_contour *c;
+    size_t lines;
+    bool done = false;
+    CHECK(dt_contour_begin(t, NULL, dt_field_find(t, "z", 1), level, 2, HUGE_VAL, &c) == DT_OK);
+    if (inside)
+        CHECK(dt_contour_inside(c, t, number) == DT_OK);
+    while (!done)
+        CHECK(dt_contour_read(t, c, &done) == DT_OK);
+    CHECK(dt_contour_end(c, NULL, &line, &lines) == DT_OK);
+    for (size_t i = 0; i < lines; i++)
+        for (size_t k = 0; k + !line[i].closed < line[i].n; k++)
+            s.v[s.n++] = (struct segment){line[i].p[k], line[i].p[(k + 1) % line[i].n]};
+    qsort(s.v, s.n, sizeof *s.v, compare);
+    dt_contour_free(c);
+    return s;
+}
+
+static void check_contour(const struct dt *t, uint32_t number)
+{
+    struct segments all = contour(t, false, 0), inside = contour(t, true, number);
+    size_t n = 0;
+    for (size_t i = 0; i < all.n; i++) {
+        const struct segment *s = &all.v[i];
+        struct dt_point middle = {(s->from.x + s->to.x) / 2, (s->from.y + s->to.y) / 2};
+        if (is_enclosed(t, number, middle))
+            CHECK(n < inside.n && compare(s, &inside.v[n++]) == 0);
+    }
+    CHECK(n == inside.n);
+    free(all.v);
+    free(inside.v);
+}
+
+/* ---- tests ---- */
+
+TEST(a_surface_that_ends_at_borders_is_missing_exactly_where_they_do_not_enclose_the_place)
+{
+    for (int round = 0; round < 25; round++) {
+        struct dt *t = random_set();
+        for (uint32_t k = 0; k <= NUMBERS; k++) {
+            uint32_t number = k == NUMBERS ? DT_NONE : k;
+            if (dt_region_check(t, number) != DT_OK)
+                continue;
+            check_places(t, number, DT_LINEAR, HUGE_VAL);
+            check_places(t, number, DT_CLOSEST, HUGE_VAL);
+            check_places(t, number, DT_LINEAR, 3);
+            check_cells(t, number, k % 2 == 0 ? DT_LINEAR : DT_CLOSEST);
+            check_contour(t, number);
+        }
+        dt_free(t);
+    }
+}
+
+TEST(a_surface_that_ends_at_a_border_needs_it_closed_and_known)
+{
+    static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    static const double z[] = {1, 2, 3, 4}, level[] = {2.5};
+    struct dt *t = set_with(p, z, 4);
+    struct dt_constraint c[] = {{0, 1, true, 5}, {1, 2, true, 5}, {2, 0, true, 5}};
+    struct dt_surface s = surface_in(t, DT_LINEAR);
+    struct dt_contour *contour;
+    size_t n, done;
+    uint32_t missing;
+    double value;
+    s.inside = true;
+    s.number = 5;
+    CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_NOREGION);
+    CHECK(dt_constrain(t, c, 2, NULL, &n, &missing) == DT_OK);
+    CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_UNSURVEYED);
+    CHECK(dt_survey(t, NULL) == DT_OK);
+    CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_OPEN && done == 0);
+    CHECK(dt_constrain(t, c, 3, NULL, &n, &missing) == DT_OK && dt_survey(t, NULL) == DT_OK);
+    CHECK(value_at(t, &s, p[0]) == 1 && isnan(value_at(t, &s, p[3])));
+    s.number = 6;
+    CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_NOREGION);
+    CHECK(dt_contour_begin(t, NULL, dt_field_find(t, "z", 1), level, 1, HUGE_VAL, &contour) ==
+          DT_OK);
+    CHECK(dt_contour_inside(contour, t, 6) == DT_NOREGION);
+    dt_contour_free(contour);
+    dt_surface_end(&s);
+    dt_free(t);
+}
+
+TEST(regions_of_a_view_are_those_of_now_until_borders_or_points_change)
+{
+    static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    static const double z[] = {1, 2, 3, 4};
+    struct dt *t = set_with(p, z, 4);
+    struct dt_constraint c[] = {{0, 1, true, 5}, {1, 2, true, 5}, {2, 0, true, 5}};
+    size_t n;
+    uint32_t missing;
+    struct dt_added added;
+    CHECK(dt_constrain(t, c, 3, NULL, &n, &missing) == DT_OK && dt_survey(t, NULL) == DT_OK);
+    struct dt_view *v = dt_view_begin(t, true);
+    CHECK(dt_view_has_regions(t, v));
+    c[0].number = 6; /* the triangulation stays */
+    CHECK(dt_constrain(t, c, 1, NULL, &n, &missing) == DT_OK && dt_view_is_current(t, v));
+    CHECK(!dt_view_has_regions(t, v));
+    CHECK(dt_release(t, c, 1, NULL, &n, &n) == DT_OK && dt_survey(t, NULL) == DT_OK);
+    CHECK(!dt_view_has_regions(t, v));
+    dt_view_end(v);
+    v = dt_view_begin(t, true);
+    CHECK(dt_add(t, &(struct dt_point){3, 1}, 1, &added) == DT_OK && dt_surveyed(t));
+    CHECK(!dt_view_has_regions(t, v));
+    dt_view_end(v);
+    dt_free(t);
+}
