@@ -28,6 +28,8 @@ static const char *const code_name[] = {
     [ERR_CROSSES] = "CROSSES",
     [ERR_CONSTRAINED] = "CONSTRAINED",
     [ERR_NOTDELAUNAY] = "NOTDELAUNAY",
+    [ERR_NOREGION] = "NOREGION",
+    [ERR_OPEN] = "OPEN",
     [ERR_UNTRIANGULATED] = "UNTRIANGULATED",
     [ERR_TOOLONG] = "TOOLONG",
     [ERR_TOOBIG] = "TOOBIG",
@@ -286,6 +288,14 @@ void reply_row_constraint(struct buf *out, uint32_t a, uint32_t b, bool border, 
     buf_append_text(out, border ? " border " : " line ");
     reply_u64(out, number);
     reply_end(out);
+}
+
+void reply_row_region(struct buf *out, uint32_t number, bool closed, uint32_t triangles,
+                      double area)
+{
+    reply_u64(out, number);
+    buf_append_text(out, closed ? " closed " : " open ");
+    reply_row_value(out, triangles, area);
 }
 
 void reply_row_numbers(struct buf *out, const void *numbers, size_t n)

@@ -26,6 +26,8 @@ enum reply_code {
     ERR_CROSSES,
     ERR_CONSTRAINED,
     ERR_NOTDELAUNAY,
+    ERR_NOREGION,
+    ERR_OPEN,
     ERR_UNTRIANGULATED,
     ERR_TOOLONG,
     ERR_TOOBIG,
@@ -76,6 +78,9 @@ void reply_more_value(struct buf *out, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
 void reply_row_constraint(struct buf *out, uint32_t a, uint32_t b, bool border, uint32_t number);
+/* number closed|open triangles area */
+void reply_row_region(struct buf *out, uint32_t number, bool closed, uint32_t triangles,
+                      double area);
 /* n doubles, in memory wherever they are; nan is written as `nan`. */
 void reply_row_numbers(struct buf *out, const void *numbers, size_t n);
 /* level closed|open n x y ...: of 2 n doubles. */

@@ -95,6 +95,8 @@ const struct command commands[] = {
     {"CONSTRAINTS", 2, 0, READS | CMD_SHARES, cmd_constraints,
      "CONSTRAINTS set [OF k] [BINARY] | CONSTRAINTS set id [id ...] [BINARY]",
      .help = "every constraint, those of a number, or those that end at points", .rows = "iisi"},
+    {"REGIONS", 2, 0, SEARCHES, cmd_regions, "REGIONS set | REGIONS set AT x y [x y ...]",
+     .help = "the regions that borders enclose, or those around places", .rows = "iwiw"},
     {"CHECK", 2, 2, SEARCHES, cmd_check, "CHECK set", .help = "proves the triangulation exactly",
      .result = "points:i coincident:i triangles:i edges:i hull:i delaunay:b"},
     {"LISTS", 2, 0, QUERIES | CMD_SHARES, cmd_lists,
@@ -103,13 +105,17 @@ const struct command commands[] = {
              "first, then along the hull",
      .rows = "i", .ahead = AHEAD_ID},
     {"TRIANGLES", 2, 9, QUERIES | CMD_SHARES, cmd_triangles,
-     "TRIANGLES set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]",
-     .help = "every triangle, or those that meet a box, at a point, at an edge, next to a triangle",
+     "TRIANGLES set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | TRIANGLES set INSIDE [k] [CW] [BINARY] | "
+     "TRIANGLES set a [b [c]] [CW]",
+     .help = "every triangle, or those that meet a box, inside borders, at a point, at an edge, "
+             "next to "
+             "a triangle",
      .rows = "i", .ahead = AHEAD_ID},
-    {"EDGES", 2, 4, QUERIES | CMD_SHARES, cmd_edges,
-     "EDGES set [CW] [BINARY] | EDGES set CONSTRAINED [BINARY] | EDGES set a [CW]",
-     .help = "every edge, those that are parts of constraints, or those at a point", .rows = "i",
-     .ahead = AHEAD_ID},
+    {"EDGES", 2, 6, QUERIES | CMD_SHARES, cmd_edges,
+     "EDGES set [CW] [BINARY] | EDGES set CONSTRAINED [BINARY] | EDGES set INSIDE [k] [CW] "
+     "[BINARY] | EDGES set a [CW]",
+     .help = "every edge, those that are parts of constraints, inside borders, or at a point",
+     .rows = "i", .ahead = AHEAD_ID},
     {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", .help = "the points of the convex hull",
      .rows = "id"},
     {"LOCATE", 4, 4, SEARCHES | CMD_SHARES, cmd_locate, "LOCATE set x y",
@@ -133,21 +139,23 @@ const struct command commands[] = {
     {"AREAS", 2, 8, QUERIES, cmd_areas, "AREAS set [BOX x0 y0 x1 y1] [BINARY]",
      .help = "the areas of the Voronoi cells, clipped to a box", .rows = "id"},
     {"INTERPOLATE", 5, 0, SEARCHES | CMD_SHARES, cmd_interpolate,
-     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
+     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
+     "[INSIDE [k]]",
      .help = "the values of a field at places between its points", .rows = "d"},
-    {"INTERPOLATEB", 4, 8, SEARCHES | CMD_PAIRS, cmd_interpolateb,
-     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
+    {"INTERPOLATEB", 4, 10, SEARCHES, cmd_interpolateb,
+     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
+     "[INSIDE [k]]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
-    {"RASTER", 9, 14, SEARCHES, cmd_raster,
+    {"RASTER", 9, 16, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] "
-     "[MAXEDGE e] [BINARY]",
+     "[MAXEDGE e] [INSIDE [k]] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},
     {"CONTOUR", 4, 0, QUERIES, cmd_contour,
-     "CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY step [BASE b] "
-     "[MAXEDGE e]",
+     "CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR set field EVERY step "
+     "[BASE b] [MAXEDGE e] [INSIDE [k]]",
      .help = "lines along which a field has a value, with the higher ground on their left",
      .rows = "dsid"},
     {"VOLUME", 3, 5, QUERIES, cmd_volume, "VOLUME set field [LEVEL z | MINUS field]",

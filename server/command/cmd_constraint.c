@@ -16,7 +16,7 @@ struct chosen {
     uint32_t what; /* as in struct record_constraint */
 };
 
-static bool read_number(struct answer *a, const struct word *w, uint32_t *k)
+bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t *k)
 {
     if (!read_count(a, w, "a number of constraints", k))
         return false;
@@ -33,7 +33,7 @@ static bool read_chosen(struct answer *a, const struct request *q, struct chosen
     bool border = word_is(&q->word[f->at], "BORDER");
     f->at += border;
     f->numbered = f->at + 1 < q->n && word_is(&q->word[f->at], "OF");
-    if (f->numbered && !read_number(a, &q->word[f->at + 1], &k))
+    if (f->numbered && !read_number_of_constraint(a, &q->word[f->at + 1], &k))
         return false;
     f->at += f->numbered ? 2 : 0;
     f->what = constraint_what(border, k);
@@ -158,7 +158,7 @@ void cmd_constraints(struct server *s, struct dataset *set, const struct request
     query.binary = q->n > 2 && word_is(&q->word[q->n - 1], "BINARY");
     size_t n = q->n - 2 - query.binary;
     query.numbered = n == 2 && word_is(&q->word[2], "OF");
-    if (query.numbered && !read_number(a, &q->word[3], &query.k))
+    if (query.numbered && !read_number_of_constraint(a, &q->word[3], &query.k))
         return;
     query.ended = n > 0 && !query.numbered;
     if (!query.ended || read_ends(a, set, q, n, &query))

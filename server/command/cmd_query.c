@@ -6,6 +6,7 @@
 #include "server/ops/limits.h"
 #include "server/replies/answer_rows.h"
 #include "server/replies/query.h"
+#include "server/replies/regions.h"
 
 #include <stdlib.h>
 
@@ -13,7 +14,8 @@
 struct tail {
     size_t n; /* words without the options */
     bool cw, binary;
-    bool within; /* WITHIN and four numbers are all of those */
+    bool within; /* WITHIN and four numbers are all of those, */
+    bool inside; /* or INSIDE and perhaps a number */
 };
 
 static struct tail read_tail(const struct request *q)
@@ -28,13 +30,14 @@ static struct tail read_tail(const struct request *q)
             break;
     }
     t.within = t.n == 7 && word_is(&q->word[2], "WITHIN");
+    t.inside = t.n > 2 && word_is(&q->word[2], "INSIDE");
     return t;
 }
 
 /* Whether the number of words and the options are valid for the command; else the ERR line has been written. */
 static bool check_tail(struct answer *a, const struct tail *t, size_t most)
 {
-    if (t->n <= most && (!t->binary || t->n == 2 || t->within))
+    if (t->n <= most && (!t->binary || t->n == 2 || t->within || t->inside))
         return true;
     answer_usage(a);
     return false;
@@ -47,6 +50,21 @@ static void answer_within(struct server *s, struct dataset *set, const struct re
     struct query query = {.kind = kind, .cw = t->cw, .binary = t->binary, .within = true};
     if (read_box(a, &q->word[3], &query.place.at, &query.hi))
         query_answer(s, a, set, &query);
+}
+
+/* Answers with the rows of a table that are inside a border. */
+static void answer_inside(struct server *s, struct dataset *set, const struct request *q,
+                          const struct tail *t, enum dt_table table, struct answer *a)
+{
+    struct regions_query query = {
+        .kind = REGIONS_TABLE, .table = table, .cw = t->cw, .binary = t->binary};
+    size_t at = 3;
+    if (!read_inside(a, q, &at, &query.inside))
+        return;
+    if (at != t->n)
+        answer_usage(a);
+    else if (regions_ready(s, a, set, query.inside))
+        regions_answer(s, a, set, &query);
 }
 
 /* ---- LISTS ---- */
@@ -95,6 +113,10 @@ void cmd_triangles(struct server *s, struct dataset *set, const struct request *
         answer_within(s, set, q, &t, QUERY_TRIANGLES, a);
         return;
     }
+    if (t.inside) {
+        answer_inside(s, set, q, &t, DT_TRIANGLES, a);
+        return;
+    }
     if (t.n == 2) {
         answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
         return;
@@ -114,10 +136,12 @@ void cmd_edges(struct server *s, struct dataset *set, const struct request *q, s
         query_answer(s, a, set, &query);
         return;
     }
-    if (!check_tail(a, &t, 3))
+    if (!check_tail(a, &t, t.inside ? 4 : 3))
         return;
     if (t.n == 2)
         answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
+    else if (t.inside)
+        answer_inside(s, set, q, &t, DT_EDGES, a);
     else if (read_id(a, &q->word[2], &query.corner[0]))
         query_answer(s, a, set, &query);
 }
@@ -136,27 +160,9 @@ void cmd_hull(struct server *s, struct dataset *set, const struct request *q, st
 
 void cmd_locate(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    static const char *const where[] = {[DT_OUTSIDE] = "outside",
-                                        [DT_ON_VERTEX] = "vertex",
-                                        [DT_ON_EDGE] = "edge",
-                                        [DT_INSIDE] = "inside"};
-    static const size_t ids[] = {
-        [DT_OUTSIDE] = 0, [DT_ON_VERTEX] = 1, [DT_ON_EDGE] = 2, [DT_INSIDE] = 3};
-    struct dt_location at;
     struct dt_place p;
-    (void)s;
-    if (!read_place(a, q, &p))
-        return;
-    enum dt_status status = dt_locate_place(set->current->dt, &p, &at);
-    if (status != DT_OK) {
-        answer_status(a, status);
-        return;
-    }
-    reply_ok(a->out, at.where != DT_OUTSIDE);
-    reply_key_text(a->out, "where", where[at.where]);
-    reply_end(a->out);
-    if (at.where != DT_OUTSIDE)
-        reply_row_ids(a->out, at.id, ids[at.where]);
+    if (read_place(a, q, &p))
+        regions_locate(s, a, set, &p);
 }
 
 void cmd_nearest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -6,6 +6,7 @@
 #include "server/command/ahead.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
+#include "server/replies/regions.h"
 #include "server/replies/surface.h"
 #include "server/replies/volume.h"
 
@@ -34,6 +35,14 @@ static bool check_method(struct answer *a, const struct dataset *set, enum dt_in
     return how == DT_LINEAR || how == DT_CLOSEST || check_delaunay(a, set);
 }
 
+/* Whether the surface can be computed now; else the request waits, or the ERR line has been written. */
+static bool is_ready(struct server *s, struct answer *a, struct dataset *set,
+                     const struct surface *q)
+{
+    return check_method(a, set, q->how) &&
+           (!q->inside.asked || regions_ready(s, a, set, q->inside));
+}
+
 void cmd_weights(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = QUERY_WEIGHTS, .how = DT_LINEAR};
@@ -52,7 +61,8 @@ enum option {
     OPTION_MAXEDGE = 2,
     OPTION_BINARY = 4,
     OPTION_EVERY = 8,
-    OPTION_BASE = 16
+    OPTION_BASE = 16,
+    OPTION_INSIDE = 32
 };
 
 static enum option option_of(const struct word *w)
@@ -60,11 +70,9 @@ static enum option option_of(const struct word *w)
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {{"METHOD", OPTION_METHOD},
-                   {"MAXEDGE", OPTION_MAXEDGE},
-                   {"BINARY", OPTION_BINARY},
-                   {"EVERY", OPTION_EVERY},
-                   {"BASE", OPTION_BASE}};
+    } options[] = {{"METHOD", OPTION_METHOD}, {"MAXEDGE", OPTION_MAXEDGE},
+                   {"BINARY", OPTION_BINARY}, {"EVERY", OPTION_EVERY},
+                   {"BASE", OPTION_BASE},     {"INSIDE", OPTION_INSIDE}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -110,6 +118,7 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     case OPTION_BASE:
         return read_number(a, w, "base", &out->base);
     case OPTION_BINARY:
+    case OPTION_INSIDE:
         break;
     }
     return true;
@@ -121,14 +130,16 @@ static bool read_options(struct answer *a, const struct request *q, size_t at, u
 {
     while (at < q->n) {
         enum option option = option_of(&q->word[at++]);
-        if ((option & allowed) == 0 || (option != OPTION_BINARY && at == q->n)) {
+        bool alone = option == OPTION_BINARY || option == OPTION_INSIDE;
+        if ((option & allowed) == 0 || (!alone && at == q->n)) {
             answer_usage(a);
             return false;
         }
         allowed &= ~(unsigned)option;
         if (option == OPTION_BINARY)
             out->binary = true;
-        else if (!read_option(a, option, &q->word[at++], out))
+        else if (option == OPTION_INSIDE ? !read_inside(a, q, &at, &out->inside)
+                                         : !read_option(a, option, &q->word[at++], out))
             return false;
     }
     return true;
@@ -171,8 +182,8 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE, &surface) ||
-        !check_method(a, set, surface.how))
+        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE, &surface) ||
+        !is_ready(s, a, set, &surface))
         return;
     if (end == 3)
         answer_usage(a);
@@ -189,8 +200,8 @@ void cmd_interpolateb(struct server *s, struct dataset *set, const struct reques
 {
     struct surface surface;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE, &surface) ||
-        !check_method(a, set, surface.how))
+        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE, &surface) ||
+        !is_ready(s, a, set, &surface))
         return;
     surface.binary = true;
     surface.places.n = a->body->body.n;
@@ -238,8 +249,9 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct surface surface;
     if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
-        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_BINARY, &surface) &&
-        check_method(a, set, surface.how))
+        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BINARY,
+                     &surface) &&
+        is_ready(s, a, set, &surface))
         surface_answer(s, a, set, &surface);
 }
 
@@ -285,11 +297,13 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
     bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
     if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
         !read_options(a, q, end,
-                      every ? OPTION_EVERY | OPTION_BASE | OPTION_MAXEDGE : OPTION_MAXEDGE,
+                      OPTION_MAXEDGE | OPTION_INSIDE | (every ? OPTION_EVERY | OPTION_BASE : 0),
                       &surface))
         return;
     if ((end == 3) != every)
         answer_usage(a);
+    else if (!is_ready(s, a, set, &surface))
+        return;
     else if (every || read_levels(a, q, end, &surface))
         surface_answer(s, a, set, &surface);
     else

@@ -33,8 +33,7 @@ void answer_usage(struct answer *a)
 static bool has_words(const struct command *c, const struct request *q)
 {
     unsigned without = c->body.fields && load_field_names(&c->body, q).len == 0 ? 2 : 0;
-    return q->n >= c->least && (c->most == 0 || q->n <= c->most - without) &&
-           ((c->flags & CMD_PAIRS) == 0 || (q->n - c->least) % 2 == 0);
+    return q->n >= c->least && (c->most == 0 || q->n <= c->most - without);
 }
 
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)

@@ -25,9 +25,8 @@ enum {
     CMD_ALL_SETS = 64, /* it is about all sets */
     CMD_OPEN = 128,    /* allowed before AUTH */
     CMD_ADMIN = 256,   /* it is about other clients: not for those who may only read */
-    CMD_PAIRS = 512,   /* the words after the first `least` come in pairs */
-    CMD_QUICK = 1024,  /* so quick that looking at the clock for each would be felt */
-    CMD_SHARES = 2048  /* reactors carry it out beside each other (command_shares) */
+    CMD_QUICK = 512,   /* so quick that looking at the clock for each would be felt */
+    CMD_SHARES = 1024  /* reactors carry it out beside each other (command_shares) */
 };
 
 /* Reads the change that a request asks for: *c is one of its kind and its set. False: the ERR line has been written. */
@@ -141,6 +140,13 @@ bool check_field_names(struct answer *a, const struct word *names);
 const struct dt_field *find_field(struct answer *a, const struct dataset *set,
                                   const struct word *w);
 
+/* The number of a constraint. */
+bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t *k);
+
+/* What follows INSIDE: the word *at, if it is a number, that of a border; *at moves behind it. */
+struct inside;
+bool read_inside(struct answer *a, const struct request *q, size_t *at, struct inside *out);
+
 /* A whole number; `what` names it in the error. */
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 
@@ -184,6 +190,7 @@ change_reader read_expiry, read_new_points, read_ids_to_delete, read_move; /* cm
 change_reader read_values_to_set, read_existing_field;                     /* cmd_field.c */
 command_handler cmd_triangulate, cmd_check, cmd_digest;                    /* cmd_build.c */
 command_handler cmd_constraints, cmd_constrainb;                           /* cmd_constraint.c */
+command_handler cmd_regions;                                               /* cmd_region.c */
 change_reader read_constraints, read_releases;                             /* cmd_constraint.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */

@@ -84,9 +84,13 @@ void answer_status(struct answer *a, enum dt_status status)
     case DT_NOCONSTRAINT:
         answer_err(a, ERR_NOCONSTRAINT, "no such constraint");
         break;
-    case DT_UNSURVEYED: /* no request asks for regions, so these three do not happen */
-    case DT_NOREGION:
+    case DT_NOREGION: /* of these two the caller says more */
+        answer_err(a, ERR_NOREGION, "no such border");
+        break;
     case DT_OPEN:
+        answer_err(a, ERR_OPEN, "the border is open");
+        break;
+    case DT_UNSURVEYED: /* does not happen */
     case DT_CORRUPT:
         answer_err(a, ERR_CORRUPT, "the triangulation is inconsistent");
         break;

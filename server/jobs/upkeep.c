@@ -1,6 +1,7 @@
 /* upkeep.c - see upkeep.h. */
 #include "server/jobs/upkeep.h"
 
+#include "core/delaunay_constraints.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
@@ -16,43 +17,70 @@ static void run_refresh(struct job *j)
 }
 
 /* The request that a worker has kept waiting is carried out now. */
-static void end_refresh(struct server *s, struct job *j, struct answer *a)
+static void end_upkeep(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (job_succeeded(j, a) && j->queued_ns > 0)
         answer_again(a);
 }
 
-bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
+/* Carries out a job that changes how the set is stored: the request waits for it, or for the set. True: it has been done. */
+static bool carry_out(struct server *s, struct answer *a, struct dataset *set, const char *what,
+                      void (*run)(struct job *j), bool large, bool builds)
 {
-    if (!version_is_stale(set->current)) {
-        if (!atomic_load_explicit(&set->current->asked, memory_order_relaxed))
-            atomic_store_explicit(&set->current->asked, true, memory_order_relaxed);
-        return true;
-    }
     if (!world_alone(a))
         return false;
     if (!dataset_admits(set, true, a->turn)) {
         answer_wait(a, &set->queue, true);
         return false;
     }
-    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
-    struct job *j = job_new(sizeof *j, run_refresh, end_refresh);
+    struct job *j = job_new(sizeof *j, run, end_upkeep);
     if (j == NULL) {
         answer_out_of_memory(a);
         return false;
     }
-    j->what = "triangulating";
-    j->copies = large;
+    j->what = what;
+    j->copies = large && builds;
     j->memory = server_reservation(s, BUDGET_BUILDS);
-    if (large && !job_reserve_build(s, a, set, &j->memory)) {
+    if (large && builds && !job_reserve_build(s, a, set, &j->memory)) {
         job_free(s, j);
         return false;
     }
     job_change(s, a, j, set, large ? JOB_LONG : JOB_LIGHT);
     if (a->next == ANSWER_WORK)
         answer_wait_job(a, a->job);
-    return a->next == ANSWER_DONE && !version_is_stale(set->current);
+    return a->next == ANSWER_DONE;
+}
+
+bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (version_is_stale(set->current)) {
+        bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
+        return carry_out(s, a, set, "triangulating", run_refresh, large, true) &&
+               !version_is_stale(set->current);
+    }
+    if (!atomic_load_explicit(&set->current->asked, memory_order_relaxed))
+        atomic_store_explicit(&set->current->asked, true, memory_order_relaxed);
+    return true;
+}
+
+/* ---- regions ---- */
+
+static void run_survey(struct job *j)
+{
+    j->status = job_reserve(j, dt_survey_memory(j->dt));
+    if (j->status == DT_OK)
+        j->status = dt_survey(j->dt, &j->options);
+}
+
+bool upkeep_survey(struct server *s, struct answer *a, struct dataset *set)
+{
+    const struct dt *t = set->current->dt;
+    if (!dt_has_borders(t) || dt_surveyed(t))
+        return true;
+    bool large = !cost_at_once(COST_SURVEY, set->current->sum.points);
+    return carry_out(s, a, set, "finding regions", run_survey, large, false) &&
+           dt_surveyed(set->current->dt);
 }
 
 /* ---- the grid ---- */

@@ -2,6 +2,7 @@
  * that clients see stays.
  *
  *     the triangulation   edits of many points leave it for later: a job updates it before the next query
+ *     the regions         that borders enclose: found before the first query that needs them, and again when borders have changed
  *     the grid            for searches: built before the first one, and again when edits have degraded it
  *     after a start       sets come from the disk without their triangulations: the smallest one is built first, and each
  *                         set can be used as soon as its own is there */
@@ -13,6 +14,9 @@
 /* Whether the triangulation of the set, if it has one, is current. If not, the request waits for the set or for the job that
  * updates it, or the error has been written. */
 bool upkeep_refresh(struct server *s, struct answer *a, struct dataset *set);
+
+/* Whether the regions of the set, which is triangulated, are known; otherwise as upkeep_refresh. */
+bool upkeep_survey(struct server *s, struct answer *a, struct dataset *set);
 
 /* Whether searches of the set can begin: the grid exists, or there is no memory for one. If not, it is being built, while
  * others read the set, and the request waits for the set. */

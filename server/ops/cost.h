@@ -12,13 +12,14 @@
 #include <stdint.h>
 
 enum cost_kind {
-    COST_BUILD, /* per point: a triangulation, or its check */
-    COST_GRID,  /* per point: the grid for searches */
-    COST_COPY,  /* per point: a copy of the set */
-    COST_EDIT,  /* per point added or deleted */
-    COST_SWEEP, /* per point that a sweep reads */
-    COST_FREE,  /* per KiB returned to the system */
-    COST_PAGE   /* per page of a field that is summed up */
+    COST_BUILD,  /* per point: a triangulation, or its check */
+    COST_GRID,   /* per point: the grid for searches */
+    COST_SURVEY, /* per point: the regions that borders enclose */
+    COST_COPY,   /* per point: a copy of the set */
+    COST_EDIT,   /* per point added or deleted */
+    COST_SWEEP,  /* per point that a sweep reads */
+    COST_FREE,   /* per KiB returned to the system */
+    COST_PAGE    /* per page of a field that is summed up */
 };
 
 enum {
@@ -30,8 +31,8 @@ enum {
 static inline bool cost_at_once(enum cost_kind kind, size_t n)
 {
     static const unsigned ns[] = {
-        [COST_BUILD] = 400, [COST_GRID] = 100, [COST_COPY] = 100, [COST_EDIT] = 2000,
-        [COST_SWEEP] = 50,  [COST_FREE] = 50,  [COST_PAGE] = 10};
+        [COST_BUILD] = 400,  [COST_GRID] = 100, [COST_COPY] = 100, [COST_EDIT] = 2000,
+        [COST_SURVEY] = 400, [COST_SWEEP] = 50, [COST_FREE] = 50,  [COST_PAGE] = 10};
     return n <= COST_AT_ONCE_NS / ns[kind];
 }
 

@@ -91,7 +91,7 @@ static size_t count_words(struct words w)
 /* Facts that are doubles; the others are counts, yes or no, or texts. */
 static bool is_double(const char *key, size_t len)
 {
-    return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl");
+    return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl") || is(key, len, "area");
 }
 
 /* A fact that is a text even if all its characters are digits. */

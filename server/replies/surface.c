@@ -40,6 +40,7 @@ static void answer_values(struct server *s, struct answer *a, struct dataset *se
                                     .field = dt_field_find(v->dt, q->field, q->field_len),
                                     .how = q->how,
                                     .max_edge = q->max_edge,
+                                    .inside = q->inside,
                                     .place = q->places.p,
                                     .raster = q->raster,
                                     .columns = columns,
@@ -138,6 +139,8 @@ static enum dt_status find_lines(struct surface_job *j)
     if (status == DT_OK)
         status =
             dt_contour_begin(v->dt, j->view, j->field, j->q.level, j->q.levels, j->q.max_edge, &c);
+    if (status == DT_OK && j->q.inside.asked)
+        status = dt_contour_inside(c, v->dt, j->q.inside.number);
     while (status == DT_OK && !done) {
         status = job_reserve(&j->job, dt_contour_memory(c));
         if (status == DT_OK)
@@ -182,13 +185,19 @@ static void answer_contour(struct server *s, struct answer *a, struct dataset *s
                            struct surface *q)
 {
     struct version *v = set->current;
-    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    struct surface_job *j = job_new(sizeof *j, run_job, end_job);
+    bool light = s->workers == NULL || cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
+    bool blocks = q->inside.asked && !light,
+         admitted = !blocks || dataset_admits(set, true, a->turn);
+    struct surface_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
     if (j == NULL) {
         surface_clear(q);
-        answer_out_of_memory(a);
+        if (admitted)
+            answer_out_of_memory(a);
+        else
+            answer_wait(a, &set->queue, true);
         return;
     }
+    j->job.set = blocks ? set : NULL; /* edits wait, because regions are those of now */
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "tracing";
     j->q = *q;

@@ -19,6 +19,7 @@ struct surface {
     size_t field_len;
     enum dt_interpolation how;
     double max_edge;      /* HUGE_VAL: any */
+    struct inside inside; /* regions_ready */
     struct places places; /* SURFACE_PLACES */
     struct dt_raster raster;
     double

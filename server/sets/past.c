@@ -104,6 +104,16 @@ static enum dt_status build(const struct copy *c, uint32_t next_id, const struct
     return status == DT_OK ? dt_prepare(t, opt) : status;
 }
 
+/* Finds the regions of the copy, if it has borders. */
+static enum dt_status survey(struct dt *t, const struct dt_options *opt, struct reservation *memory)
+{
+    if (!dt_has_borders(t))
+        return DT_OK;
+    if (!reservation_resize(memory, memory->bytes + dt_survey_memory(t)))
+        return DT_NOMEM;
+    return dt_survey(t, opt);
+}
+
 /* What the copy takes while it is made. */
 static size_t memory_at_most(const struct version *v, const struct dt_options *opt)
 {
@@ -130,6 +140,8 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
         status = DT_NOMEM;
     if (status == DT_OK)
         status = build(&c, dt_view_next_id(view), opt, out->dt);
+    if (status == DT_OK)
+        status = survey(out->dt, opt, memory);
     clear(&c);
     if (status == DT_OK) {
         out->field = dt_field_find(out->dt, "z", 1);

@@ -126,6 +126,28 @@ static void write_line(const struct rows *r, struct buf *out, const uint32_t *wo
     reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
 }
 
+void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region)
+{
+    word[0] = region->number;
+    word[1] = region->closed;
+    word[2] = region->triangles;
+    memcpy(&word[3], &region->area, sizeof region->area);
+}
+
+static void write_region(struct buf *out, const uint32_t word[ROW_REGION_WORDS])
+{
+    double area;
+    memcpy(&area, &word[3], sizeof area);
+    reply_row_region(out, word[0], word[1] != 0, word[2], area);
+}
+
+/* k, and k ids. */
+static void write_counted(const struct rows *r, struct buf *out, const uint32_t *word)
+{
+    if (make_room(r, out, 1 + (size_t)word[0], 0, 0))
+        reply_row_ids(out, word, 1 + (size_t)word[0]);
+}
+
 static void write_loop(const struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (!make_room(r, out, 1 + (size_t)word[1], 0, 0))
@@ -145,6 +167,8 @@ static void write_constraint(const struct rows *r, struct buf *out, const uint32
 /* The words of the list that the row at `at` takes. */
 static size_t list_words(const struct rows *r, size_t at)
 {
+    if (r->form == ROW_COUNTED)
+        return 1 + (size_t)r->ids.v[at];
     if (r->form == ROW_LOOP)
         return 2 + (size_t)r->ids.v[at + 1];
     return r->form == ROW_LINE ? ROW_LINE_WORDS + 4 * (size_t)r->ids.v[at + 3] : r->width;
@@ -177,6 +201,10 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_ring(r, out, *id);
         else if (r->form == ROW_LOOP)
             write_loop(r, out, id);
+        else if (r->form == ROW_COUNTED)
+            write_counted(r, out, id);
+        else if (r->form == ROW_REGION)
+            write_region(out, id);
         else if (r->form == ROW_CONSTRAINT)
             write_constraint(r, out, id);
         else if (r->form == ROW_VALUE)
@@ -500,9 +528,10 @@ bool rows_cut(struct rows *r, struct rows *part)
     }
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
-    size_t n = row_is_of_cell(r->form)                      ? PART_CELLS
-               : r->form == ROW_LINE || r->form == ROW_LOOP ? PART_NUMBERS
-                                                            : PART_IDS * r->width;
+    size_t n = row_is_of_cell(r->form) ? PART_CELLS
+               : r->form == ROW_LINE || r->form == ROW_LOOP || r->form == ROW_COUNTED
+                   ? PART_NUMBERS
+                   : PART_IDS * r->width;
     for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)
         r->at += list_words(r, r->at);
     part->ids.n = r->at;

@@ -5,6 +5,7 @@
 #ifndef SERVER_ROWS_H
 #define SERVER_ROWS_H
 
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "proto/reply.h"
 #include "server/sets/dataset.h"
@@ -24,8 +25,10 @@ enum row_form {
     ROW_LINE,       /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
     ROW_LOOP,       /* hole or outer, k and k ids: of the list 1 or 0, and the same */
     ROW_CONSTRAINT, /* a b, line or border, and a number: ROW_CONSTRAINT_WORDS words, the last twice the number, plus 1 for a border */
-    ROW_TRIANGLE,   /* binary, of a place: the corners of its triangle, */
-    ROW_NEAREST     /* and the `width` points nearest to it */
+    ROW_REGION, /* number, closed or open, triangles, and the area: ROW_REGION_WORDS words of the list */
+    ROW_COUNTED,  /* k and k ids: of the list the same */
+    ROW_TRIANGLE, /* binary, of a place: the corners of its triangle, */
+    ROW_NEAREST   /* and the `width` points nearest to it */
 };
 
 /* A row of ROW_VALUE in a list of words. */
@@ -38,10 +41,14 @@ void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint
 
 enum { ROW_CONSTRAINT_WORDS = 3 };
 
+enum { ROW_REGION_WORDS = 5 };
+void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region);
+
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP || form == ROW_CONSTRAINT;
+    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP || form == ROW_CONSTRAINT ||
+           form == ROW_REGION || form == ROW_COUNTED;
 }
 
 /* Places that are asked about. */

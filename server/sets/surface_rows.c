@@ -1,6 +1,7 @@
 /* surface_rows.c - see surface_rows.h. */
 #include "server/sets/surface_rows.h"
 
+#include "core/delaunay_constraints.h"
 #include "proto/reply.h"
 
 #include <stdlib.h>
@@ -75,8 +76,12 @@ static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, s
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
                                  struct pace *pace, struct reservation *memory)
 {
-    struct dt_surface s = {.how = r->how, .max_edge = r->max_edge};
-    r->passed = r->view != NULL && !dt_view_is_current(r->dt, r->view);
+    struct dt_surface s = {.how = r->how,
+                           .max_edge = r->max_edge,
+                           .inside = r->inside.asked,
+                           .number = r->inside.number};
+    r->passed = r->view != NULL && !(s.inside ? dt_view_has_regions(r->dt, r->view)
+                                              : dt_view_is_current(r->dt, r->view));
     if (r->passed)
         return DT_OK;
     if (r->value == NULL) {

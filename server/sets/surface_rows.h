@@ -10,12 +10,19 @@
 #include "server/sets/pace.h"
 #include "server/sets/room.h"
 
+/* INSIDE: what is inside a border, or inside any. */
+struct inside {
+    bool asked;
+    uint32_t number; /* DT_NONE: any */
+};
+
 struct surface_rows {
     const struct dt *dt;          /* borrows; the set of the view, or a copy */
     const struct dt_view *view;   /* borrows; NULL: now, or of a copy */
     const struct dt_field *field; /* borrows; of dt */
     enum dt_interpolation how;
-    double max_edge;              /* HUGE_VAL: any */
+    double max_edge; /* HUGE_VAL: any */
+    struct inside inside;
     const struct dt_point *place; /* borrows; NULL: the cells of the raster */
     struct dt_raster raster;
     size_t columns; /* values in a row */
@@ -24,7 +31,8 @@ struct surface_rows {
     double *value;  /* owns: the next values, `found` of them, of rows that are not complete */
     size_t found;
     size_t room; /* bytes of `value`, if it is not NULL */
-    bool passed; /* the points have been edited since the view began: nothing was written */
+    bool
+        passed; /* the points, or borders that count, have been edited since the view began: nothing was written */
 };
 
 /* The bytes of a piece, about. */

@@ -107,12 +107,12 @@ TEST(reply_comments_are_comments)
 TEST(reply_codes_have_the_names_of_the_protocol)
 {
     static const char *const names[] = {
-        "SYNTAX",       "UNKNOWN", "NUMBER",      "RANGE",       "NOSET",
-        "EXISTS",       "NOPOINT", "NOEDGE",      "NOTRIANGLE",  "NOFIELD",
-        "NOCONSTRAINT", "CROSSES", "CONSTRAINED", "NOTDELAUNAY", "UNTRIANGULATED",
-        "TOOLONG",      "TOOBIG",  "BUSY",        "NOMEM",       "READONLY",
-        "NOFOLLOWERS",  "NOAUTH",  "DENIED",      "TIMEOUT",     "CANCELLED",
-        "LOADING",      "IO",      "CORRUPT"};
+        "SYNTAX",       "UNKNOWN",        "NUMBER",      "RANGE",       "NOSET",
+        "EXISTS",       "NOPOINT",        "NOEDGE",      "NOTRIANGLE",  "NOFIELD",
+        "NOCONSTRAINT", "CROSSES",        "CONSTRAINED", "NOTDELAUNAY", "NOREGION",
+        "OPEN",         "UNTRIANGULATED", "TOOLONG",     "TOOBIG",      "BUSY",
+        "NOMEM",        "READONLY",       "NOFOLLOWERS", "NOAUTH",      "DENIED",
+        "TIMEOUT",      "CANCELLED",      "LOADING",     "IO",          "CORRUPT"};
     for (unsigned i = 0; i <= ERR_CORRUPT; i++)
         CHECK_STR(reply_code_name((enum reply_code)i), names[i]);
 }

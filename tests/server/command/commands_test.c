@@ -286,9 +286,9 @@ TEST(errors_of_queries_leave_the_connection_usable)
                "ERR SYNTAX usage: HULL set [CW]\n"
                "ERR RANGE a radius is not negative\n"
                "ERR SYNTAX usage: TRIANGLES set [WITHIN x0 y0 x1 y1] [CW] [BINARY] | TRIANGLES set "
-               "a [b [c]] [CW]\n"
+               "INSIDE [k] [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]\n"
                "ERR SYNTAX usage: EDGES set [CW] [BINARY] | EDGES set CONSTRAINED [BINARY] | EDGES "
-               "set a [CW]\n"
+               "set INSIDE [k] [CW] [BINARY] | EDGES set a [CW]\n"
                "ERR SYNTAX usage: POINTS set [FIELDS a,b] [BINARY]\n"
                "OK 1\n4 2 2\n");
 }

@@ -62,13 +62,13 @@ static bool is_same(const double *a, const double *b, size_t n)
 
 #define INTERPOLATE_USAGE                                                                          \
     "ERR SYNTAX usage: INTERPOLATE set field x y [x y ...] "                                       \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e]\n"
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]]\n"
 #define RASTER_USAGE                                                                               \
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [BINARY]\n"
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
-    "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY " \
-    "step [BASE b] [MAXEDGE e]\n"
+    "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR "    \
+    "set field EVERY step [BASE b] [MAXEDGE e] [INSIDE [k]]\n"
 
 TEST(surface_requests_that_cannot_be_answered)
 {

@@ -132,6 +132,24 @@ TEST_TIMEOUT(values_of_a_set_with_constraints_are_those_of_the_moment, 60)
     }
 }
 
+/* Also where borders change and the triangulation does not. */
+TEST_TIMEOUT(values_inside_borders_are_those_of_the_moment, 60)
+{
+    static const char before[] = "CONSTRAIN t BORDER OF 7 RING 0 1 2\n";
+    static const char *const inside[] = {
+        "RASTER t z 0 0 100 100 420 420 INSIDE 7 BINARY",
+        "RASTER t z 0 0 100 100 9000 7 METHOD nearest INSIDE",
+        "RASTER t z -50 0 100 150 200 220 INSIDE MAXEDGE 20",
+    };
+    static const char *const edits[] = {"MOVE t 7 50.5 50.25\nADD t 33 22\n",
+                                        "CONSTRAIN t BORDER OF 7 RING 0 1 2 3\nREGIONS t\n",
+                                        "RELEASE t ALL\nCONSTRAIN t BORDER OF 7 RING 0 2 3\n",
+                                        "CONSTRAIN t BORDER OF 8 RING 0 2 3\nREGIONS t\n"};
+    for (size_t i = 0; i < sizeof inside / sizeof *inside; i++)
+        for (size_t k = 0; k < sizeof edits / sizeof *edits; k++)
+            check_moment_of(before, inside[i], edits[k], 2 * ((i + k) % 2));
+}
+
 TEST_TIMEOUT(values_are_those_of_the_moment_of_the_request, 120)
 {
     static const char edits[] = "MOVE t 7 50.5 50.25\nDEL t 1 20 21 22\n"
