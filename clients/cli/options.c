@@ -70,3 +70,9 @@ bool options_read_box(const char *text, double *box)
     }
     return box[0] < box[2] && box[1] < box[3];
 }
+
+bool options_is_inside(const char *text)
+{
+    size_t len = strlen(text);
+    return strcmp(text, "any") == 0 || (len > 0 && len <= 10 && strspn(text, "0123456789") == len);
+}

@@ -22,4 +22,7 @@ bool options_name_file(int argc, char **argv);
 /* Reads X0,Y0,X1,Y1, from lower left to upper right. */
 bool options_read_box(const char *text, double *box);
 
+/* Whether the text says inside which border: `any`, or a number. */
+bool options_is_inside(const char *text);
+
 #endif

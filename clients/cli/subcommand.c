@@ -100,9 +100,11 @@ const struct subcommand subcommands[] = {
      "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
      "      --method M        linear, natural, laplace or nearest\n"
      "      --max-edge E      nothing in triangles that have a longer edge\n"
+     "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --colour --force", true, NULL},
+     "--format --cell --width --viewport --method --max-edge --inside --colour --force", true,
+     NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--format F] [--every STEP [--base B] | --levels L,L,...] ...",
      "Writes contour lines of a field (- for the standard output), about ten levels unless the "
@@ -112,10 +114,12 @@ const struct subcommand subcommands[] = {
      "      --every STEP      levels at B (0) and at all multiples of STEP from it\n"
      "      --levels L,L,...  these levels\n"
      "      --max-edge E      none in triangles that have a longer edge\n"
+     "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --every --base --levels --max-edge --viewport --geographic --force", true, NULL},
+     "--format --every --base --levels --max-edge --inside --viewport --geographic --force", true,
+     NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
      "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "

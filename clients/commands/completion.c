@@ -15,7 +15,7 @@ static const char inputs[] = "xy csv geojson node xyz gpx las", grids[] = "asc b
                   paints[] = "relief light height", colours[] = "quality degree relief";
 static const char valued[] =
     " --columns | --viewport | --seconds | --width | --height | --cell | --every | --base | "
-    "--levels | --max-edge | --field | --skip-lines | --nodata | --negate ";
+    "--levels | --max-edge | --inside | --field | --skip-lines | --nodata | --negate ";
 
 static void put_formats(void)
 {

@@ -11,7 +11,7 @@
 enum { USUAL_LEVELS = 10, MOST_LEVELS = 1000 };
 
 struct work {
-    const char *set, *field, *every, *base, *levels, *max_edge;
+    const char *set, *field, *every, *base, *levels, *max_edge, *inside;
     struct shapes_file file; /* owns */
 };
 
@@ -88,6 +88,9 @@ static enum delaunay_result send_request(struct delaunay_client *c, const struct
     }
     if (w->max_edge != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " MAXEDGE %s", w->max_edge);
+    if (w->inside != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %s",
+                              strcmp(w->inside, "any") == 0 ? "" : w->inside);
     return delaunay_send(c, line, n);
 }
 
@@ -145,6 +148,10 @@ static int read_option(struct work *w, int option, char **argv)
         w->levels = optarg;
     else if (option == 'l')
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
+    else if (option == 'i' && options_is_inside(optarg))
+        w->inside = optarg;
+    else if (option == 'i')
+        return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
     else if (option != 'e' && option != 'b' && option != 'm')
         return shapes_file_option(&w->file, option, argv);
     else if (!proto_is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
@@ -156,15 +163,12 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"every", required_argument, NULL, 'e'},
-                                            {"base", required_argument, NULL, 'b'},
-                                            {"levels", required_argument, NULL, 'l'},
-                                            {"max-edge", required_argument, NULL, 'm'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
+        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
+        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
+        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
+        {"geographic", no_argument, NULL, 'G'},     {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

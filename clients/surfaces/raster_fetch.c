@@ -81,6 +81,9 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
         n += (size_t)snprintf(line + n, sizeof line - n, " MAXEDGE");
         n = put(line, n, r->max_edge);
     }
+    if (r->inside != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %.20s",
+                              strcmp(r->inside, "any") == 0 ? "" : r->inside);
     n += (size_t)snprintf(line + n, sizeof line - n, " BINARY");
     return delaunay_send(c, line, n);
 }

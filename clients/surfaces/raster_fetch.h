@@ -15,6 +15,7 @@ struct raster_request {
     uint32_t most_rows; /* where it is not 0, cells are larger if there would be more */
     const char *method; /* NULL: linear */
     double max_edge;    /* 0: any */
+    const char *inside; /* the number of a border, or any; NULL: everywhere */
     double squeeze;     /* cells are 1 / squeeze as wide as high; 0: as wide */
 };
 

@@ -85,11 +85,24 @@ TEST(contour_without_a_file_sends_the_request)
     cli_finish();
 }
 
+TEST(contour_ends_at_the_border_that_an_option_names)
+{
+    int status;
+    make_pyramid();
+    cli_run_well("constrain t border of 3 ring 0 1 4");
+    const char *out = cli_run(&status, "contour t z - -f wkt --levels 5 --inside any");
+    CHECK_MSG(status == 0 && strstr(out, "(1 1,3 1)\",5,false") != NULL, "%s", out);
+    CHECK(strstr(cli_run(&status, "contour t z - --inside 4"), "NOREGION") && status == 1);
+    out = cli_run(&status, "regions t");
+    CHECK_MSG(status == 0 && strstr(out, "\n3 closed 1 4\n") != NULL, "%s", out);
+    cli_finish();
+}
+
 TEST(contour_refuses_invalid_options)
 {
     static const char *const wrong[] = {"--levels 1,x",         "--levels 1,",  "--every x",
                                         "--levels 1 --every 2", "--format png", "--viewport 1",
-                                        "--levels 1 --base 2"};
+                                        "--levels 1 --base 2",  "--inside -1"};
     char command[300];
     int status;
     make_pyramid();

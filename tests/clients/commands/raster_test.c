@@ -49,6 +49,24 @@ TEST(raster_passes_method_and_longest_edge_on)
     cli_finish();
 }
 
+TEST(raster_is_empty_outside_the_border_that_an_option_names)
+{
+    int status;
+    make_plane();
+    cli_run_well("constrain t border of 3 ring 0 1 2");
+    const char *out = cli_run(&status, "raster t z - --width 2");
+    CHECK(status == 0 && strstr(out, "\n-9999 ") == NULL);
+    out = cli_run(&status, "raster t z - --width 2 --inside 3");
+    CHECK_MSG(status == 0 && strstr(out, "\n-9999 ") != NULL, "%s", out);
+    char any[400];
+    snprintf(any, sizeof any, "%s", out);
+    CHECK_STR(cli_run(&status, "raster t z - --width 2 --inside any"), any);
+    CHECK(strstr(cli_run(&status, "raster t z - --inside 4"), "NOREGION") && status == 1);
+    cli_run(&status, "raster t z - --inside x");
+    CHECK(status == 2);
+    cli_finish();
+}
+
 TEST(raster_writes_bil_with_a_header_file)
 {
     int status;
