@@ -47,7 +47,7 @@ $(LIBRARIES:%=$(O)/lib/lib%.names):
 $(O)/lib/lib%.map: $(O)/lib/lib%.names
 	{ echo 'DELAUNAY_0 { global:'; sed 's/$$/;/' $<; echo 'local: *; };'; } >$@
 
-CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o \
+CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o clients/lib/mirror_constraints.o \
                   clients/lib/connect.o clients/lib/url.o \
                   $(addprefix proto/,buf.o reply_read.o request.o number_exact.o number_read.o number_write.o powers.o)
 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/,$(CLIENT_LIBRARY))

@@ -174,7 +174,7 @@ fuzz_long   = $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(or $(FUZZ_RUNS_$(
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
-$(FUZZERS): %: %.o $(CORE) $(PROTO) $(filter-out $(O)/server/main.o,$(SERVER)) $(O)/clients/lib/mirror_copy.o \
+$(FUZZERS): %: %.o $(CORE) $(PROTO) $(filter-out $(O)/server/main.o,$(SERVER)) $(O)/clients/lib/mirror_copy.o $(O)/clients/lib/mirror_constraints.o \
   $(patsubst %.c,$(O)/%.o,$(wildcard clients/files/*.c clients/lines/*.c clients/points/*.c clients/reading/*.c))
 	$(COMPILE) -fsanitize=fuzzer -o $@ $^ $(LDLIBS)
 

@@ -190,6 +190,16 @@ export class Client {
   info(): Promise<Record<string, string | number | boolean>>;
 }
 
+/** A constraint, a < b; a border or else a line. */
+export interface Constraint {
+  a: number;
+  b: number;
+  border: boolean;
+  number: number;
+  /** In a mirror of a box: x and y of a and of b, which may be outside. */
+  places?: number[];
+}
+
 /** What has changed between two versions of a set. */
 export interface Change {
   version: number;
@@ -202,6 +212,9 @@ export interface Change {
   /** Three ids a triangle, counterclockwise from the smallest, in no order. */
   trianglesAdded: Uint32Array;
   trianglesRemoved: Uint32Array;
+  /** Sorted; in a mirror of a box those that come to meet it or do not any more, and the first also those whose ends have moved. */
+  constraintsAdded: Constraint[];
+  constraintsReleased: Constraint[];
 }
 
 /** A copy of a set that follows it, over a connection of its own, until it is closed or the set is dropped. An EventEmitter. A
@@ -218,6 +231,8 @@ export interface Mirror {
   points(): { ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> };
   lists(): Map<number, Uint32Array>;
   triangles(): Uint32Array;
+  /** In the order of CONSTRAINTS; of a box those that meet it. */
+  constraints(): readonly Readonly<Constraint>[];
   /** Resolves when the copy has this version or a later one. Rejects with the code CLOSED or DROPPED. */
   reached(version: number): Promise<void>;
   close(): void;

@@ -171,6 +171,14 @@ bool delaunay_key_number(const struct delaunay_part *status, const char *key, ui
 /* The number of rows that an OK line announces. */
 uint64_t delaunay_rows(const struct delaunay_part *status);
 
+/* A constraint between two points, a < b; places: x and y of a and of b, in a mirror of a box, else 0. */
+struct delaunay_segment {
+    uint32_t a, b;
+    bool border; /* else a line */
+    uint32_t number;
+    double places[4];
+};
+
 /* What has changed from one version of a set to another: what mirrors report. */
 struct delaunay_change {
     uint64_t version;
@@ -180,6 +188,9 @@ struct delaunay_change {
     const uint32_t *triangles_added,
         *triangles_removed; /* three ids each, counterclockwise from the smallest */
     size_t n_triangles_added, n_triangles_removed; /* triangles */
+    /* Sorted; in a mirror of a box those that come to meet it or do not any more, and `added` also those whose ends have moved. */
+    const struct delaunay_segment *constraints_added, *constraints_released;
+    size_t n_constraints_added, n_constraints_released;
 };
 
 #ifdef __cplusplus

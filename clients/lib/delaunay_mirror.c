@@ -64,7 +64,7 @@ static enum delaunay_result watch(struct delaunay_mirror *m, struct delaunay_cli
     if (m->version > 0)
         len += snprintf(line + len, sizeof line - (size_t)len, " SINCE %llu",
                         (unsigned long long)m->version);
-    snprintf(line + len, sizeof line - (size_t)len, "%s", m->words);
+    snprintf(line + len, sizeof line - (size_t)len, "%s CONSTRAINTS", m->words);
     delaunay_expect_events(c);
     if (r == DELAUNAY_OK)
         r = delaunay_request(c, line, NULL, NULL);
@@ -320,4 +320,14 @@ size_t delaunay_mirror_ring(const struct delaunay_mirror *m, uint32_t id, const 
     *ring = m->copy.rings.at + p->ring;
     *interior = p->inner;
     return p->len;
+}
+
+enum delaunay_result delaunay_mirror_constraints(struct delaunay_mirror *m,
+                                                 const struct delaunay_segment **rows, size_t *n)
+{
+    if (!constraints_sort(&m->copy.constraints))
+        return DELAUNAY_NOMEM;
+    *rows = m->copy.constraints.sorted.at;
+    *n = m->copy.constraints.sorted.n;
+    return DELAUNAY_OK;
 }

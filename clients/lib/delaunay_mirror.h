@@ -7,7 +7,7 @@
  *     delaunay_mirror_close(m);
  *
  * It has a connection of its own (WATCH; PROTOCOL.md, section 6.5) and connects again when that is lost. The copy changes only
- * inside delaunay_mirror_next, and is always that of one version. Memory: linear in the ids given so far and in the rings; of
+ * inside delaunay_mirror_next, and is always that of one version. Memory: linear in the ids given so far, the rings and the constraints; of
  * a million random points about 90 bytes a point are resident, 160 while the first change is applied.
  * A mirror must not be used by two threads at once. */
 #ifndef DELAUNAY_MIRROR_H
@@ -63,6 +63,11 @@ bool delaunay_mirror_point(const struct delaunay_mirror *m, uint32_t id, double 
  * point. */
 size_t delaunay_mirror_ring(const struct delaunay_mirror *m, uint32_t id, const uint32_t **ring,
                             bool *interior);
+
+/* All constraints, in the order of CONSTRAINTS, in *rows, valid until the next call of delaunay_mirror_next; of a mirror of a box those
+ * that meet it. DELAUNAY_NOMEM. Cost: O(m log m) for m constraints if they have changed since the last call, else constant. */
+enum delaunay_result delaunay_mirror_constraints(struct delaunay_mirror *m,
+                                                 const struct delaunay_segment **rows, size_t *n);
 
 #ifdef __cplusplus
 }

@@ -82,6 +82,7 @@ void copy_free(struct copy *c)
     free(c->slot);
     free(c->entry);
     free(c->event_value);
+    constraints_free(&c->constraints);
 }
 
 /* ---- gathering ---- */
@@ -91,6 +92,7 @@ void copy_forget(struct copy *c)
     for (size_t i = 0; i < c->entries; i++)
         c->slot[c->entry[i].id] = 0;
     c->entries = c->event_rings.n = c->event_values = 0;
+    constraints_forget(&c->constraints);
     c->reset = false;
     if (c->event_rings.cap <= MANY_WORDS && c->entry_room <= MANY_WORDS)
         return;
@@ -195,6 +197,23 @@ static enum delaunay_result list_row(struct copy *c, struct copy_entry *e, struc
     return DELAUNAY_OK;
 }
 
+/* `b line k` or `b border k`, and perhaps the places of both ends. */
+static enum delaunay_result constraint_row(struct copy *c, uint32_t a, bool declared, struct row *r)
+{
+    const char *kind;
+    size_t n;
+    struct delaunay_segment what = {.a = a};
+    if (!next_id(r, &what.b) || !next_word(r, &kind, &n) || !next_id(r, &what.number))
+        return DELAUNAY_BROKEN;
+    what.border = n == 6 && memcmp(kind, "border", 6) == 0;
+    bool good = what.border || (n == 4 && memcmp(kind, "line", 4) == 0);
+    for (int i = 0; i < 4 && good && declared && (i > 0 || r->at < r->end); i++)
+        good = next_double(r, &what.places[i]);
+    if (!good || r->at < r->end)
+        return DELAUNAY_BROKEN;
+    return constraints_gather(&c->constraints, &what, declared) ? DELAUNAY_OK : DELAUNAY_NOMEM;
+}
+
 enum delaunay_result copy_row(struct copy *c, const char *text, size_t len)
 {
     struct row r = {text, text + len};
@@ -203,6 +222,10 @@ enum delaunay_result copy_row(struct copy *c, const char *text, size_t len)
     uint32_t id;
     if (!next_word(&r, &kind, &n) || !next_id(&r, &id))
         return DELAUNAY_BROKEN;
+    if (n == 10 && memcmp(kind, "constraint", 10) == 0)
+        return constraint_row(c, id, true, &r);
+    if (n == 8 && memcmp(kind, "released", 8) == 0)
+        return constraint_row(c, id, false, &r);
     struct copy_entry *e = entry_of(c, id);
     if (e == NULL)
         return DELAUNAY_NOMEM;
@@ -433,9 +456,12 @@ static void apply(struct copy *c, const struct copy_entry *e)
 
 enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change)
 {
-    bool ok = name_all(c) && compare(c) && rings_room(c, c->event_rings.n);
+    bool ok = name_all(c) && compare(c) && rings_room(c, c->event_rings.n) &&
+              constraints_compare(&c->constraints, c->reset);
     for (size_t i = 0; i < c->entries && ok; i++)
         apply(c, &c->entry[i]);
+    if (ok)
+        constraints_apply(&c->constraints);
     *change = (struct delaunay_change){
         .reset = c->reset,
         .added = c->added.at,
@@ -448,6 +474,10 @@ enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change)
         .triangles_removed = c->triangles_removed.at,
         .n_triangles_added = c->triangles_added.n / 3,
         .n_triangles_removed = c->triangles_removed.n / 3,
+        .constraints_added = c->constraints.added.at,
+        .constraints_released = c->constraints.released.at,
+        .n_constraints_added = c->constraints.added.n,
+        .n_constraints_released = c->constraints.released.n,
     };
     copy_forget(c);
     return ok ? DELAUNAY_OK : DELAUNAY_NOMEM;

@@ -9,6 +9,7 @@
 #define CLIENTS_MIRROR_COPY_H
 
 #include "clients/lib/delaunay_client.h"
+#include "clients/lib/mirror_constraints.h"
 
 /* The state of an id in the copy. */
 struct copy_place {
@@ -43,6 +44,7 @@ struct copy {
     struct copy_words rings; /* of the copy; replaced rings leave gaps */
     size_t ringed_words;     /* words of rings that are in use */
     size_t points;
+    struct constraints constraints;
     /* The event that is being gathered: */
     bool reset;
     struct copy_entry *entry; /* owns */

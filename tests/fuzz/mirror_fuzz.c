@@ -1,6 +1,7 @@
 /* mirror_fuzz.c - rows of events for the copy that a mirror keeps: the first byte is the number of fields, then lines:
  * rows, `reset`, and an empty line for the end of an event. Whatever rings there are, the copy's counts fit what it
  * has, and a change names points that were, or were not, there. */
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +37,7 @@ static size_t words_of(const struct copy *c)
 static void commit(struct copy *c)
 {
     struct delaunay_change change;
-    size_t before = c->points;
+    size_t before = c->points, constraints = c->constraints.rows.n;
     check(copy_commit(c, &change) == DELAUNAY_OK);
     check(c->points == before + change.n_added - change.n_gone && c->points == points_of(c));
     check(c->ringed_words == words_of(c) && c->ringed_words <= c->rings.n);
@@ -44,6 +45,12 @@ static void commit(struct copy *c)
         check(copy_place(c, change.added[i]) != NULL);
     for (size_t i = 0; i < change.n_gone; i++)
         check(copy_place(c, change.gone[i]) == NULL);
+    check(c->constraints.rows.n + change.n_constraints_released <=
+          constraints + change.n_constraints_added);
+    check(constraints_sort(&c->constraints) && c->constraints.sorted.n == c->constraints.rows.n);
+    for (size_t i = 1; i < c->constraints.sorted.n; i++) /* each once */
+        check(memcmp(&c->constraints.sorted.at[i - 1], &c->constraints.sorted.at[i],
+                     offsetof(struct delaunay_segment, places)) != 0);
 }
 
 /* Large ids would need memory for all smaller ones. */

@@ -1,5 +1,5 @@
 """Mirrors of a set that is edited at random, while the daemon is killed and started again, connections are lost, and those who
-watch stop reading for a while. At equal versions the mirrors must equal POINTS, LISTS and TRIANGLES byte for byte.
+watch stop reading for a while. At equal versions the mirrors must equal POINTS, LISTS, TRIANGLES and CONSTRAINTS byte for byte.
 
     mirrors.py BUILD_DIR [--edits N] [--seeds N] [--first-seed N]
 
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from fractions import Fraction
 
 sys.path.insert(0, "clients/python")
 import delaunayd  # noqa: E402
@@ -23,6 +24,7 @@ from delaunayd import _protocol  # noqa: E402
 _protocol.numpy = None  # tables of small sets
 WAIT = 120
 BOX = (0.25, 0.25, 0.75, 0.75)
+REFUSALS = (b"NOPOINT", b"NOFIELD", b"UNTRIANGULATED", b"CROSSES", b"CONSTRAINED", b"NOCONSTRAINT")
 
 
 class Daemon:
@@ -62,6 +64,7 @@ class Editor:
     def __init__(self, daemon, rnd, size, place):
         self.daemon, self.rnd, self.size, self.place = daemon, rnd, size, place
         self.edits = self.refused = 0
+        self.constrains = rnd.choice((0, 0.05, 0.3))
         self.client = delaunayd.Client(daemon.url, timeout=WAIT)
         self.begin()
 
@@ -102,12 +105,23 @@ class Editor:
     def places(self, n):
         return " ".join("%r %r" % self.place(self.rnd) for _ in range(n))
 
+    def constraint(self):
+        rnd, kind = self.rnd, self.rnd.choice(("", " BORDER")) + " OF %d" % self.rnd.randrange(3)
+        what = rnd.random()
+        if what < 0.75:
+            return "CONSTRAIN t%s %d %d" % (kind, self.some_id(), self.some_id())
+        if what < 0.9:
+            return "CONSTRAIN t%s PATH %d %d %d" % (kind, self.some_id(), self.some_id(), self.some_id())
+        return "RELEASE t ALL" if what < 0.92 else "RELEASE t%s" % kind
+
     def request(self):
         rnd, what = self.rnd, self.rnd.random()
+        if rnd.random() < self.constrains:
+            return self.constraint()
         shrink = len(self.ids) > self.size * rnd.uniform(0.5, 1.5)
         if what < 0.4:
             if shrink:
-                return "DEL t " + " ".join({str(self.some_id()) for _ in range(rnd.choice((1, 1, 1, 2, 7)))})
+                return "DEL t " + " ".join({str(self.some_id()) for _ in range(rnd.choice((1, 1, 1, 2, 7)))}) + rnd.choice(("", " CASCADE"))
             return "ADD t " + self.places(rnd.choice((1, 1, 1, 1, 5)))
         if what < 0.75:
             return "MOVE t %d %s" % (self.some_id(), self.places(1))
@@ -132,7 +146,7 @@ class Editor:
             words = reply.split()
             assert words and words[0] in (b"OK", b"ERR"), (request, reply)
             if words[0] == b"ERR":
-                assert words[1] in (b"NOPOINT", b"NOFIELD", b"UNTRIANGULATED"), (request, reply)
+                assert words[1] in REFUSALS or (words[1] == b"SYNTAX" and b"one end only" in reply), (request, reply)
                 self.refused += 1
                 continue
             self.edits += 1
@@ -141,7 +155,7 @@ class Editor:
                 self.ids += range(first, first + added)
                 self.used = first + added
             elif request.startswith("DEL"):
-                gone.update(map(int, request.split()[2:]))
+                gone.update(int(word) for word in request.split()[2:] if word != "CASCADE")
         if gone:
             self.ids = [id for id in self.ids if id not in gone]
 
@@ -186,6 +200,7 @@ class Followed:
                 time.sleep(0.01)
         self.points = set(self.mirror.points()[0])
         self.triangles = self.listed()
+        self.constraints = set(self.mirror.constraints())
         self.changes = 0
 
     def listed(self):
@@ -197,6 +212,9 @@ class Followed:
         assert self.triangles.isdisjoint(change.triangles_added) and self.triangles.issuperset(change.triangles_removed)
         self.points = (self.points - set(change.gone)) | set(change.added)
         self.triangles = (self.triangles - set(change.triangles_removed)) | set(change.triangles_added)
+        assert self.constraints.issuperset(change.constraints_released)
+        assert self.mirror.within or self.constraints.isdisjoint(change.constraints_added)
+        self.constraints = (self.constraints - set(change.constraints_released)) | set(change.constraints_added)
         self.changes += 1
 
 
@@ -212,6 +230,21 @@ def binary(mirror):
     return b"".join(rows), b"".join(rings), mirror.triangles().tobytes()
 
 
+def meets(a, b, box):
+    """Whether the closed segment meets the closed box; exact."""
+    x0, y0, x1, y1 = map(Fraction, box)
+    ax, ay, bx, by = map(Fraction, (*a, *b))
+    if max(ax, bx) < x0 or min(ax, bx) > x1 or max(ay, by) < y0 or min(ay, by) > y1:
+        return False
+    sides = {((bx - ax) * (y - ay) > (by - ay) * (x - ax)) - ((bx - ax) * (y - ay) < (by - ay) * (x - ax)) for x in (x0, x1) for y in (y0, y1)}
+    return sides not in ({1}, {-1})
+
+
+def constraints(client):
+    rows = [row.split() for row in client.command("CONSTRAINTS", "t").rows]
+    return [(int(a), int(b), kind == "border", int(k)) for a, b, kind, k in rows]
+
+
 def compare_part(editor, m):
     """A mirror of a box."""
     client = editor.client
@@ -220,6 +253,9 @@ def compare_part(editor, m):
     want = {id: (xy[2 * k], xy[2 * k + 1], repr(z[k])) for k, id in enumerate(ids) if id in inside}
     got = {id: (*m.point(id), repr(m.values(id)[0])) for id in m.points()[0]}
     assert got == want, "points of %r" % m
+    place = {id: (xy[2 * k], xy[2 * k + 1]) for k, id in enumerate(ids)}
+    assert m.constraints() == [c for c in constraints(client) if meets(place[c[0]], place[c[1]], m.within)], "constraints of %r" % m
+    assert all(m.ends(c) == (place[c.a], place[c.b]) for c in m.constraints()), "ends of constraints of %r" % m
     rings, triangles = {}, set()
     if client.stat("t")["triangulated"]:
         rings = editor.ask(lambda: client.lists("t", within=m.within))
@@ -242,9 +278,11 @@ def compare(editor, followed):
         assert m.wait(int(stat["version"]), WAIT), "version %s did not arrive: %r" % (stat["version"], m)
         assert m.version == stat["version"], (m, stat["version"])
         assert f.points == set(m.points()[0]) and f.triangles == f.listed(), "the changes of %r do not add up" % m
+        assert f.constraints == set(m.constraints()), "the changes of %r do not add up" % m
         if m.within:
             compare_part(editor, m)
             continue
+        assert m.constraints() == constraints(client), "constraints of %r" % m
         words = ("FIELDS", "z") if m.fields else ()
         if words not in want:
             want[words] = client.command("POINTS", "t", *words, "BINARY").data

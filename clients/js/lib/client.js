@@ -397,7 +397,7 @@ class Client extends Table {
   async mirror(set, { within, fields = [] } = {}) {
     const { Mirror } = await import('./mirror.mjs');
     const names = [...fields].map(checkField);
-    const rest = `${boxWords(within, 'WITHIN')}${names.length > 0 ? ` FIELDS ${names.join(',')}` : ''}`;
+    const rest = `${boxWords(within, 'WITHIN')}${names.length > 0 ? ` FIELDS ${names.join(',')}` : ''} CONSTRAINTS`;
     const onEnd = () => this.#mirrors.delete(mirror);
     const mirror = new Mirror(checkSet(set), { open: (options) => this.#connect(options), rest, fields: names, onEnd });
     this.#mirrors.add(mirror);

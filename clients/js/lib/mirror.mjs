@@ -38,12 +38,19 @@ class Triangles {
 /** Whether two rows [x, y, value ...] are the same numbers. */
 const areSame = (a, b) => a.every((value, k) => Object.is(value, b[k]));
 
-/** Places, values and rings by id, and what an event changes in them. */
+/** In the order of CONSTRAINTS. */
+const byConstraint = (one, other) => one.a - other.a || one.b - other.b || one.border - other.border || one.number - other.number;
+
+/** Whether a constraint is as it was; in a box its ends may have moved. */
+const isAsBefore = (old, now) => old !== undefined && (now.places === undefined || (old.places !== undefined && areSame(old.places, now.places)));
+
+/** Places, values and rings by id, constraints, and what an event changes in them. */
 class State {
   points = new Map(); // id -> [x, y, value ...]
   rings = new Map(); // id -> {inner, ring}
+  constraints = new Map(); // as in Gathered
 
-  /** Applies what has been gathered; returns the points added, moved and gone, and the triangles added and removed. */
+  /** Applies what has been gathered; returns the points added, moved and gone, and the triangles and constraints added and removed. */
   apply(gathered) {
     const { points, rings } = gathered;
     const ids = gathered.ids();
@@ -55,7 +62,11 @@ class State {
     }
     if (gathered.reset) [this.points, this.rings] = [points, rings];
     else this.#merge(gathered);
-    return { ...this.#pointChanges(ids, before.points), ...this.#triangleChanges(ids, before.rings) };
+    return {
+      ...this.#pointChanges(ids, before.points),
+      ...this.#triangleChanges(ids, before.rings),
+      ...this.#applyConstraints(gathered),
+    };
   }
 
   #merge({ points, rings, gone }) {
@@ -80,6 +91,25 @@ class State {
     }
     for (const kind of Object.keys(changes)) changes[kind] = Uint32Array.from(changes[kind].sort(byNumber));
     return changes;
+  }
+
+  #applyConstraints({ reset, constraints }) {
+    const [constraintsAdded, constraintsReleased] = [[], []];
+    const release = (key) => {
+      if (!this.constraints.has(key)) return;
+      constraintsReleased.push(this.constraints.get(key));
+      this.constraints.delete(key);
+    };
+    if (reset) for (const key of [...this.constraints.keys()]) if (!constraints.has(key)) release(key);
+    for (const [key, constraint] of constraints) {
+      if (constraint === null) {
+        release(key);
+      } else if (!isAsBefore(this.constraints.get(key), constraint)) {
+        constraintsAdded.push(constraint);
+        this.constraints.set(key, constraint);
+      }
+    }
+    return { constraintsAdded: constraintsAdded.sort(byConstraint), constraintsReleased: constraintsReleased.sort(byConstraint) };
   }
 
   /** A triangle that comes or goes changes the rings of its corners, so those of the ids are enough. */
@@ -174,6 +204,11 @@ export class Mirror extends EventEmitter {
     const found = new Triangles();
     eachTriangle(rings, (id) => rings.get(id), always, (a, b, c) => found.push(a, b, c));
     return found.sorted();
+  }
+
+  /** The constraints, in the order of CONSTRAINTS. */
+  constraints() {
+    return [...this.#state.constraints.values()].sort(byConstraint);
   }
 
   /** Resolves when the copy has this version of the set or a later one. */

@@ -9,11 +9,12 @@ export class Gathered {
   points = new Map(); // id -> [x, y, value ...]
   rings = new Map(); // id -> {inner, ring}
   gone = new Set(); // ids
+  constraints = new Map(); // `a b kind k` -> {a, b, border, number}, of a box with places; null: released
 
   add({ reset, rows }) {
     if (reset) {
       this.reset = true;
-      for (const of of [this.points, this.rings, this.gone]) of.clear();
+      for (const of of [this.points, this.rings, this.gone, this.constraints]) of.clear();
     }
     for (const row of rows) this.#row(row.split(' '));
   }
@@ -30,7 +31,15 @@ export class Gathered {
       this.points.delete(id);
       this.rings.delete(id);
       this.gone.add(id);
+    } else if (kind === 'constraint' || kind === 'released') {
+      this.#constraint(kind === 'constraint', id, words);
     }
+  }
+
+  #constraint(isDeclared, a, [b, kind, number, ...places]) {
+    const constraint = { a, b: Number(b), border: kind === 'border', number: Number(number) };
+    if (places.length > 0) constraint.places = places.map(Number);
+    this.constraints.set(`${a} ${b} ${kind} ${number}`, isDeclared ? constraint : null);
   }
 
   /** All ids that it is about. */

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any, List
 if TYPE_CHECKING:
     from ._protocol import Cells, Contour, Field
     from .client import Client, ConnectionLost, Located, Neighbour, Pipeline, Refused, Reply
-    from .mirror import Change, Mirror
+    from .mirror import Change, Constraint, Mirror
 
 __all__ = [
-    "Cells", "Change", "Client", "ConnectionLost", "Contour", "Field", "Located", "Mirror", "Neighbour", "Pipeline", "Refused", "Reply"
+    "Cells", "Change", "Client", "ConnectionLost", "Constraint", "Contour", "Field", "Located", "Mirror", "Neighbour", "Pipeline", "Refused", "Reply"
 ]
 __version__ = "0.1.0"
 
-_HOMES = {"Cells": "_protocol", "Change": "mirror", "Contour": "_protocol", "Field": "_protocol", "Mirror": "mirror"}
+_HOMES = {"Cells": "_protocol", "Change": "mirror", "Constraint": "mirror", "Contour": "_protocol", "Field": "_protocol", "Mirror": "mirror"}
 
 
 def __getattr__(name: str) -> Any:

@@ -18,6 +18,15 @@ LATER = frozenset(("LOADING", "BUSY", "NOMEM"))  # errors after which a mirror t
 _XY = 16  # bytes of coordinates; those of the values follow
 
 
+class Constraint(NamedTuple):
+    """A constraint, a < b. They sort as in CONSTRAINTS."""
+
+    a: int
+    b: int
+    border: bool  # else a line
+    number: int
+
+
 class Change(NamedTuple):
     """What differs from the state before, ids and triangles ascending. A point that has moved may have kept its triangles; those are
     in neither list."""
@@ -29,6 +38,9 @@ class Change(NamedTuple):
     valued: List[int]  # ids of points with another value of a followed field, but not of added ones
     triangles_added: List[Triangle]
     triangles_removed: List[Triangle]
+    # sorted; of a part of a set (within) those that come to meet it or do not any more, and `added` also those whose ends have moved
+    constraints_added: List[Constraint]
+    constraints_released: List[Constraint]
 
 
 # A ring is its ids as little-endian words, for a point on the hull followed by one byte: 24 bytes for six neighbours.
@@ -93,6 +105,7 @@ class Mirror:
         self._whole = False  # there has been a first state
         self._points: Dict[int, bytes] = {}  # coordinates and values
         self._rings: Dict[int, bytes] = {}
+        self._constraints: Dict[Constraint, Tuple[float, ...]] = {}  # of a part of a set the places of its ends, else nothing
         self._lines: Deque[bytes] = deque()
         self._rest = b""
         self._begin_connection()
@@ -157,6 +170,17 @@ class Mirror:
         flat = [id for triangle in sorted(found) for id in triangle]
         return protocol.uint32s(struct.pack("<%dI" % len(flat), *flat), 3)
 
+    def constraints(self) -> List[Constraint]:
+        """The constraints, in the order of CONSTRAINTS; of a part of a set (within) those that meet it. Cost: that of sorting them."""
+        return sorted(self._constraints)
+
+    def ends(self, constraint: Constraint) -> Tuple[Tuple[float, float], Tuple[float, float]]:
+        """The places of its ends, which may be outside of a part of a set. KeyError: there is no such constraint."""
+        places = self._constraints[constraint]
+        if not places:
+            return self.point(constraint.a), self.point(constraint.b)
+        return (places[0], places[1]), (places[2], places[3])
+
     # ---- the connection ----
 
     def _begin_connection(self) -> None:
@@ -168,6 +192,7 @@ class Mirror:
         self._version = 0  # of the current event
         self._new_points: Dict[int, Optional[bytes]] = {}  # None: gone
         self._new_rings: Dict[int, Optional[bytes]] = {}
+        self._new_constraints: Dict[Constraint, Optional[Tuple[float, ...]]] = {}  # None: released
 
     def _request(self, token: str) -> bytes:
         """What a new connection sends."""
@@ -178,6 +203,7 @@ class Mirror:
             words += ["WITHIN", *self.within]
         if self.fields:
             words += ["FIELDS", ",".join(self.fields)]
+        words.append("CONSTRAINTS")
         first: List[Request] = [protocol.request("AUTH", token)] if token else []
         return b"".join(request.line for request in [*first, protocol.request(*words)])
 
@@ -218,11 +244,16 @@ class Mirror:
                 self._reset = True
                 self._new_points.clear()
                 self._new_rings.clear()
+                self._new_constraints.clear()
         elif words[0] != "OK":
             raise ConnectionLost("not an event of this protocol: " + " ".join(words)[:80])
 
     def _read_row(self, words: List[bytes]) -> None:
         id = int(words[1])
+        if words[0] in (b"constraint", b"released"):
+            constraint = Constraint(id, int(words[2]), words[3] == b"border", int(words[4]))
+            self._new_constraints[constraint] = tuple(map(float, words[5:])) if words[0] == b"constraint" else None
+            return
         if words[0] == b"list":
             self._new_rings[id] = _ring(words[3:], words[2] == b"b")
             return
@@ -239,25 +270,30 @@ class Mirror:
     def _commit(self) -> Optional[Change]:
         """Applies the events that have come; returns what differs, if there has been a state before."""
         version, first, reset = self._version, not self._whole, self._reset
-        points, rings = self._new_points, self._new_rings
-        self._new_points, self._new_rings = {}, {}
+        points, rings, constraints = self._new_points, self._new_rings, self._new_constraints
+        self._new_points, self._new_rings, self._new_constraints = {}, {}, {}
         self._reset, self._version, self._whole = False, 0, True
-        silent = version == self.version and not points and not reset and not rings
+        silent = version == self.version and not points and not reset and not rings and not constraints
         self.version = version
         if reset and first:
             self._points = {id: point for id, point in points.items() if point is not None}
             self._rings = {id: ring for id, ring in rings.items() if ring is not None}
+            self._constraints = {key: places for key, places in constraints.items() if places is not None}
             return None
         if reset:
+            constraints = {**dict.fromkeys(self._constraints), **constraints}
             points = {**dict.fromkeys(self._points), **points}
             rings = {**dict.fromkeys(self._rings), **rings}
-        change = Change(version, [], [], [], [], [], [])
+        change = Change(version, [], [], [], [], [], [], [], [])
         self._apply_points(points, change)
         self._apply_rings(rings, change)
+        self._apply_constraints(constraints, change)
         for ids in (change.added, change.moved, change.gone, change.valued):
             ids.sort()
         for triangles in (change.triangles_added, change.triangles_removed):
             triangles.sort()
+        change.constraints_added.sort()
+        change.constraints_released.sort()
         return None if silent else change
 
     def _apply_points(self, points: Dict[int, Optional[bytes]], change: Change) -> None:
@@ -275,6 +311,15 @@ class Mirror:
                 change.moved.append(id)
             if old[_XY:] != new[_XY:]:
                 change.valued.append(id)
+
+    def _apply_constraints(self, constraints: Dict[Constraint, Optional[Tuple[float, ...]]], change: Change) -> None:
+        for key, new in constraints.items():
+            if new is None:
+                if self._constraints.pop(key, None) is not None:
+                    change.constraints_released.append(key)
+            elif self._constraints.get(key) != new:
+                change.constraints_added.append(key)
+                self._constraints[key] = new
 
     def _apply_rings(self, rings: Dict[int, Optional[bytes]], change: Change) -> None:
         """The rings of all corners of a triangle that comes or goes change, but when points leave or join a line, a ring of two may be

@@ -8,10 +8,10 @@ import time
 from typing import Callable, Iterable, Iterator, Optional, Sequence, Union
 
 from . import _address, _mirror
-from ._mirror import FIRST_PAUSE, LAST_PAUSE, LATER, PIECE, Change
+from ._mirror import FIRST_PAUSE, LAST_PAUSE, LATER, PIECE, Change, Constraint
 from ._protocol import ConnectionLost, Refused
 
-__all__ = ["Change", "Mirror"]
+__all__ = ["Change", "Constraint", "Mirror"]
 
 
 class Mirror(_mirror.Mirror):
@@ -21,11 +21,12 @@ class Mirror(_mirror.Mirror):
             for change in m:
                 print(m.version, change.triangles_added, change.triangles_removed)
 
-    Points, rings and version are of one state of the set, that at `version`. They change only inside poll(), wait() and the
+    Points, rings, constraints and version are of one state of the set, that at `version`. They change only inside poll(), wait() and the
     iteration, which belong to one thread; what happens between two calls is one change or a few. The state is complete when
     the constructor returns; that is not a change.
 
-    `url` as for Client. `fields`: the fields whose values it has. `within`: x0, y0, x1, y1, a box; only the points in it are followed.
+    `url` as for Client. `fields`: the fields whose values it has. `within`: x0, y0, x1, y1, a box; only the points in it, and the constraints that meet it, are
+    followed.
     `timeout` in seconds limits connecting and the wait for the first state; then TimeoutError is raised. `on_change` is called with
     every Change.
 

@@ -139,6 +139,44 @@ class Following(WithDaemon):
         self.assertEqual(heard[-1], change)
         self.assertIsNone(m.poll(0))
 
+    def test_constraints_are_changes(self):
+        self.client.load("t", [(0, 0), (4, 0), (4.5, 4), (0, 4)])
+        self.client.triangulate("t")
+        m = self.mirror()
+        self.client.command("CONSTRAIN", "t", "BORDER", "OF", 7, 2, 0)
+        change = m.poll(WAIT)
+        self.assertEqual((change.constraints_added, change.constraints_released), ([(0, 2, True, 7)], []))
+        self.assertEqual((change.triangles_added, change.triangles_removed), ([(0, 1, 2), (0, 2, 3)], [(0, 1, 3), (1, 2, 3)]))
+        self.assertEqual((m.constraints(), m.ends(m.constraints()[0])), ([(0, 2, True, 7)], ((0, 0), (4.5, 4))))
+        self.client.command("CONSTRAIN", "t", 1, 0, 0, 3)
+        m.poll(WAIT)
+        self.assertEqual(self.mirror().constraints(), [(0, 1, False, 0), (0, 2, True, 7), (0, 3, False, 0)])
+        self.client.command("DEL", "t", 0, "CASCADE")
+        change = m.poll(WAIT)
+        self.assertEqual((change.gone, len(change.constraints_released), m.constraints()), ([0], 3, []))
+
+    def test_a_mirror_of_a_box_has_the_constraints_that_meet_it(self):
+        self.client.load("t", [(0, 0), (9, 9), (9, 0), (8, 0)])
+        self.client.command("CONSTRAIN", "t", 0, 1, 2, 3)
+        m = self.mirror(within=(2, 2, 4, 3))
+        self.assertEqual((m.constraints(), m.ends(m.constraints()[0])), ([(0, 1, False, 0)], ((0, 0), (9, 9))))
+        self.client.move("t", 1, 9, 8.5)
+        self.assertEqual(m.poll(WAIT).constraints_added, [(0, 1, False, 0)])
+        self.assertEqual(m.ends(m.constraints()[0]), ((0, 0), (9, 8.5)))
+        self.client.move("t", 1, 9, 0.5)
+        self.assertEqual(m.poll(WAIT).constraints_released, [(0, 1, False, 0)])
+
+    def test_a_reset_tells_which_constraints_are_different(self):
+        m = _mirror.Mirror("t", (), None)
+        m._receive(b"OK 0\nEVENT 2 set=t version=1 reset\nconstraint 0 1 line 0\nconstraint 0 1 line 3\n")
+        self.assertIsNone(m._step())
+        m._receive(b"EVENT 2 set=t version=2 reset\nconstraint 0 1 line 3\nconstraint 0 1 border 3\n")
+        change = m._step()
+        self.assertEqual((change.constraints_added, change.constraints_released), ([(0, 1, True, 3)], [(0, 1, False, 0)]))
+        m._receive(b"EVENT 2 set=t version=3\nreleased 7 8 line 0\nconstraint 0 1 line 3\n")
+        change = m._step()
+        self.assertEqual((change.constraints_added, change.constraints_released), ([], []))
+
     def test_a_mirror_equals_the_set_after_every_edit(self):
         places = (
             lambda rnd: (rnd.random(), rnd.random()),
@@ -395,9 +433,9 @@ class Speaking(unittest.TestCase):
             changes = list(m)
         self.assertEqual([c.valued for c in changes], [[0]])
         self.assertEqual((m.point(0), m.values(0), list(m.points()[2])), ((1.0, 2.0), (0.5,), [0.5]))
-        self.assertEqual(self.requests[0], "WATCH t WITHIN 0.0 0.0 4.0 4.5 FIELDS z\n")
-        self.assertEqual(self.requests[1], "WATCH t SINCE 7 WITHIN 0.0 0.0 4.0 4.5 FIELDS z\n")
-        self.assertEqual(self.requests[2], "WATCH t SINCE 8 WITHIN 0.0 0.0 4.0 4.5 FIELDS z\n")
+        self.assertEqual(self.requests[0], "WATCH t WITHIN 0.0 0.0 4.0 4.5 FIELDS z CONSTRAINTS\n")
+        self.assertEqual(self.requests[1], "WATCH t SINCE 7 WITHIN 0.0 0.0 4.0 4.5 FIELDS z CONSTRAINTS\n")
+        self.assertEqual(self.requests[2], "WATCH t SINCE 8 WITHIN 0.0 0.0 4.0 4.5 FIELDS z CONSTRAINTS\n")
 
     def test_parts_of_an_event_are_one_change_however_they_arrive(self):
         first = "OK 0 version=1\nEVENT 1 set=t version=1 reset more\npoint 0 0 0\nEVENT 1 set=t version=2\npoint 1 1 1\n"

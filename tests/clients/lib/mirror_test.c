@@ -1,4 +1,4 @@
-/* mirror_test.c - mirrors: equal to POINTS, LISTS and TRIANGLES after every edit, over connections that end, with servers that
+/* mirror_test.c - mirrors: equal to POINTS, LISTS, TRIANGLES and CONSTRAINTS after every edit, over connections that end, with servers that
  * are faulty, and out of memory. */
 #include "clients/lib/delaunay_mirror.h"
 
@@ -56,7 +56,7 @@ static uint64_t version_of(const char *set)
 
 struct ledger {
     uint32_t t[MOST][3];
-    size_t n, points;
+    size_t n, points, constraints;
 };
 
 static size_t position(const struct ledger *l, const uint32_t *t)
@@ -85,6 +85,7 @@ static void note(struct ledger *l, const struct delaunay_change *change)
                          sizeof l->t[0]) != 0);
     }
     l->points += change->n_added - change->n_gone;
+    l->constraints += change->n_constraints_added - change->n_constraints_released;
 }
 
 /* ---- comparison with replies ---- */
@@ -160,6 +161,34 @@ static size_t rings_of(const struct delaunay_mirror *m)
     return n;
 }
 
+struct constraint_rows {
+    const struct delaunay_segment *at;
+    size_t n, seen;
+};
+
+static bool check_constraint(void *ctx, const struct delaunay_part *part)
+{
+    struct constraint_rows *c = ctx;
+    char want[80];
+    if (part->kind != DELAUNAY_PART_ROW)
+        return true;
+    CHECK(c->seen < c->n);
+    const struct delaunay_segment *row = &c->at[c->seen++];
+    snprintf(want, sizeof want, "%u %u %s %u", row->a, row->b, row->border ? "border" : "line",
+             row->number);
+    CHECK_MSG(strlen(want) == part->len && memcmp(want, part->text, part->len) == 0, "%s, not %.*s",
+              want, (int)part->len, part->text);
+    return true;
+}
+
+static void compare_constraints(struct delaunay_mirror *m, const struct ledger *l)
+{
+    struct constraint_rows c = {.seen = 0};
+    CHECK(delaunay_mirror_constraints(m, &c.at, &c.n) == DELAUNAY_OK);
+    CHECK(delaunay_request(client, "CONSTRAINTS t", check_constraint, &c) == DELAUNAY_OK);
+    CHECK(c.seen == c.n && c.n == l->constraints);
+}
+
 /* Follows up to the version that the set has now, and compares. */
 static void compare(struct delaunay_mirror *m, struct ledger *l, const char *fields)
 {
@@ -170,6 +199,7 @@ static void compare(struct delaunay_mirror *m, struct ledger *l, const char *fie
     snprintf(line, sizeof line, "POINTS t%s", fields);
     size_t points = compare_rows(m, l, 'p', line);
     CHECK(points == delaunay_mirror_points(m) && points == l->points);
+    compare_constraints(m, l);
     if (delaunay_request(client, "TRIANGLES t", NULL, NULL) == DELAUNAY_REFUSED) {
         CHECK(l->n == 0 && rings_of(m) == 0);
         return;
@@ -187,11 +217,19 @@ static void edit(const struct delaunay_mirror *m)
     char line[1000];
     unsigned ids = delaunay_mirror_ids(m) + 1, x = test_below(6), y = test_below(5);
     int n = 0;
-    switch (test_below(10)) {
+    switch (test_below(13)) {
+    case 10:
+    case 11:
+        snprintf(line, sizeof line, "CONSTRAIN t%s OF %u %u %u", x % 2 == 0 ? " BORDER" : "", y % 3,
+                 test_below(ids), test_below(ids));
+        break;
+    case 12:
+        snprintf(line, sizeof line, y == 0 ? "RELEASE t ALL" : "RELEASE t OF %u", y % 3);
+        break;
     case 0:
     case 1:
     case 2:
-        snprintf(line, sizeof line, "DEL t %u", test_below(ids));
+        snprintf(line, sizeof line, "DEL t %u CASCADE", test_below(ids));
         break;
     case 3:
     case 4:
@@ -344,11 +382,11 @@ static void end_slowly(int fd)
     CHECK(peer_hear(fd, line, sizeof line));
     switch (connections++) {
     case 0:
-        CHECK_STR(line, "WATCH t WITHIN 0 0 1 0.5");
+        CHECK_STR(line, "WATCH t WITHIN 0 0 1 0.5 CONSTRAINTS");
         peer_say(fd, "OK 0 version=7\n" SET "EVENT 2 set=t version=8\npoint 1 9 9\n");
         break;
     case 1:
-        CHECK_STR(line, "WATCH t SINCE 7 WITHIN 0 0 1 0.5");
+        CHECK_STR(line, "WATCH t SINCE 7 WITHIN 0 0 1 0.5 CONSTRAINTS");
         peer_say(fd, "ERR LOADING try again later\n");
         break;
     case 2:
@@ -479,6 +517,29 @@ TEST(mirror_of_points_on_a_line_has_no_triangles)
     copy_free(&c);
 }
 
+TEST(mirror_of_a_box_has_the_constraints_that_meet_it_with_the_places_of_their_ends)
+{
+    struct copy c = {.fields = 0};
+    struct delaunay_change change;
+    copy_reset(&c);
+    CHECK(gather(&c, "constraint 1 9 line 4 0 0.5 7 8\nconstraint 1 2 border 0 0 0.5 1 1\n") ==
+              DELAUNAY_OK &&
+          copy_commit(&c, &change) == DELAUNAY_OK);
+    CHECK(change.n_constraints_added == 2 && change.constraints_added[0].border);
+    CHECK(gather(&c, "constraint 1 9 line 4 0 0.5 7 9\nreleased 1 2 border 0\nreleased 5 6 line 0\n"
+                     "constraint 3 4 line 0 1 1 2 2\nreleased 3 4 line 0\n") == DELAUNAY_OK &&
+          copy_commit(&c, &change) == DELAUNAY_OK);
+    CHECK(change.n_constraints_added == 1 && change.constraints_added[0].places[3] == 9);
+    CHECK(change.n_constraints_released == 1 && change.constraints_released[0].b == 2);
+    CHECK(constraints_sort(&c.constraints) && c.constraints.sorted.n == 1);
+    CHECK(c.constraints.sorted.at[0].number == 4 && c.constraints.sorted.at[0].places[3] == 9);
+    copy_reset(&c);
+    CHECK(gather(&c, "constraint 7 8 line 0 0 0 1 1\n") == DELAUNAY_OK &&
+          copy_commit(&c, &change) == DELAUNAY_OK);
+    CHECK(change.n_constraints_added == 1 && change.n_constraints_released == 1);
+    copy_free(&c);
+}
+
 TEST(mirror_out_of_memory_is_as_before)
 {
     bool failed = true;
@@ -486,14 +547,17 @@ TEST(mirror_out_of_memory_is_as_before)
         struct copy c = {.fields = 1};
         struct delaunay_change change;
         copy_reset(&c);
-        CHECK(gather(&c, WHEEL) == DELAUNAY_OK && copy_commit(&c, &change) == DELAUNAY_OK);
+        CHECK(gather(&c, WHEEL "constraint 2 3 border 7\n") == DELAUNAY_OK &&
+              copy_commit(&c, &change) == DELAUNAY_OK);
         test_fail_alloc(nth);
-        enum delaunay_result r = gather(&c, FLAT "point 5000 1 1 1\nlist 5000 i 1 2 3 4 5 6 7\n");
+        enum delaunay_result r = gather(&c, FLAT "point 5000 1 1 1\nlist 5000 i 1 2 3 4 5 6 7\n"
+                                                 "constraint 1 2 line 0\nreleased 2 3 border 7\n");
         r = r == DELAUNAY_OK ? copy_commit(&c, &change) : r;
         failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(r == (failed ? DELAUNAY_NOMEM : DELAUNAY_OK));
         CHECK(c.points == 5 && (copy_place(&c, 0) != NULL) == failed);
+        CHECK(c.constraints.rows.n == 1 && c.constraints.rows.at[0].a == (failed ? 2u : 1u));
         copy_forget(&c);
         CHECK(!failed ||
               (gather(&c, FLAT) == DELAUNAY_OK && copy_commit(&c, &change) == DELAUNAY_OK &&

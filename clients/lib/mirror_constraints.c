@@ -1,0 +1,245 @@
+/* mirror_constraints.c - see mirror_constraints.h. */
+#include "clients/lib/mirror_constraints.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MANY 16384 /* rows of an event: more are not kept for the next one */
+
+/* ---- growing arrays ---- */
+
+static bool make_room(struct constraint_list *l, size_t n)
+{
+    size_t cap = l->n + n < 8 ? 16 : 2 * (l->n + n);
+    if (l->n + n <= l->cap)
+        return true;
+    struct delaunay_segment *at = realloc(l->at, cap * sizeof *at);
+    if (at == NULL)
+        return false;
+    l->at = at;
+    l->cap = cap;
+    return true;
+}
+
+static bool add(struct constraint_list *l, const struct delaunay_segment *c)
+{
+    if (!make_room(l, 1))
+        return false;
+    l->at[l->n++] = *c;
+    return true;
+}
+
+void constraints_free(struct constraints *s)
+{
+    free(s->rows.at);
+    free(s->slot);
+    free(s->sorted.at);
+    free(s->said);
+    free(s->added.at);
+    free(s->released.at);
+}
+
+void constraints_forget(struct constraints *s)
+{
+    s->n_said = 0;
+    if (s->said_room <= MANY)
+        return;
+    free(s->said);
+    s->said = NULL;
+    s->said_room = 0;
+}
+
+bool constraints_gather(struct constraints *s, const struct delaunay_segment *c, bool declared)
+{
+    if (s->n_said == s->said_room) {
+        size_t room = s->said_room == 0 ? 16 : 2 * s->said_room;
+        struct constraint_said *said = realloc(s->said, room * sizeof *said);
+        if (said == NULL)
+            return false;
+        s->said = said;
+        s->said_room = room;
+    }
+    s->said[s->n_said] = (struct constraint_said){*c, declared, s->n_said};
+    s->n_said++;
+    return true;
+}
+
+/* ---- order ---- */
+
+static int compare(const void *p, const void *q)
+{
+    const struct delaunay_segment *a = p, *b = q;
+    if (a->a != b->a)
+        return a->a < b->a ? -1 : 1;
+    if (a->b != b->b)
+        return a->b < b->b ? -1 : 1;
+    if (a->border != b->border)
+        return a->border ? 1 : -1;
+    return (a->number > b->number) - (a->number < b->number);
+}
+
+static int compare_said(const void *p, const void *q)
+{
+    const struct constraint_said *a = p, *b = q;
+    int sign = compare(&a->what, &b->what);
+    return sign != 0 ? sign : (a->number > b->number) - (a->number < b->number);
+}
+
+/* Sorts what has been said; of each constraint the last counts. */
+static void sort_said(struct constraints *s)
+{
+    size_t n = 0;
+    if (s->n_said > 1)
+        qsort(s->said, s->n_said, sizeof *s->said, compare_said);
+    for (size_t i = 0; i < s->n_said; i++)
+        if (i + 1 == s->n_said || compare(&s->said[i].what, &s->said[i + 1].what) != 0)
+            s->said[n++] = s->said[i];
+    s->n_said = n;
+}
+
+bool constraints_sort(struct constraints *s)
+{
+    if (s->is_sorted)
+        return true;
+    s->sorted.n = 0;
+    if (!make_room(&s->sorted, s->rows.n))
+        return false;
+    if (s->rows.n > 0) {
+        memcpy(s->sorted.at, s->rows.at, s->rows.n * sizeof *s->rows.at);
+        qsort(s->sorted.at, s->rows.n, sizeof *s->rows.at, compare);
+    }
+    s->sorted.n = s->rows.n;
+    s->is_sorted = true;
+    return true;
+}
+
+/* ---- the table ---- */
+
+static size_t home_of(const struct constraints *s, const struct delaunay_segment *c)
+{
+    uint64_t key = ((uint64_t)c->a << 32 | c->b) * 0x9e3779b97f4a7c15u;
+    key = (key ^ key >> 32 ^ (uint64_t)c->number << 1 ^ c->border) * 0xd6e8feb86659fd93u;
+    return (size_t)(key >> 32) & (s->slots - 1);
+}
+
+/* The slot of a constraint, or a free one where it could be; there are slots. */
+static size_t slot_of(const struct constraints *s, const struct delaunay_segment *c)
+{
+    size_t i = home_of(s, c);
+    while (s->slot[i] != 0 && compare(&s->rows.at[s->slot[i] - 1], c) != 0)
+        i = (i + 1) & (s->slots - 1);
+    return i;
+}
+
+/* The constraint as the copy has it; NULL: it has not. */
+static struct delaunay_segment *find(const struct constraints *s, const struct delaunay_segment *c)
+{
+    size_t i = s->slots == 0 ? 0 : slot_of(s, c);
+    return s->slots == 0 || s->slot[i] == 0 ? NULL : &s->rows.at[s->slot[i] - 1];
+}
+
+/* Makes room for n more. */
+static bool reserve(struct constraints *s, size_t n)
+{
+    size_t slots = s->slots == 0 ? 16 : s->slots;
+    while (slots / 4 * 3 < s->rows.n + n)
+        slots *= 2;
+    if (!make_room(&s->rows, n) || s->rows.n + n >= UINT32_MAX)
+        return false;
+    if (slots == s->slots)
+        return true;
+    uint32_t *slot = calloc(slots, sizeof *slot);
+    if (slot == NULL)
+        return false;
+    free(s->slot);
+    s->slot = slot;
+    s->slots = slots;
+    for (size_t i = 0; i < s->rows.n; i++)
+        s->slot[slot_of(s, &s->rows.at[i])] = (uint32_t)i + 1;
+    return true;
+}
+
+static void enter(struct constraints *s, const struct delaunay_segment *c)
+{
+    size_t i = slot_of(s, c);
+    if (s->slot[i] != 0) {
+        s->rows.at[s->slot[i] - 1] = *c; /* other places of its ends */
+        return;
+    }
+    s->rows.at[s->rows.n++] = *c;
+    s->slot[i] = (uint32_t)s->rows.n;
+}
+
+/* Frees a slot, and moves entries after it that would not be found any more [Knuth, TAOCP 3, sec. 6.4, algorithm R]. */
+static void free_slot(struct constraints *s, size_t hole)
+{
+    size_t mask = s->slots - 1, i = hole;
+    s->slot[hole] = 0;
+    while (s->slot[i = (i + 1) & mask] != 0) {
+        size_t home = home_of(s, &s->rows.at[s->slot[i] - 1]);
+        if (((i - home) & mask) < ((i - hole) & mask))
+            continue;
+        s->slot[hole] = s->slot[i];
+        s->slot[i] = 0;
+        hole = i;
+    }
+}
+
+static void leave(struct constraints *s, const struct delaunay_segment *c)
+{
+    size_t i = slot_of(s, c), at = s->slot[i] - 1, last = s->rows.n - 1;
+    free_slot(s, i);
+    if (at != last) {
+        s->slot[slot_of(s, &s->rows.at[last])] = (uint32_t)at + 1;
+        s->rows.at[at] = s->rows.at[last];
+    }
+    s->rows.n = last;
+}
+
+/* ---- changes ---- */
+
+static bool compare_one(struct constraints *s, const struct constraint_said *said)
+{
+    const struct delaunay_segment *old = find(s, &said->what);
+    if (!said->declared)
+        return old == NULL || add(&s->released, old);
+    bool same = old != NULL && memcmp(old->places, said->what.places, sizeof old->places) == 0;
+    return same || add(&s->added, &said->what);
+}
+
+/* Those that are not declared any more, though nothing said so. */
+static bool release_others(struct constraints *s)
+{
+    if (!constraints_sort(s))
+        return false;
+    size_t k = 0;
+    for (size_t i = 0; i < s->sorted.n; i++) {
+        while (k < s->n_said && compare(&s->said[k].what, &s->sorted.at[i]) < 0)
+            k++;
+        bool named = k < s->n_said && compare(&s->said[k].what, &s->sorted.at[i]) == 0;
+        if (!named && !add(&s->released, &s->sorted.at[i]))
+            return false;
+    }
+    return true;
+}
+
+bool constraints_compare(struct constraints *s, bool reset)
+{
+    bool ok = true;
+    s->added.n = s->released.n = 0;
+    sort_said(s);
+    if (reset)
+        ok = release_others(s);
+    for (size_t i = 0; i < s->n_said && ok; i++)
+        ok = compare_one(s, &s->said[i]);
+    return ok && (s->added.n == 0 || reserve(s, s->added.n));
+}
+
+void constraints_apply(struct constraints *s)
+{
+    for (size_t i = 0; i < s->released.n; i++)
+        leave(s, &s->released.at[i]);
+    for (size_t i = 0; i < s->added.n; i++)
+        enter(s, &s->added.at[i]);
+    s->is_sorted = s->is_sorted && s->added.n == 0 && s->released.n == 0;
+}

@@ -1,0 +1,59 @@
+/* mirror_constraints.h - the constraints that a mirror has, and what an event changes in them.
+ *
+ *     constraints_gather(&s, &c, declared), for each row
+ *     constraints_compare(&s, reset)
+ *     constraints_apply(&s)
+ *
+ * Rows are gathered aside, and what they change is found before it is applied. A hash table finds a constraint by its ends, kind and
+ * number; `sorted` is made when it is asked for. */
+#ifndef CLIENTS_MIRROR_CONSTRAINTS_H
+#define CLIENTS_MIRROR_CONSTRAINTS_H
+
+#include "clients/lib/delaunay_client.h"
+
+/* A growing array. */
+struct constraint_list {
+    struct delaunay_segment *at; /* owns */
+    size_t n, cap;
+};
+
+/* What an event says of a constraint. */
+struct constraint_said {
+    struct delaunay_segment what; /* first */
+    bool declared;
+    size_t number; /* of the row */
+};
+
+/* All zero: none. */
+struct constraints {
+    struct constraint_list rows; /* in no order */
+    uint32_t *slot;              /* owns: 1 + the place in rows; 0: free; linear probing */
+    size_t slots;                /* a power of two, or 0 */
+    struct constraint_list sorted;
+    bool is_sorted;
+    /* The event that is being gathered: */
+    struct constraint_said *said; /* owns */
+    size_t n_said, said_room;
+    /* The last change: */
+    struct constraint_list added, released;
+};
+
+void constraints_free(struct constraints *s);
+
+/* Forgets what has been gathered. */
+void constraints_forget(struct constraints *s);
+
+/* False: out of memory; nothing is gathered. */
+bool constraints_gather(struct constraints *s, const struct delaunay_segment *c, bool declared);
+
+/* Finds what the event changes, into `added` and `released`, and makes room for it; reset: what it does not name is not there any
+ * more. False: out of memory. Cost: O(n log n) in the rows; of a reset also in the constraints before. */
+bool constraints_compare(struct constraints *s, bool reset);
+
+/* Applies that. Cost: linear. */
+void constraints_apply(struct constraints *s);
+
+/* Makes `sorted`: all, in the order of CONSTRAINTS. False: out of memory. */
+bool constraints_sort(struct constraints *s);
+
+#endif
