@@ -30,6 +30,8 @@ class SharedSet:
         ids, points = self.client.points(self.name)
         if float(self.client.stat(self.name)["tol"]) != 0:
             raise ValueError("the set %s joins points within a tolerance; Delaunay does not" % self.name)
+        if len(self.client.command("CONSTRAINTS", self.name, "BINARY").data) > 0:
+            raise ValueError("the set %s has constraints; Delaunay would have other triangles" % self.name)
         return np.asarray(ids), np.array(points, dtype=np.float64).reshape(-1, 2)
 
     def open(self, points: Optional[Floats]) -> Tuple[Any, Floats]:

@@ -334,6 +334,9 @@ class Spatial(WithDaemon):
         self.client.create("loose", tolerance=0.5)
         with self.assertRaisesRegex(ValueError, "tolerance"):
             Delaunay(client=self.client, set="loose")
+        self.client.command("CONSTRAIN", "t", 0, 2)
+        with self.assertRaisesRegex(ValueError, "constraints"):
+            Delaunay(client=self.client, set="t")
         for nothing in ({}, {"client": self.client}):
             with self.assertRaises(ValueError):
                 Delaunay(**nothing)
