@@ -6,6 +6,7 @@
 #include "server/ops/limits.h"
 #include "server/system/loop.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -129,6 +130,7 @@ static bool run_now(struct server *s, const struct answer *a, struct job *j)
         return true;
     }
     bool closed = a != NULL && answer_shares(a); /* the gate is, by who carries out the request */
+    assert(!closed || gate_is_closed(&j->base->gate));
     if (!closed && s->workers == NULL)
         gate_close(&j->base->gate); /* there is nobody else */
     else if (!closed && !gate_try_close(&j->base->gate))
