@@ -180,6 +180,29 @@ TEST(more_constraints_than_are_noted_are_all_sent_again)
     daemon_end(&d);
 }
 
+TEST(reset_lists_all_constraints_in_parts_while_some_are_released)
+{
+    enum { N = 4000 };
+    struct daemon d = daemon_start(NULL);
+    int fd = connect_to_points(&d, N);
+    static struct mirror m = {.options.constraints = true};
+    uint64_t version = ask_with_ids(fd, "CONSTRAIN t PATH", 0, N);
+    mirror_watch(&m, &d, false);
+    mirror_take(&m);
+    CHECK(!m.whole); /* a part */
+    for (unsigned id = 10; id + 1 < N; id += 397) {
+        char line[80];
+        snprintf(line, sizeof line, "RELEASE t %u %u\n", id, id + 1);
+        version = ask_version(fd, line);
+    }
+    mirror_catch_up(&m, version);
+    CHECK(m.resets == 1);
+    mirror_check(&m, fd, false);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
+
 /* With N - 1 constraints each time, which a watcher that is away does not hear of. */
 static void come_back(struct daemon *d, int fd, unsigned edits, bool is_known)
 {
