@@ -177,7 +177,7 @@ const struct subcommand subcommands[] = {
      "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
      "--once", false, NULL},
     {"watch", command_watch, false, true,
-     "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F]",
+     "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F] [CONSTRAINTS]",
      "Prints what changes in a set as it changes, first everything, until the set is dropped or "
      "^C is\n"
      "pressed: places and rings of points, after a line EVENT or, with --json, an object for each\n"

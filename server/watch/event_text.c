@@ -10,7 +10,8 @@
 enum {
     PART_BYTES = 32 * 1024,
     PART_STEPS = 100000, /* about half a millisecond */
-    LOOKED_AT = 10       /* steps for a point that is not in the event */
+    LOOKED_AT = 10,      /* steps for a point that is not in the event, */
+    CONSTRAINT = 100     /* or for a constraint: it is looked up, and so are both its ends */
 };
 
 bool event_is_full(const struct event *e)
@@ -100,7 +101,7 @@ void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_
     struct dt_point at[2];
     bool declared = dt_constraint_has(dt, c) && dt_get(dt, c->a, &at[0]) == DT_OK &&
                     dt_get(dt, c->b, &at[1]) == DT_OK;
-    e->steps += LOOKED_AT;
+    e->steps += CONSTRAINT;
     if (moved && !e->scope->boxed) /* the ids are the same */
         return;
     if (declared && scope_has_segment(e->scope, at)) {

@@ -27,7 +27,7 @@ struct event {
     struct buf gone;       /* owns: ids in `known` of which it says so, an uint32_t each */
     size_t n;              /* rows */
     struct dt_ids ring;    /* owns: workspace */
-    uint64_t steps;        /* of rings on a line, and of ids that have no row */
+    uint64_t steps;        /* of rings on a line, of ids that have no row, and of constraints */
 };
 
 /* What is said of an id: that it is gone, its place and its ring; its ring alone; or nothing if it is gone. */

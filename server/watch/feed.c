@@ -12,8 +12,9 @@ enum {
     BOX_STEPS = 10000,   /* a box whose search takes longer, or of which more points */
     BOX_KNOWN = 10000,   /* may be known, is swept like the whole set */
     LINE_STEPS = 100000, /* rings on a line that take more are sent in parts */
-    LISTED_STEPS = 256,  /* of constraints that are listed at a time, */
-    MOST_ALTERED = 1024  /* and of those that have changed */
+    LISTED_STEPS = 256,  /* of constraints that are listed at a time, each of which */
+    LISTED_STEP = 10,    /* is so many of an event */
+    MOST_ALTERED = 1024  /* changed constraints that are looked at at a time */
 };
 
 uint32_t feed_line(const struct watched *k)
@@ -185,7 +186,7 @@ static void put_listed(struct event *e, const struct feed *f, struct position *p
             e->rows.failed = true;
         for (size_t i = 0; !e->rows.failed && i < list.n; i++)
             event_put_constraint(e, dt, &list.v[i], false, false);
-        e->steps += LISTED_STEPS;
+        e->steps += LISTED_STEPS * LISTED_STEP; /* many ids may be no smaller end */
         p->lists = p->listed != DT_NONE;
     }
     free(list.v);
