@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { RECENT_KEYS = 32768, RECENT_MARKS = 8192 }; /* powers of two; 0.45 MB in all */
+enum { RECENT_KEYS = 32768, RECENT_MARKS = 8192 }; /* powers of two; 0.5 MB in all */
 
 struct recent_mark {
     uint64_t version, at; /* how many keys there had been, */
