@@ -3,6 +3,14 @@
 
 #include <stdlib.h>
 
+struct dt_constraints *dt_constraints_new(struct dt_pages *pages)
+{
+    struct dt_constraints *c = calloc(1, sizeof *c);
+    if (c != NULL)
+        c->declared.pages = c->declared.first.keeper = pages;
+    return c;
+}
+
 void dt_constraints_free(struct dt_constraints *c)
 {
     if (c == NULL)

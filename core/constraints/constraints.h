@@ -15,6 +15,9 @@ struct dt_constraints {
     struct dt_crossed crossed; /* see dt_crossed */
 };
 
+/* None are declared; its large arrays come from the keeper, which may be NULL. NULL: out of memory. The caller owns it. */
+struct dt_constraints *dt_constraints_new(struct dt_pages *pages);
+
 /* NULL is allowed, also as what is copied. */
 void dt_constraints_free(struct dt_constraints *c);
 size_t dt_constraints_memory(const struct dt_constraints *c);

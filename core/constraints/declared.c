@@ -13,7 +13,7 @@ void dt_declared_clear(struct dt_declared *d)
     dt_array_free(d->row);
     dt_array_free(d->table);
     dt_idmap_clear(&d->first);
-    *d = (struct dt_declared){0};
+    *d = (struct dt_declared){.pages = d->pages, .first = d->first};
 }
 
 size_t dt_declared_memory(const struct dt_declared *d)
@@ -24,13 +24,15 @@ size_t dt_declared_memory(const struct dt_declared *d)
 enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared *copy)
 {
     struct dt_declared c = {
-        .rows = d->rows, .borders = d->borders, .end = d->end, .free_list = d->free_list};
+        .pages = d->pages, .rows = d->rows, .borders = d->borders, .end = d->end};
+    c.free_list = d->free_list;
+    c.first.keeper = d->pages;
     if (d->rows == 0) {
-        *copy = (struct dt_declared){0};
+        *copy = c;
         return DT_OK;
     }
-    c.row = dt_array_new(d->end, sizeof *c.row);
-    c.table = dt_array_new(d->places, sizeof *c.table);
+    c.row = dt_array_new_in(d->pages, d->end, sizeof *c.row);
+    c.table = dt_array_new_in(d->pages, d->places, sizeof *c.table);
     if (c.row == NULL || c.table == NULL || dt_idmap_copy(&d->first, &c.first, NULL) != DT_OK) {
         dt_declared_clear(&c);
         return DT_NOMEM;
@@ -93,7 +95,7 @@ static enum dt_status grow_table(struct dt_declared *d, size_t rows)
     size_t places = rows + rows / 3 + 16;
     if (places <= d->places)
         return DT_OK;
-    uint32_t *table = dt_array_new(places, sizeof *table);
+    uint32_t *table = dt_array_new_in(d->pages, places, sizeof *table);
     if (table == NULL)
         return DT_NOMEM;
     dt_array_free(d->table);
@@ -114,7 +116,7 @@ enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n)
         return DT_TOOBIG;
     if (end > d->cap) {
         size_t cap = n > d->rows / 2 ? end : dt_array_room(d->cap, end, DT_MAX_CONSTRAINTS);
-        struct dt_declared_row *row = dt_array_grow(d->row, d->end, cap, sizeof *row);
+        struct dt_declared_row *row = dt_array_grow_in(d->pages, d->row, d->end, cap, sizeof *row);
         if (row == NULL)
             return DT_NOMEM;
         d->row = row;
@@ -215,10 +217,14 @@ void dt_declared_remove(struct dt_declared *d, uint32_t row)
     leave_table(d, place_of(d, r));
     leave_list(d, row, 0);
     leave_list(d, row, 1);
-    r->end[0] = DT_NONE;
-    r->next[0] = d->free_list;
     d->borders -= r->what & 1;
-    d->free_list = row;
+    if (d->rows == d->end && row + 1 == d->end) {
+        d->end--;
+    } else {
+        r->end[0] = DT_NONE;
+        r->next[0] = d->free_list;
+        d->free_list = row;
+    }
     if (--d->rows == 0)
         dt_declared_clear(d);
     else

@@ -19,8 +19,9 @@ struct dt_declared_row {
     uint32_t next[2], prev[2]; /* DT_NONE: none */
 };
 
-/* Start with {0}. */
+/* Start with {0}, or with a keeper, here and in `first`. */
 struct dt_declared {
+    struct dt_pages *pages;      /* borrows; where its arrays come from; NULL: the system */
     struct dt_declared_row *row; /* owns `cap` */
     uint32_t rows, end, cap;     /* live rows; rows 0 .. end - 1 are live or free */
     uint32_t borders;            /* of the live rows */
@@ -30,6 +31,7 @@ struct dt_declared {
     struct dt_idmap first; /* id -> a row at that end */
 };
 
+/* It keeps its keeper. */
 void dt_declared_clear(struct dt_declared *d);
 enum dt_status dt_declared_copy(const struct dt_declared *d, struct dt_declared *copy);
 size_t dt_declared_memory(const struct dt_declared *d);

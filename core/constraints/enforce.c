@@ -14,6 +14,7 @@
 
 #include "core/constraints/march.h"
 #include "core/memory/memory.h"
+#include "core/mesh/diagonal.h"
 #include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
@@ -53,6 +54,22 @@ static enum dt_status append(struct dt_ids *a, uint32_t value)
     enum dt_status status = reserve(a, a->n + 1);
     if (status == DT_OK)
         a->v[a->n++] = value;
+    return status;
+}
+
+enum dt_status dt_enforce_edge(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work,
+                               bool *done)
+{
+    uint32_t half = dt_edge_between(e->mesh, a, b);
+    *done = false;
+    if (half == DT_NONE)
+        return DT_OK;
+    enum dt_status status = dt_work(work, 1);
+    if (status == DT_OK)
+        status = dt_fixed_reserve(e->mesh, 1);
+    *done = status == DT_OK;
+    if (*done)
+        dt_fix(e->mesh, half, 1);
     return status;
 }
 
@@ -186,6 +203,24 @@ static uint32_t fill_part(struct dt_enforcer *e, const uint32_t *edge, size_t n)
     return left;
 }
 
+/* The same where the part crosses one edge: it becomes the other diagonal of its two triangles. */
+static uint32_t flip_part(struct dt_enforcer *e, uint32_t edge)
+{
+    if (e->changes != NULL)
+        report_stars(e, &edge, 1);
+    dt_flip(e->mesh, edge);
+    e->mesh->recycled = true;
+    return dt_prev(edge);
+}
+
+/* Makes the part of that many steps an edge; there is room. Returns a half edge of it. */
+static uint32_t make_edge(struct dt_enforcer *e, const uint32_t *step, size_t length)
+{
+    if ((*step & ALONG) != 0)
+        return *step & ~ALONG;
+    return length == 1 ? flip_part(e, *step) : fill_part(e, step, length);
+}
+
 enum dt_status dt_enforce(struct dt_enforcer *e)
 {
     struct dt_mesh *m = e->mesh;
@@ -198,10 +233,8 @@ enum dt_status dt_enforce(struct dt_enforcer *e)
     if (status == DT_OK)
         status = dt_pocket_reserve(&e->pocket, n + 3);
     for (size_t i = 0; i < n && status == DT_OK;) {
-        uint32_t half = e->step.v[i];
-        size_t length = (half & ALONG) != 0 ? 1 : part_length(e, i);
-        half = (half & ALONG) != 0 ? half & ~ALONG : fill_part(e, &e->step.v[i], length);
-        dt_fix(m, half, 1);
+        size_t length = (e->step.v[i] & ALONG) != 0 ? 1 : part_length(e, i);
+        dt_fix(m, make_edge(e, &e->step.v[i], length), 1);
         i += length;
     }
     return status;

@@ -27,6 +27,10 @@ struct dt_enforcer {
 void dt_enforcer_clear(struct dt_enforcer *e);
 size_t dt_enforcer_memory(const struct dt_enforcer *e);
 
+/* Fixes the edge between two vertices once more, if there is one; *done. Cost: the smaller degree. */
+enum dt_status dt_enforce_edge(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work,
+                               bool *done);
+
 /* Finds the way from vertex a to vertex b, a != b, in the mesh, which has two vertices at least; nothing is changed.
  * The fixed edges that it crosses are in e->crossed then; only if there are none, it can be fixed. */
 enum dt_status dt_enforce_look(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work);

@@ -56,8 +56,7 @@ enum dt_march_step dt_march_begin(const struct dt_mesh *m, const struct dt_point
     return DT_MARCH_OUT;
 }
 
-/* The half edge from a to b, if there is an edge; found without a look at places. */
-static uint32_t edge_between(const struct dt_mesh *m, uint32_t a, uint32_t b)
+uint32_t dt_edge_between(const struct dt_mesh *m, uint32_t a, uint32_t b)
 {
     uint32_t from_a = m->leaving[a], from_b = m->leaving[b];
     do {
@@ -77,7 +76,7 @@ enum dt_march_step dt_march_between(const struct dt_mesh *m, const struct dt_poi
     struct dt_point p = xy[a], q = xy[b];
     enum dt_march_step step;
     *swapped = false;
-    if ((*half = edge_between(m, a, b)) != DT_NONE)
+    if ((*half = dt_edge_between(m, a, b)) != DT_NONE)
         return DT_MARCH_ALONG;
     for (uint32_t from_a = m->leaving[a], from_b = m->leaving[b];;) {
         *swapped = false;

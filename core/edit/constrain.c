@@ -1,12 +1,14 @@
 /* constrain.c - declares and releases constraints; see core/delaunay_constraints.h.
  *
  * Of a live set, each constraint first becomes a chain of edges, and is declared when that has succeeded. If one fails,
- * those before it are released again: the triangulation is canonical, so this restores the previous one. */
+ * those before it are released again: the triangulation is canonical, so this restores the previous one. Many are declared
+ * first, and become edges in the order of memory; if some cross, they are tried one by one, so that the first is named. */
 #include "core/edit/constrain.h"
 
 #include <stdlib.h>
 
 #include "core/constraints/march.h"
+#include "core/edit/update.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
 
@@ -114,15 +116,17 @@ static void forget_regions(struct dt *t, const struct dt_constraint *c)
         dt_regions_clear(&t->constraints->regions);
 }
 
-/* c, ends ascending, becomes a chain of edges of the live mesh. */
-static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struct dt_stop *work)
+/* The segment between vertices a and b becomes a chain of edges of the live mesh. */
+static enum dt_status enforce(struct dt *t, uint32_t a, uint32_t b, struct dt_stop *work)
 {
-    forget_regions(t, c);
-    uint32_t a = dt_points_vertex(&t->points, c->a), b = dt_points_vertex(&t->points, c->b);
     if (a == b)
         return dt_work(work, 1);
     struct dt_enforcer *e = enforcer(t);
-    enum dt_status status = dt_enforce_look(e, a, b, work);
+    bool done;
+    enum dt_status status = dt_enforce_edge(e, a, b, work, &done);
+    if (status != DT_OK || done)
+        return status;
+    status = dt_enforce_look(e, a, b, work);
     if (status == DT_OK && e->crossed.n > 0)
         status = DT_CROSSES;
     if (status == DT_OK)
@@ -136,7 +140,9 @@ static enum dt_status enforce(struct dt *t, const struct dt_constraint *c, struc
 static enum dt_status enforce_or_name(struct dt *t, const struct dt_constraint *c,
                                       struct dt_stop *work)
 {
-    enum dt_status status = enforce(t, c, work), named;
+    uint32_t a = dt_points_vertex(&t->points, c->a), b = dt_points_vertex(&t->points, c->b);
+    forget_regions(t, c);
+    enum dt_status status = enforce(t, a, b, work), named;
     if (status != DT_CROSSES)
         return status;
     named = dt_work(work, t->constraints->declared.rows);
@@ -145,10 +151,12 @@ static enum dt_status enforce_or_name(struct dt *t, const struct dt_constraint *
     return named == DT_OK ? DT_CROSSES : named;
 }
 
-enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work)
+enum dt_status dt_constrain_row(struct dt *t, uint32_t row, uint32_t a, uint32_t b,
+                                struct dt_stop *work)
 {
-    struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
-    return enforce(t, &c, work);
+    if ((t->constraints->declared.row[row].what & 1) != 0)
+        dt_regions_clear(&t->constraints->regions);
+    return enforce(t, a, b, work);
 }
 
 void dt_forget_regions(struct dt *t, uint32_t id)
@@ -189,68 +197,16 @@ static enum dt_status constrain_sorted(struct dt *t, struct dt_stop *stop)
     return status;
 }
 
-/* The rows whose first end is id. */
-static enum dt_status constrain_at(struct dt *t, uint32_t id, struct dt_stop *stop)
-{
-    const struct dt_declared *d = &t->constraints->declared;
-    enum dt_status status = DT_OK;
-    uint32_t row = dt_declared_first(d, id);
-    for (; row != DT_NONE && status == DT_OK; row = dt_declared_next(d, row, id))
-        if (d->row[row].end[0] == id)
-            status = dt_constrain_row(t, row, stop);
-    return status;
-}
-
-/* The first constraint at vertex v, DT_NONE if there is none. */
-static uint32_t first_row(const struct dt *t, uint32_t v)
-{
-    const struct dt_points *p = &t->points;
-    bool there = v < p->end && p->id[v] != DT_NONE;
-    return there ? dt_idmap_get(&t->constraints->declared.first, p->id[v]) : DT_NONE;
-}
-
-/* Ids are in no order, so every step from a vertex to its constraints, and on to their other ends, waits for memory. */
-static void fetch_ahead(const struct dt *t, uint32_t v)
-{
-    enum { STEP = 10 };
-    const struct dt_declared *d = &t->constraints->declared;
-    const struct dt_points *p = &t->points;
-    if (v + 3 * STEP < p->end)
-        dt_idmap_fetch(&d->first, p->id[v + 3 * STEP]);
-    uint32_t row = first_row(t, v + 2 * STEP);
-    if (row != DT_NONE)
-        dt_fetch(&d->row[row]);
-    row = first_row(t, v + STEP);
-    if (row != DT_NONE) {
-        dt_idmap_fetch(&p->value, d->row[row].end[0]);
-        dt_idmap_fetch(&p->value, d->row[row].end[1]);
-    }
-}
-
-/* In the order of memory; aliases last. */
-static enum dt_status constrain_in_order(struct dt *t, struct dt_stop *stop)
-{
-    const struct dt_points *p = &t->points;
-    const struct dt_declared *d = &t->constraints->declared;
-    enum dt_status status = dt_fixed_begin(&t->mesh);
-    for (uint32_t v = 0; v < p->end && status == DT_OK; v++) {
-        fetch_ahead(t, v);
-        if (p->id[v] != DT_NONE)
-            status = constrain_at(t, p->id[v], stop);
-    }
-    for (uint32_t i = 0; i < d->end && p->aliases.count > 0 && status == DT_OK; i++)
-        if (dt_declared_is_live(d, i) && dt_points_is_alias(p, d->row[i].end[0]))
-            status = dt_constrain_row(t, i, stop);
-    return status;
-}
-
 enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop)
 {
     const struct dt_changes *changes = t->scratch.changes;
     t->scratch.enforcer = &t->constraints->enforcer;
     t->scratch.changes = NULL; /* nobody reads the stars of a mesh that is not finished */
     dt_regions_clear(&t->constraints->regions);
-    enum dt_status status = constrain_in_order(t, stop);
+    size_t made;
+    enum dt_status status = dt_fixed_begin(&t->mesh);
+    if (status == DT_OK)
+        status = dt_constrain_in_order(t, 0, NULL, &made, stop);
     if (status == DT_CROSSES)
         status = constrain_sorted(t, stop);
     t->scratch.changes = changes;
@@ -334,12 +290,12 @@ static void note(struct dt *t, uint32_t row, bool added)
 static enum dt_status prepare(struct dt *t, size_t n)
 {
     if (t->constraints == NULL)
-        t->constraints = calloc(1, sizeof *t->constraints);
+        t->constraints = dt_constraints_new(t->points.pages);
     if (t->constraints == NULL)
         return DT_NOMEM;
     enum dt_status status = dt_declared_reserve(&t->constraints->declared, n);
     if (status == DT_OK)
-        status = prepare_history(t, 2 * n); /* and to undo them */
+        status = prepare_history(t, 4 * n); /* twice, and to undo them */
     if (status == DT_OK && dt_is_live(t))
         status = dt_fixed_begin(&t->mesh);
     t->scratch.enforcer = &t->constraints->enforcer;
@@ -402,6 +358,46 @@ static void fetch_constraints(const struct dt *t, const struct dt_constraint *c,
     }
 }
 
+/* Takes back the declarations of the last rows, from `from` on. */
+static void undeclare_rows(struct dt *t, uint32_t from)
+{
+    struct dt_declared *d = &t->constraints->declared;
+    for (uint32_t i = d->end; i-- > from;) {
+        note(t, i, false);
+        dt_declared_remove(d, i);
+    }
+}
+
+/* Declares them, and then makes the new ones edges. There are no free rows. row[n]: scratch memory. DT_CROSSES names
+ * nothing. */
+static enum dt_status declare_together(struct dt *t, const struct dt_constraint *c, size_t n,
+                                       struct dt_stop *work, uint32_t *row, size_t *added)
+{
+    struct dt_declared *d = &t->constraints->declared;
+    uint32_t from = d->end, last;
+    size_t made = 0;
+    enum dt_status status = DT_OK;
+    for (size_t i = 0; i < n && status == DT_OK; i++) {
+        struct dt_constraint own = ascending(c[i]);
+        if (i + DT_AHEAD < n)
+            dt_declared_fetch(d, &c[i + DT_AHEAD]);
+        status = dt_work(work, 1);
+        if (status != DT_OK || dt_declared_find(d, &own) != DT_NONE)
+            continue;
+        status = dt_declared_add(d, &own, &last);
+        if (status == DT_OK)
+            note(t, last, true);
+    }
+    if (status == DT_OK)
+        status = dt_constrain_in_order(t, from, row, &made, work);
+    *added = d->end - from;
+    while (status != DT_OK && made > 0)
+        dt_release_row(t, row[--made]);
+    if (status != DT_OK)
+        undeclare_rows(t, from);
+    return status;
+}
+
 /* Declares them one by one, those that are new into row[]. */
 static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, size_t n,
                                   struct dt_stop *work, uint32_t *row, size_t *added)
@@ -420,6 +416,20 @@ static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, s
     return status;
 }
 
+/* Declares them all, or none. row[n]: scratch memory. */
+static enum dt_status declare_batch(struct dt *t, const struct dt_constraint *c, size_t n,
+                                    struct dt_stop *work, uint32_t *row, size_t *added)
+{
+    struct dt_declared *d = &t->constraints->declared;
+    if (!dt_is_live(t) || !dt_is_large_batch(t, n) || d->rows != d->end)
+        return declare_all(t, c, n, work, row, added);
+    enum dt_status status = declare_together(t, c, n, work, row, added);
+    if (status != DT_CROSSES)
+        return status;
+    status = dt_declared_reserve(d, n); /* the room may be gone with the last row */
+    return status == DT_OK ? declare_all(t, c, n, work, row, added) : status;
+}
+
 enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t n,
                             const struct dt_options *opt, size_t *added, uint32_t *missing)
 {
@@ -430,12 +440,12 @@ enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t 
         status = dt_refresh(t, opt);
     if (status != DT_OK || n == 0)
         return status;
-    uint32_t one = 0, *row = n == 1 ? &one : dt_array_new(n, sizeof *row);
+    uint32_t one = 0, *row = n == 1 ? &one : dt_array_new_in(t->points.pages, n, sizeof *row);
     if (row == NULL)
         return DT_NOMEM;
     status = prepare(t, n);
     if (status == DT_OK)
-        status = declare_all(t, c, n, &work, row, added);
+        status = declare_batch(t, c, n, &work, row, added);
     if (status != DT_OK)
         *added = 0;
     dt_constraints_tidy(t);

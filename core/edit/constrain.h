@@ -8,9 +8,16 @@
  * their order, that crosses one before it, and the least of these. After a failure the mesh is to be built again. */
 enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop);
 
-/* The constraint of the row becomes a chain of edges, or is released; the mesh is current. DT_CROSSES names nothing. */
-enum dt_status dt_constrain_row(struct dt *t, uint32_t row, struct dt_stop *work);
+/* The constraint of the row, between vertices a and b, becomes a chain of edges, or is released; the mesh is current.
+ * DT_CROSSES names nothing. */
+enum dt_status dt_constrain_row(struct dt *t, uint32_t row, uint32_t a, uint32_t b,
+                                struct dt_stop *work);
 void dt_release_row(struct dt *t, uint32_t row);
+
+/* The constraints of all live rows from `from` on become chains of edges. done: NULL, or gets the rows that have become
+ * so, *made of them, also if it fails, as dt_constrain_row does. */
+enum dt_status dt_constrain_in_order(struct dt *t, uint32_t from, uint32_t *done, size_t *made,
+                                     struct dt_stop *stop);
 
 /* Returns DT_CROSSES, and dt_crossed will name, of the constraints at id and those that they would cross as the mesh is, the
  * first in their order that crosses one before it, and the least of these; or fails. Cost: the constraints, for each one

@@ -126,7 +126,9 @@ static enum dt_status keep_rows(struct dt *t, uint32_t id, size_t n, struct dt_s
     uint32_t row = dt_declared_first(d, id);
     size_t kept = 0;
     for (; row != DT_NONE && kept < n && status == DT_OK; row = dt_declared_next(d, row, id)) {
-        status = dt_constrain_row(t, row, NULL);
+        const uint32_t *end = d->row[row].end;
+        status = dt_constrain_row(t, row, dt_points_vertex(&t->points, end[0]),
+                                  dt_points_vertex(&t->points, end[1]), NULL);
         kept += status == DT_OK;
     }
     if (status == DT_OK)

@@ -89,6 +89,46 @@ TEST(whether_constraints_cross_does_not_depend_on_their_order)
     }
 }
 
+/* The same of many at once: every edge of a lattice, and both diagonals of one of its squares. */
+TEST(many_constraints_at_once_that_cross_are_refused_like_one_by_one)
+{
+    enum { WIDTH = 8, EDGES = 2 * WIDTH * (WIDTH - 1) };
+    struct dt_point p[WIDTH * WIDTH];
+    struct dt_constraint c[EDGES + 2];
+    size_t n = 0, added;
+    uint32_t missing;
+    for (uint32_t i = 0; i < WIDTH * WIDTH; i++) {
+        p[i] = (struct dt_point){i % WIDTH, i / WIDTH}; /* NOLINT: whole numbers */
+        if (i % WIDTH > 0)
+            c[n++] = (struct dt_constraint){i, i - 1, false, i};
+        if (i >= WIDTH)
+            c[n++] = (struct dt_constraint){i - WIDTH, i, true, 0};
+    }
+    struct dt *t = set_of(p, WIDTH * WIDTH), *fresh = set_of(p, WIDTH * WIDTH);
+    struct dt_crossed crossed;
+    c[n] = c[40];
+    c[40] = (struct dt_constraint){9, 18, false, 0};
+    c[n + 1] = (struct dt_constraint){10, 17, false, 3};
+    for (int again = 0; again < 2; again++) {
+        CHECK(dt_constrain(t, c, n + 2, NULL, &added, &missing) == DT_CROSSES && added == 0);
+        dt_crossed(t, &crossed);
+        CHECK(crossed.one.a == 10 && crossed.one.b == 17 && crossed.one.number == 3);
+        CHECK(crossed.other.a == 9 && crossed.other.b == 18 && dt_constraints_count(t) == 0);
+        check_equal(t, fresh);
+    }
+    CHECK(dt_constrain(t, c, n + 1, NULL, &added, &missing) == DT_OK && added == n + 1);
+    for (size_t i = n + 1; i-- > 0;)
+        CHECK(dt_constrain(fresh, &c[i], 1, NULL, &added, &missing) == DT_OK && added == 1);
+    check_mesh(t);
+    check_equal(t, fresh);
+    CHECK(dt_constrain(t, c, n + 2, NULL, &added, &missing) == DT_CROSSES && added == 0);
+    CHECK(dt_constraints_count(t) == n + 1);
+    check_equal(t, fresh);
+    CHECK(dt_constrain(t, c, n + 1, NULL, &added, &missing) == DT_OK && added == 0);
+    dt_free(t);
+    dt_free(fresh);
+}
+
 /* CGAL #4059. */
 TEST(constraints_that_overlap_are_released_one_by_one)
 {
