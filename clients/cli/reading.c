@@ -47,7 +47,9 @@ int reading_option(struct reading *r, int option, char **argv, bool *known)
         r->dry_run = true;
     else if (option == READING_FORMAT && !source_read_form(optarg, s))
         return options_wrong(
-            argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las", optarg);
+            argv[0],
+            "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las, poly, obj",
+            optarg);
     else if (option == READING_COLUMNS && !wish_columns(&s->table.wish, optarg))
         return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
                              optarg);

@@ -10,9 +10,10 @@
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/files/progress.h"
+#include "clients/meshes/faces.h"
 #include "clients/points/join.h"
 
-enum { AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
+enum { NOT_INSIDE = -1, AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
 
 struct sending {
     struct reading *r;
@@ -142,6 +143,86 @@ static enum delaunay_result triangulate(struct sending *s)
     return r;
 }
 
+/* ---- faces of a .poly file ---- */
+
+/* Of each face the number of its border; NOT_INSIDE for the others. What lines enclose is inside, unless it has a hole's seed; a region's
+ * seed gives its number. */
+static enum delaunay_result number_faces(struct sending *s, const struct model *m,
+                                         const struct sides *sides, const struct faces *f,
+                                         int64_t *number)
+{
+    const struct paths *p = &s->r->file.paths;
+    double *xy = malloc((2 * p->seeds + 1) * sizeof xy[0]);
+    uint32_t *triangle = malloc((3 * p->seeds + 1) * sizeof triangle[0]), place[2];
+    enum delaunay_result r = xy != NULL && triangle != NULL ? DELAUNAY_OK : DELAUNAY_NOMEM;
+    size_t outside = 0;
+    for (size_t i = 0; i < f->n; i++)
+        number[i] = f->enclosed[i] ? (int64_t)s->r->from.first_number : NOT_INSIDE;
+    for (size_t i = 0; r == DELAUNAY_OK && i < p->seeds; i++)
+        memcpy(xy + 2 * i, p->seed[i].xy, 2 * sizeof xy[0]);
+    if (r == DELAUNAY_OK && p->seeds > 0)
+        r = delaunay_locate_places(s->c, s->set, xy, p->seeds, triangle);
+    for (size_t i = 0; r == DELAUNAY_OK && i < p->seeds; i++) {
+        const uint32_t *v = triangle + 3 * i;
+        int64_t t = v[0] != DELAUNAY_NONE && model_find(m, v[0], &place[0]) &&
+                            model_find(m, v[1], &place[1])
+                        ? sides_find(sides, place[0], place[1])
+                        : NO_TRIANGLE;
+        bool used = t != NO_TRIANGLE && f->enclosed[f->face[t]];
+        outside += !used;
+        if (used)
+            number[f->face[t]] = p->seed[i].hole ? NOT_INSIDE : (int64_t)p->seed[i].number;
+    }
+    if (outside > 0)
+        message_print("%s: %zu holes and regions are not enclosed by segments and are not used",
+                      source_name(&s->r->from), outside);
+    free(xy);
+    free(triangle);
+    return r;
+}
+
+/* A border of number k is each edge with a face of that number on one side only. */
+static size_t find_borders(const struct model *m, const struct sides *sides, const struct faces *f,
+                           const int64_t *number, struct segment *to)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < 3 * m->triangles; i++) {
+        uint32_t a = m->triangle[i], b = m->triangle[i % 3 == 2 ? i - 2 : i + 1];
+        int64_t other = sides_find(sides, b, a), k = number[f->face[i / 3]];
+        if (k == NOT_INSIDE || (other != NO_TRIANGLE && number[f->face[other]] == k))
+            continue;
+        uint32_t low = m->id[a < b ? a : b], high = m->id[a < b ? b : a];
+        to[n++] = (struct segment){2 * (uint32_t)k + 1, low, high};
+    }
+    segments_sort(to, n);
+    return n;
+}
+
+static enum delaunay_result declare_faces(struct sending *s)
+{
+    struct model m = {0};
+    struct sides sides = {0};
+    struct faces f = {0};
+    enum delaunay_result r = model_fetch(s->c, s->set, MODEL_TRIANGLES | MODEL_FIXED, &m);
+    if (r == DELAUNAY_STOPPED)
+        snprintf(s->refusal, sizeof s->refusal, "%s", m.fault);
+    bool ok = r != DELAUNAY_OK || (sides_init(&sides, &m) && faces_init(&f, &m, &sides));
+    int64_t *number = malloc((f.n + 1) * sizeof number[0]);
+    struct segment *border = malloc((3 * m.triangles + 1) * sizeof border[0]);
+    if (!ok || number == NULL || border == NULL)
+        r = DELAUNAY_NOMEM;
+    if (r == DELAUNAY_OK)
+        r = number_faces(s, &m, &sides, &f, number);
+    if (r == DELAUNAY_OK)
+        r = declare(s, border, find_borders(&m, &sides, &f, number, border));
+    free(number);
+    free(border);
+    faces_free(&f);
+    sides_free(&sides);
+    model_free(&m);
+    return r;
+}
+
 /* ---- where lines cross ---- */
 
 struct side {
@@ -264,8 +345,10 @@ static enum delaunay_result begin(struct sending *s)
 static int send_lines(struct sending *s)
 {
     enum delaunay_result r = begin(s);
-    if (r == DELAUNAY_OK && s->r->split && !s->is_new) {
-        message_print("--split makes a new set, and there is a set %s", s->set);
+    const bool faces = s->r->file.paths.faces;
+    if (r == DELAUNAY_OK && !s->is_new && (s->r->split || faces)) {
+        message_print("%s makes a new set, and there is a set %s",
+                      faces ? "a .poly file" : "--split", s->set);
         return EXIT_REFUSED;
     }
     if (r == DELAUNAY_OK)
@@ -279,6 +362,8 @@ static int send_lines(struct sending *s)
     r = declare_lines(s);
     if (r == DELAUNAY_OK)
         r = triangulate(s);
+    if (r == DELAUNAY_OK && faces)
+        r = declare_faces(s);
     if (r == DELAUNAY_OK && s->is_new)
         r = ask(s, "PERSIST", "");
     size_t n = strlen(s->status);

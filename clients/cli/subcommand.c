@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <strings.h>
 
-#include "clients/meshes/formats.h"
+#include "clients/meshes/line_formats.h"
 
 const struct subcommand subcommands[] = {
     {"draw", command_draw, true, false, "draw FILE [PICTURE] [OPTION ...]",
@@ -22,7 +22,7 @@ const struct subcommand subcommands[] = {
      "      --planar             x and y alike, whatever the headings are\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run "
-     "--colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
@@ -33,7 +33,7 @@ const struct subcommand subcommands[] = {
      "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run "
-     "--colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
@@ -48,6 +48,8 @@ const struct subcommand subcommands[] = {
      "  -f, --format node     Triangle's .node file\n"
      "  -f, --format gpx      waypoints, routes and tracks, with elevations\n"
      "  -f, --format las      LAS, and LAZ through pdal or las2txt\n"
+     "  -f, --format poly     Triangle's points, segments, holes and regions\n"
+     "  -f, --format obj      points and lines of Wavefront OBJ\n"
      "  -c, --columns X,Y[,Z] columns of a table, by name or by number from 1\n"
      "      --fields          every other column of numbers becomes a field\n"
      "      --skip-bad        leave bad lines out; shows the first ones and counts them\n"
@@ -60,7 +62,8 @@ const struct subcommand subcommands[] = {
      "      --split           lines may cross: they get points where they do\n"
      "      --dry-run         show how the file is read, and load nothing; needs no server\n\n"
      "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node .gpx .las "
-     ".laz;\n"
+     ".laz\n"
+     ".poly .obj .gmt;\n"
      "else the first bytes: { is GeoJSON, < GPX, LASF LAS, anything else a table. The headings of "
      "a table choose the "
      "columns,\n"
@@ -77,14 +80,16 @@ const struct subcommand subcommands[] = {
      "--split --dry-run",
      true, NULL},
     {"export", command_export, false, true,
-     "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
+     "export SET FILE [--format F] [--lines] [--colour quality|degree|relief] [--field F] "
+     "[--numbers] "
      "[--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output). An "
      "existing\n"
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --field --numbers --viewport --geographic --planar --force", true, NULL},
+     "--format --lines --colour --field --numbers --viewport --geographic --planar --force", true,
+     NULL},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -225,6 +230,10 @@ void subcommand_print_help(const struct subcommand *s)
         return;
     for (size_t i = 0; i < format_count; i++)
         printf("  -f, --format %-8s %s\n", formats[i].name, formats[i].what);
+    for (size_t i = 0; i < line_format_count; i++)
+        printf("%s-f, --format %-8s %s\n",
+               format_find(line_formats[i].name) != NULL ? "  --lines " : "  ",
+               line_formats[i].name, line_formats[i].what);
     fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
           "      --colour degree   by the mean number of triangles at the corners\n"
           "      --colour relief   by height, with light and shadow, without edges and points\n"

@@ -6,13 +6,14 @@
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
-#include "clients/meshes/formats.h"
+#include "clients/meshes/line_formats.h"
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";
-static const char inputs[] = "xy csv geojson node xyz gpx las", grids[] = "asc bil png tif",
-                  shapes[] = "geojson svg wkt", methods[] = "linear natural laplace nearest",
-                  paints[] = "relief light height", colours[] = "quality degree relief";
+static const char inputs[] = "xy csv geojson node xyz gpx las poly obj",
+                  grids[] = "asc bil png tif", shapes[] = "geojson svg wkt",
+                  methods[] = "linear natural laplace nearest", paints[] = "relief light height",
+                  colours[] = "quality degree relief";
 static const char valued[] =
     " --columns | --viewport | --seconds | --width | --height | --cell | --every | --base | "
     "--levels | --max-edge | --inside | --field | --skip-lines | --nodata | --negate ";
@@ -22,6 +23,9 @@ static void put_formats(void)
     fputs("svg png", stdout);
     for (size_t i = 0; i < format_count; i++)
         printf(" %s", formats[i].name);
+    for (size_t i = 0; i < line_format_count; i++)
+        if (format_find(line_formats[i].name) == NULL)
+            printf(" %s", line_formats[i].name);
 }
 
 static bool is_any(const struct subcommand *s)

@@ -10,6 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/output.h"
+#include "clients/meshes/line_formats.h"
 #include "clients/surfaces/grid_file.h"
 
 struct export_work {
@@ -107,11 +108,15 @@ static void report(const struct export_work *w)
         json_number("shown", shown);
         json_number("triangles", m->triangles);
         json_number("hull", m->hull_n);
+        if (m->constraints > 0)
+            json_number("constraints", m->constraints);
         if (w->left_out > 0)
             json_number("left_out", w->left_out);
         if (e->more != NULL)
             e->more(e->ctx);
         json_finish();
+    } else if (e->format != NULL && (e->format->parts & MODEL_CONSTRAINTS) != 0) {
+        printf("%s: %zu points, %zu constraints\n", e->path, m->n, m->constraints);
     } else if (shown < m->n) {
         printf("%s: %zu of %zu points\n", e->path, shown, m->n);
     } else {
@@ -209,6 +214,8 @@ int export_option(struct export *e, int option, char **argv)
         e->picture.geographic = true;
     else if (option == 'P')
         e->planar = true;
+    else if (option == 'L')
+        e->lines = true;
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
         return options_wrong(argv[0], "unknown colour %s; there are quality, degree and relief",
                              optarg);
@@ -228,7 +235,14 @@ int export_prepare(struct export *e, char **argv)
     e->png = strcmp(name, "png") == 0;
     if (e->planar && e->picture.geographic)
         return options_wrong(argv[0], "--geographic, or --planar");
-    e->format = format_find(name);
+    e->format = e->lines ? NULL : format_find(name);
+    if (e->format == NULL)
+        e->format = line_format_find(name);
+    if (e->lines && e->format == NULL)
+        return options_wrong(argv[0],
+                             "--lines: the formats are poly, gmt, geojson, ndjson, wkt, obj; "
+                             "not %s",
+                             name);
     if (e->format == NULL && !e->png && strcmp(name, "svg") != 0)
         return options_wrong(argv[0], "unknown format %s", name);
     if (e->png && output_is_standard(e->path))

@@ -14,6 +14,7 @@ struct export
     const char *path, *form;     /* "-": the standard output; form NULL: the ending decides */
     const struct format *format; /* NULL: a picture */
     bool png, force;
+    bool lines;                    /* the lines and polygons of the set instead of its triangles */
     void (*more)(const void *ctx); /* writes more keys of the report in JSON; may be NULL */
     const void *ctx;
     bool planar; /* the picture is not a map, whatever the file says */
@@ -24,7 +25,7 @@ struct export
     {"numbers", no_argument, NULL, 'n'}, {"colour", required_argument, NULL, 'o'},                 \
         {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
         {"field", required_argument, NULL, 'z'}, {"geographic", no_argument, NULL, 'G'},           \
-        {"planar", no_argument, NULL, 'P'},                                                        \
+        {"planar", no_argument, NULL, 'P'}, {"lines", no_argument, NULL, 'L'},                     \
     {                                                                                              \
         "force", no_argument, NULL, 'F'                                                            \
     }

@@ -11,6 +11,8 @@
 #include "clients/files/las_file.h"
 #include "clients/files/laz_file.h"
 #include "clients/files/progress.h"
+#include "clients/lines/obj_file.h"
+#include "clients/lines/poly_file.h"
 #include "clients/points/join.h"
 
 static const struct {
@@ -24,6 +26,8 @@ static const struct {
                {"xyz", SOURCE_TABLE, true},
                {"gpx", SOURCE_GPX, false},
                {"las", SOURCE_LAS, false},
+               {"poly", SOURCE_POLY, false},
+               {"obj", SOURCE_OBJ, false},
                {"ndjson", SOURCE_GEOJSON, false},
                {"geojsonl", SOURCE_GEOJSON, false},
                {"jsonl", SOURCE_GEOJSON, false},
@@ -35,7 +39,7 @@ static const struct {
 
 bool source_read_form(const char *name, struct source *s)
 {
-    for (size_t i = 0; i < 7; i++) /* the names of formats come first */
+    for (size_t i = 0; i < 9; i++) /* the names of formats come first */
         if (strcmp(endings[i].name, name) == 0) {
             s->form = endings[i].form;
             s->table.wish.xyz = endings[i].xyz;
@@ -180,6 +184,46 @@ static bool read_las(struct source *s, struct points_file *f, const struct input
     return ok;
 }
 
+static bool read_poly(struct source *s, struct points_file *f, int fd)
+{
+    struct table_fields *t = &s->table.fields;
+    struct poly_notes notes;
+    size_t n = 0;
+    bool ok = poly_file_read(f, fd, s->path, t, &notes);
+    for (size_t i = 0; i < t->n && n + FIELDS_NAME + 20 < sizeof s->table.using; i++)
+        n += (size_t)snprintf(s->table.using + n, sizeof s->table.using - n, "%s%s",
+                              i == 0 ? "attributes " : " ", t->name[i]);
+    if (notes.negative > 0)
+        report_add(&f->report, NOTE_DOUBT,
+                   "%ju markers of segments are no numbers from 0 to %d and "
+                   "become 0",
+                   (uintmax_t)notes.negative, PATHS_MOST_NUMBER);
+    if (notes.unnamed > 0)
+        report_add(&f->report, NOTE_DOUBT,
+                   "the attributes of %ju regions are no numbers from 0 to %d; "
+                   "their places in the file are taken",
+                   (uintmax_t)notes.unnamed, PATHS_MOST_NUMBER);
+    if (notes.areas > 0)
+        report_add(&f->report, NOTE_UNUSED, "the greatest areas of %ju regions are not used",
+                   (uintmax_t)notes.areas);
+    return ok;
+}
+
+static bool read_obj(struct source *s, struct points_file *f, int fd)
+{
+    struct obj_notes notes;
+    bool ok = obj_file_read(f, fd, &s->table.fields, &notes);
+    if (notes.heights)
+        snprintf(s->table.using, sizeof s->table.using, "x y z of the points");
+    if (notes.faces > 0)
+        report_add(&f->report, NOTE_UNUSED, "%ju faces are not used; their points are",
+                   (uintmax_t)notes.faces);
+    if (notes.others > 0)
+        report_add(&f->report, NOTE_UNUSED, "%ju elements other than points and lines are not used",
+                   (uintmax_t)notes.others);
+    return ok;
+}
+
 static bool is_table(const struct source *s)
 {
     return s->form == SOURCE_TABLE || s->form == SOURCE_NODE || s->form == SOURCE_XY;
@@ -201,6 +245,10 @@ static bool read_points(struct source *s, struct points_file *f, const struct in
         return read_gpx(s, f, in->fd);
     if (s->form == SOURCE_LAS)
         return read_las(s, f, in);
+    if (s->form == SOURCE_POLY)
+        return read_poly(s, f, in->fd);
+    if (s->form == SOURCE_OBJ)
+        return read_obj(s, f, in->fd);
     progress_start(&r.bar, "reading");
     bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);

@@ -13,7 +13,9 @@ enum source_form {
     SOURCE_GEOJSON,
     SOURCE_NODE,
     SOURCE_GPX,
-    SOURCE_LAS, /* LAZ, too */
+    SOURCE_LAS,  /* LAZ, too */
+    SOURCE_POLY, /* Triangle's */
+    SOURCE_OBJ,
     SOURCE_GUESS
 };
 

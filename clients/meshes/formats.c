@@ -145,7 +145,7 @@ static bool write_2dm(FILE *out, const struct model *m)
 
 /* ---- the files of Shewchuk's Triangle ---- */
 
-static bool write_node(FILE *out, const struct model *m)
+bool formats_write_node(FILE *out, const struct model *m)
 {
     struct row r = {.n = 0};
     char *boundary = calloc(m->n + 1, 1);
@@ -326,7 +326,7 @@ const struct format formats[] = {
     {"ply", MODEL_TRIANGLES | MODEL_FIELDS, write_ply, "Stanford PLY, as text", true},
     {"off", MODEL_TRIANGLES | MODEL_FIELDS, write_off, "Object File Format", true},
     {"2dm", MODEL_TRIANGLES | MODEL_FIELDS, write_2dm, "SMS 2DM mesh", true},
-    {"node", MODEL_HULL | MODEL_FIELDS, write_node, "Triangle's points", false},
+    {"node", MODEL_HULL | MODEL_FIELDS, formats_write_node, "Triangle's points", false},
     {"ele", MODEL_TRIANGLES, write_ele, "Triangle's triangles", false},
     {"neigh", MODEL_TRIANGLES, write_neigh, "Triangle's neighbours of triangles", false},
     {"edge", MODEL_TRIANGLES | MODEL_EDGES, write_edge, "Triangle's edges", false},

@@ -22,6 +22,9 @@ struct format {
 extern const struct format formats[];
 extern const size_t format_count;
 
+/* Triangle's .node. False when out of memory. */
+bool formats_write_node(FILE *out, const struct model *m);
+
 /* The format of that name, NULL if there is none. */
 const struct format *format_find(const char *name);
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 enum { MOST_TRIES = 10 };
+#define MOST_ROWS ((size_t)1 << 30) /* triangles that the server looks at for regions */
 
 /* ---- replies ---- */
 
@@ -188,6 +189,119 @@ static bool take_version(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
+/* ---- regions ---- */
+
+struct closed {
+    uint32_t number;
+    double area;
+};
+
+struct borders {
+    struct closed *closed; /* owns n */
+    size_t n, cap;
+    bool failed;
+};
+
+/* A row `number closed triangles area` of REGIONS. */
+static bool take_border(void *ctx, const struct delaunay_part *part)
+{
+    struct borders *b = ctx;
+    char row[120];
+    unsigned number;
+    double area;
+    if (part->kind == DELAUNAY_PART_OK) {
+        b->cap = (size_t)delaunay_rows(part);
+        b->closed = malloc((b->cap + 1) * sizeof b->closed[0]);
+        b->failed = b->closed == NULL;
+        return !b->failed;
+    }
+    if (part->kind != DELAUNAY_PART_ROW)
+        return true;
+    snprintf(row, sizeof row, "%.*s", (int)part->len, part->text);
+    if (b->n < b->cap && sscanf(row, "%u closed %*u %lf", &number, &area) == 2)
+        b->closed[b->n++] = (struct closed){number, area};
+    return true;
+}
+
+/* The largest first, so that a smaller one within it is seen. */
+static int compare_closed(const void *a, const void *b)
+{
+    const struct closed *r = a, *s = b;
+    if (r->area != s->area)
+        return r->area > s->area ? -1 : 1;
+    return r->number < s->number ? -1 : r->number > s->number;
+}
+
+/* Gives the number to these triangles, which come in the order of the model's. */
+static void paint(struct model *m, const char *rows, size_t n, uint32_t number)
+{
+    size_t t = 0;
+    for (size_t i = 0; i < n && !m->torn; i++) {
+        uint32_t v[3];
+        for (size_t k = 0; k < 3; k++)
+            m->torn |= !model_find(m, word(rows + 12 * i + 4 * k), &v[k]);
+        while (!m->torn && t < m->triangles && memcmp(m->triangle + 3 * t, v, sizeof v) != 0)
+            t++;
+        m->torn |= t == m->triangles;
+        if (!m->torn)
+            m->region[t++] = number;
+    }
+}
+
+static enum delaunay_result paint_region(struct delaunay_client *c, const char *set,
+                                         const char *which, uint32_t number, struct model *m)
+{
+    char line[160];
+    void *bytes;
+    size_t n;
+    int len = snprintf(line, sizeof line, "TRIANGLES %.100s INSIDE%s BINARY", set, which);
+    enum delaunay_result r = delaunay_send(c, line, (size_t)len);
+    if (r == DELAUNAY_OK)
+        r = delaunay_receive_bytes(c, &bytes, &n);
+    if (r == DELAUNAY_REFUSED) /* the borders have changed since */
+        m->torn = true;
+    if (r != DELAUNAY_OK)
+        return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
+    paint(m, bytes, n / 12, number);
+    free(bytes);
+    return DELAUNAY_OK;
+}
+
+/* The triangles have been fetched; the set is of the version `before` if it still is in the end. */
+static enum delaunay_result fetch_regions(struct delaunay_client *c, const char *set,
+                                          uint64_t before, struct model *m)
+{
+    struct borders b = {.n = 0};
+    char line[120];
+    uint64_t after = 0;
+    snprintf(line, sizeof line, "REGIONS %.100s", set);
+    enum delaunay_result r = delaunay_request(c, line, take_border, &b);
+    m->regions = r == DELAUNAY_OK;
+    m->one_region = b.n > 1 && b.n > MOST_ROWS / (m->triangles + 1);
+    m->region = malloc((m->triangles + 1) * sizeof m->region[0]);
+    if (b.failed || m->region == NULL)
+        r = DELAUNAY_NOMEM;
+    for (size_t t = 0; m->region != NULL && t < m->triangles; t++)
+        m->region[t] = MODEL_OUTSIDE;
+    if (r == DELAUNAY_OK && b.n > 0)
+        qsort(b.closed, b.n, sizeof b.closed[0], compare_closed);
+    if (r == DELAUNAY_OK && m->one_region)
+        r = paint_region(c, set, "", 0, m);
+    for (size_t i = 0; r == DELAUNAY_OK && !m->one_region && i < b.n; i++) {
+        char which[16];
+        snprintf(which, sizeof which, " %u", (unsigned)b.closed[i].number);
+        r = paint_region(c, set, which, b.closed[i].number, m);
+    }
+    free(b.closed);
+    if (r == DELAUNAY_REFUSED) /* no borders, or a server that knows none */
+        return DELAUNAY_OK;
+    snprintf(line, sizeof line, "STAT %.100s", set);
+    if (r == DELAUNAY_OK)
+        r = delaunay_request(c, line, take_version, &after);
+    m->torn |= before != after;
+    return r;
+}
+
 /* ---- requests ---- */
 
 static enum delaunay_result send_table(struct delaunay_client *c, const char *command,
@@ -268,6 +382,8 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
         r = send_table(c, "HULL", set, "");
     if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
         r = send_table(c, "CONSTRAINTS", set, " BINARY");
+    if (r == DELAUNAY_OK && (parts & MODEL_FIXED) != 0)
+        r = send_table(c, "EDGES", set, " CONSTRAINED BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
         r = send_table(c, "STAT", set, "");
     return r;
@@ -293,10 +409,13 @@ static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned pa
         r = delaunay_receive(c, take_hull_point, m);
     if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
         r = receive_constraints(c, m);
+    if (r == DELAUNAY_OK && (parts & MODEL_FIXED) != 0)
+        r = receive_ids(c, m, 2, &m->fixed, &m->fixed_n);
     if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
         r = delaunay_receive(c, take_version, &after);
     if (before != after)
         m->torn = true;
+    m->version = after;
     return r;
 }
 
@@ -312,6 +431,8 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
             r = send_parts(c, set, parts, m);
         if (r == DELAUNAY_OK)
             r = receive_parts(c, parts, m);
+        if (r == DELAUNAY_OK && !m->torn && (parts & MODEL_REGIONS) != 0)
+            r = fetch_regions(c, set, m->version, m);
         if (r != DELAUNAY_OK || !m->torn)
             return r;
     }
@@ -329,6 +450,8 @@ void model_free(struct model *m)
     free(m->edge);
     free(m->hull);
     free(m->constraint);
+    free(m->fixed);
+    free(m->region);
     *m = (struct model){0};
 }
 
@@ -386,6 +509,7 @@ size_t model_drop_missing(struct model *m, bool *ok)
     m->triangles = renumber(m->triangle, m->triangles, 3, next);
     m->edges = renumber(m->edge, m->edges, 2, next);
     m->hull_n = renumber(m->hull, m->hull_n, 1, next);
+    m->fixed_n = renumber(m->fixed, m->fixed_n, 2, next);
     m->constraints = renumber_constraints(m->constraint, m->constraints, next);
     free(next);
     return before - n;

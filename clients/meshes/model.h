@@ -26,9 +26,19 @@ struct model {
         constraint; /* owns 3 * constraints: the places of both ends, and 2 k for a line of number k, 2 k + 1 for a border; sorted
                              as CONSTRAINTS sorts them */
     size_t constraints;
+    uint32_t *
+        fixed; /* owns 2 * fixed_n: the edges that are parts of constraints; places, the smaller first, sorted */
+    size_t fixed_n;
+    uint64_t version; /* of the set */
+    int64_t *
+        region; /* owns: of each triangle the number of the smallest closed border around it; MODEL_OUTSIDE */
+    bool regions;      /* there are borders, and the server says what is inside them */
+    bool one_region;   /* there are so many that all are number 0 */
     bool torn;         /* while it is fetched: its parts are of several states of the set */
     const char *fault; /* why a call returned DELAUNAY_STOPPED: a static sentence */
 };
+
+enum { MODEL_OUTSIDE = -1 };
 
 enum model_parts {
     MODEL_TRIANGLES = 1,
@@ -36,7 +46,9 @@ enum model_parts {
     MODEL_HULL = 4,
     MODEL_MESH = MODEL_TRIANGLES | MODEL_EDGES | MODEL_HULL,
     MODEL_FIELDS = 8,
-    MODEL_CONSTRAINTS = 16
+    MODEL_CONSTRAINTS = 16,
+    MODEL_FIXED = 32,
+    MODEL_REGIONS = 64
 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.

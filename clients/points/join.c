@@ -261,6 +261,11 @@ bool paths_join(struct points_file *f)
     return true;
 }
 
+void segments_sort(struct segment *segment, size_t n)
+{
+    qsort(segment, n, sizeof segment[0], compare_segments);
+}
+
 struct segment *paths_segments(const struct paths *p, size_t *n)
 {
     size_t all = 0, kept = 0;
@@ -269,7 +274,7 @@ struct segment *paths_segments(const struct paths *p, size_t *n)
         return NULL;
     for (size_t i = 0; i < p->n; i++)
         all += put_segments(p, &p->path[i], s + all);
-    qsort(s, all, sizeof s[0], compare_segments);
+    segments_sort(s, all);
     for (size_t i = 0, same = 1; i < all; i += same) {
         for (same = 1; i + same < all && compare_segments(&s[i], &s[i + same]) == 0; same++)
             continue;

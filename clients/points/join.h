@@ -18,4 +18,6 @@ struct segment {
  * border between inside and outside: sides that a border has an even number of times are left out. NULL when out of memory. */
 struct segment *paths_segments(const struct paths *p, size_t *n);
 
+void segments_sort(struct segment *segment, size_t n);
+
 #endif

@@ -12,6 +12,7 @@ enum { PATHS_MOST_NUMBER = INT32_MAX };
 struct path {
     size_t first, n;  /* its corners */
     bool closed;      /* from the last corner it goes on to the first one */
+    bool hole;        /* of a model's paths: a hole in the polygon of the path before it */
     bool border;      /* otherwise a line */
     uint32_t number;  /* of the line or polygon; the rings of a polygon have the same */
     uint64_t line;    /* of the file, where it begins */

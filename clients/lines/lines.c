@@ -1,0 +1,75 @@
+/* lines.c - see lines.h. */
+#include "clients/lines/lines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct lines_scan lines_begin(const char *text, size_t n)
+{
+    bool mark = n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;
+    return (struct lines_scan){.p = text + (mark ? 3 : 0), .end = text + n};
+}
+
+static bool add_word(struct lines_scan *s, const char *from, const char *to)
+{
+    if (s->n == s->cap) {
+        size_t cap = s->cap == 0 ? 16 : 2 * s->cap;
+        struct value *word = realloc(s->word, cap * sizeof word[0]);
+        if (word == NULL)
+            return false;
+        s->word = word;
+        s->cap = cap;
+    }
+    s->word[s->n++] = (struct value){from, (size_t)(to - from)};
+    return true;
+}
+
+static bool split(struct lines_scan *s)
+{
+    const char *p = s->text, *end = s->text + s->len;
+    s->n = 0;
+    while (p < end) {
+        while (p < end && value_is_blank(*p))
+            p++;
+        const char *from = p;
+        while (p < end && !value_is_blank(*p))
+            p++;
+        if (p > from && !add_word(s, from, p))
+            return false;
+    }
+    return true;
+}
+
+bool lines_next(struct lines_scan *s, struct points_file *f)
+{
+    s->n = 0;
+    while (s->p < s->end) {
+        const char *lf = memchr(s->p, '\n', (size_t)(s->end - s->p));
+        const char *stop = lf != NULL ? lf : s->end;
+        const char *comment = memchr(s->p, '#', (size_t)(stop - s->p));
+        s->text = s->p;
+        s->len = (size_t)((comment != NULL ? comment : stop) - s->p);
+        s->p = lf != NULL ? lf + 1 : s->end;
+        f->line = ++s->line;
+        if (!split(s)) {
+            points_file_stop(f, "out of memory");
+            return false;
+        }
+        if (s->n > 0)
+            return true;
+    }
+    return false;
+}
+
+void lines_end(struct lines_scan *s)
+{
+    free(s->word);
+    s->word = NULL;
+    s->n = s->cap = 0;
+}
+
+void lines_take_back(struct points_file *f)
+{
+    f->paths.n--;
+    f->paths.corners = f->paths.path[f->paths.n].first;
+}

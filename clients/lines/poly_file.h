@@ -1,0 +1,24 @@
+/* poly_file.h - the .poly files of Shewchuk's Triangle: points with attributes, segments with markers, and places in holes and regions. */
+#ifndef CLIENTS_POLY_FILE_H
+#define CLIENTS_POLY_FILE_H
+
+#include "clients/points/points_file.h"
+#include "clients/points/table_fields.h"
+
+struct poly_notes {
+    uint64_t negative; /* markers of segments below 0, which become 0 */
+    uint64_t
+        unnamed; /* regions whose attribute is no number that a border can have; they get their place in the file */
+    uint64_t areas; /* regions with a greatest area, which is not used */
+};
+
+/* Reads the whole file into memory; without points in it, those of the .node file beside `path`. Points keep their places. A segment is a
+ * line whose number is its marker; attributes of points are fields a1, a2, ...; holes and regions become seeds. False with a fault. */
+bool poly_file_read(struct points_file *f, int fd, const char *path, struct table_fields *t,
+                    struct poly_notes *notes);
+
+/* The same for texts; node may be NULL. */
+bool poly_text_read(struct points_file *f, const char *text, size_t n, const char *node,
+                    size_t node_n, struct table_fields *t, struct poly_notes *notes);
+
+#endif

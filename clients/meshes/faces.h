@@ -1,0 +1,22 @@
+/* faces.h - what the constrained edges of a triangulation separate: faces, the largest parts without such an edge inside. */
+#ifndef CLIENTS_FACES_H
+#define CLIENTS_FACES_H
+
+#include "clients/meshes/model.h"
+
+struct faces {
+    uint32_t *face; /* owns: of each triangle */
+    size_t n;
+    bool *
+        enclosed; /* owns n: no triangle of the face is at the hull without a constrained edge between */
+};
+
+/* The model has triangles and fixed edges; sides are those of the model. False when out of memory; faces_free in any case. Cost:
+ * O(triangles log edges). */
+bool faces_init(struct faces *f, const struct model *m, const struct sides *sides);
+void faces_free(struct faces *f);
+
+/* Whether a-b is a constrained edge. */
+bool faces_is_fixed(const struct model *m, uint32_t a, uint32_t b);
+
+#endif
