@@ -17,12 +17,13 @@ const struct subcommand subcommands[] = {
      "  -c, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata V, --negate FIELD,\n"
      "      --of K, --border, --points, --split, --dry-run\n"
      "                           as load's; --dry-run needs no PICTURE\n"
-     "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n"
+     "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --inside K, --force\n"
+     "                           as export's\n"
      "      --geographic         as export's; usual where the headings are those of degrees\n"
      "      --planar             x and y alike, whatever the headings are\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run "
-     "--lines --colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
@@ -30,10 +31,11 @@ const struct subcommand subcommands[] = {
      "  -f, --format F           of the mesh; else its ending decides\n"
      "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
      "V,\n"
-     "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force\n",
+     "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
+     "      --inside K           as export's\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run "
-     "--lines --colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
@@ -88,8 +90,9 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --lines --colour --field --numbers --viewport --geographic --planar --force", true,
-     NULL},
+     "--format --lines --inside --colour --field --numbers --viewport --geographic --planar "
+     "--force",
+     true, NULL},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -234,16 +237,18 @@ void subcommand_print_help(const struct subcommand *s)
         printf("%s-f, --format %-8s %s\n",
                format_find(line_formats[i].name) != NULL ? "  --lines " : "  ",
                line_formats[i].name, line_formats[i].what);
-    fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
-          "      --colour degree   by the mean number of triangles at the corners\n"
-          "      --colour relief   by height, with light and shadow, without edges and points\n"
-          "      --field F         the field of heights; else z, if there is one\n"
-          "      --numbers         ids beside the points, however many there are\n"
-          "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
-          "      --geographic      x and y are longitude and latitude: a map with a scale in km\n"
-          "      --force           replace any file\n\n"
-          "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
-          "and\n"
-          "2DM: from 1), which is the id itself unless points have been deleted.\n",
-          stdout);
+    fputs(
+        "      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
+        "      --colour degree   by the mean number of triangles at the corners\n"
+        "      --colour relief   by height, with light and shadow, without edges and points\n"
+        "      --field F         the field of heights; else z, if there is one\n"
+        "      --numbers         ids beside the points, however many there are\n"
+        "      --inside K        only inside the border of number K, or inside any: --inside any\n"
+        "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
+        "      --geographic      x and y are longitude and latitude: a map with a scale in km\n"
+        "      --force           replace any file\n\n"
+        "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
+        "and\n"
+        "2DM: from 1), which is the id itself unless points have been deleted.\n",
+        stdout);
 }

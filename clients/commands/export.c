@@ -167,11 +167,13 @@ static int choose_heights(struct export_work *w)
 
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
-    struct model m = {0};
+    struct model m = {.inside = e->inside};
     struct export_work work = {e, name, &m, 0};
     int status;
     unsigned parts = MODEL_TRIANGLES | MODEL_HULL;
-    parts |= e->format != NULL ? e->format->parts : MODEL_CONSTRAINTS;
+    parts |= e->format != NULL   ? e->format->parts
+             : e->inside == NULL ? MODEL_CONSTRAINTS | MODEL_REGIONS
+                                 : MODEL_CONSTRAINTS;
     if (e->picture.colour == COLOUR_RELIEF || e->field != NULL)
         parts |= MODEL_FIELDS;
     enum delaunay_result r = model_fetch(c, set, parts, &m);
@@ -179,6 +181,8 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
         status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
         status = command_outcome(c, r);
+    else if (m.one_region && e->format != NULL)
+        status = output_fault("", "there are too many borders for this format");
     else if ((status = choose_heights(&work)) == EXIT_DONE &&
              (status = choose_map(&work)) == EXIT_DONE)
         status = write_files(&work);
@@ -214,6 +218,10 @@ int export_option(struct export *e, int option, char **argv)
         e->picture.geographic = true;
     else if (option == 'P')
         e->planar = true;
+    else if (option == 'i' && !options_is_inside(optarg))
+        return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
+    else if (option == 'i')
+        e->inside = optarg;
     else if (option == 'L')
         e->lines = true;
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))

@@ -14,6 +14,7 @@ struct export
     const char *path, *form;     /* "-": the standard output; form NULL: the ending decides */
     const struct format *format; /* NULL: a picture */
     bool png, force;
+    const char *inside;            /* only the triangles inside this border, or `any`; NULL: all */
     bool lines;                    /* the lines and polygons of the set instead of its triangles */
     void (*more)(const void *ctx); /* writes more keys of the report in JSON; may be NULL */
     const void *ctx;
@@ -26,6 +27,7 @@ struct export
         {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
         {"field", required_argument, NULL, 'z'}, {"geographic", no_argument, NULL, 'G'},           \
         {"planar", no_argument, NULL, 'P'}, {"lines", no_argument, NULL, 'L'},                     \
+        {"inside", required_argument, NULL, 'i'},                                                  \
     {                                                                                              \
         "force", no_argument, NULL, 'F'                                                            \
     }

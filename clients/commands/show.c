@@ -17,7 +17,7 @@
 #include "clients/meshes/model.h"
 #include "proto/number.h"
 
-enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL, INK_LINE, INK_BORDER };
+enum ink { INK_NONE, INK_OUTSIDE, INK_EDGE, INK_POINT, INK_HULL, INK_LINE, INK_BORDER };
 
 struct canvas {
     uint32_t columns, lines;
@@ -77,13 +77,21 @@ static void fit(struct canvas *v, const struct model *m)
         v->lines = lines;
 }
 
-static void draw(struct canvas *v, const struct model *m)
+static void draw_edges(struct canvas *v, const struct model *m, enum ink ink)
 {
     /* With more edges than this a cell would only be full. */
     size_t readable = (size_t)v->columns * v->lines;
     for (size_t i = 0; m->edges <= 3 * readable && i < m->edges; i++)
         draw_line(v, m->xy + 2 * (size_t)m->edge[2 * i], m->xy + 2 * (size_t)m->edge[2 * i + 1],
-                  INK_EDGE);
+                  ink);
+}
+
+/* inside: the edges that borders enclose; NULL if there are no borders. */
+static void draw(struct canvas *v, const struct model *m, const struct model *inside)
+{
+    draw_edges(v, m, inside != NULL ? INK_OUTSIDE : INK_EDGE);
+    if (inside != NULL)
+        draw_edges(v, inside, INK_EDGE);
     for (size_t i = 0; i < m->n; i++)
         plot(v, dot_x(v, m->xy + 2 * i), dot_y(v, m->xy + 2 * i), INK_POINT);
     for (size_t i = 0; i < m->hull_n; i++) {
@@ -106,7 +114,7 @@ static void print_cell(unsigned char dots)
 
 static void print(const struct canvas *v)
 {
-    static const char *const colour[] = {"",         "\033[2;34m", "\033[1;33m",
+    static const char *const colour[] = {"",         "\033[2;37m", "\033[2;34m", "\033[1;33m",
                                          "\033[31m", "\033[1;36m", "\033[1;35m"};
     for (size_t y = 0; y < v->lines; y++) {
         unsigned char last = INK_NONE;
@@ -174,37 +182,55 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
     return argc - optind == 1 ? EXIT_DONE : options_wrong(argv[0], "show takes a set");
 }
 
+static bool has_borders(const struct model *m)
+{
+    for (size_t i = 0; i < m->constraints; i++)
+        if (model_is_border(m, i))
+            return true;
+    return false;
+}
+
+static enum delaunay_result draw_canvas(struct canvas *v, const struct model *m,
+                                        const struct model *inside)
+{
+    enum delaunay_result r = DELAUNAY_NOMEM;
+    fit(v, m);
+    v->dots = calloc((size_t)v->columns * v->lines, 1);
+    v->ink = calloc((size_t)v->columns * v->lines, 1);
+    if (v->dots != NULL && v->ink != NULL) {
+        draw(v, m, inside);
+        json_chosen() ? print_json(v) : print(v);
+        r = DELAUNAY_OK;
+    }
+    free(v->dots);
+    free(v->ink);
+    return r;
+}
+
 static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *v)
 {
-    struct model m = {0};
+    struct model m = {0}, inside = {.inside = "any"};
     int status = EXIT_REFUSED;
     enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL | MODEL_CONSTRAINTS, &m);
-    if (r == DELAUNAY_OK && v->geographic) {
-        struct degrees d;
-        if (!degrees_choose(&d, m.xy, m.n)) {
-            model_free(&m);
-            return output_fault("", "--geographic: there are latitudes beyond 90 degrees");
+    bool borders = r == DELAUNAY_OK && has_borders(&m) &&
+                   model_fetch(c, set, MODEL_EDGES, &inside) == DELAUNAY_OK;
+    struct degrees d;
+    if (r == DELAUNAY_OK && v->geographic && !degrees_choose(&d, m.xy, m.n)) {
+        status = output_fault("", "--geographic: there are latitudes beyond 90 degrees");
+    } else {
+        if (r == DELAUNAY_OK && v->geographic) {
+            degrees_project(&d, m.xy, m.n);
+            degrees_project(&d, inside.xy, borders ? inside.n : 0);
         }
-        degrees_project(&d, m.xy, m.n);
+        if (r == DELAUNAY_OK)
+            r = draw_canvas(v, &m, borders ? &inside : NULL);
+        if (r == DELAUNAY_STOPPED)
+            message_print("%s", m.fault);
+        else
+            status = command_outcome(c, r);
     }
-    if (r == DELAUNAY_OK) {
-        fit(v, &m);
-        v->dots = calloc((size_t)v->columns * v->lines, 1);
-        v->ink = calloc((size_t)v->columns * v->lines, 1);
-        if (v->dots != NULL && v->ink != NULL) {
-            draw(v, &m);
-            json_chosen() ? print_json(v) : print(v);
-        } else {
-            r = DELAUNAY_NOMEM;
-        }
-        free(v->dots);
-        free(v->ink);
-    }
-    if (r == DELAUNAY_STOPPED)
-        message_print("%s", m.fault);
-    else
-        status = command_outcome(c, r);
     model_free(&m);
+    model_free(&inside);
     return status;
 }
 

@@ -9,6 +9,7 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -53,9 +54,10 @@ static size_t peek(int fd, char *to)
 static bool convert(struct input *in, const char *const *argument)
 {
     int pipes[2], failed;
-    char *words[6];
+    char *words[8] = {NULL};
     posix_spawn_file_actions_t actions;
-    memcpy(words, argument, sizeof words);
+    for (size_t i = 0; argument[i] != NULL; i++)
+        memcpy(&words[i], &argument[i], sizeof words[i]);
     if (pipe2(pipes, O_CLOEXEC) != 0)
         return false;
     posix_spawn_file_actions_init(&actions);
@@ -102,6 +104,36 @@ static bool open_member(struct input *in, char *why, size_t room)
     return true;
 }
 
+/* Files of which OGR makes GeoJSON, in their own reference system. Their names are arguments, so they are no pipes or members. */
+static bool is_of_ogr(const struct input *in, const char *path)
+{
+    static const char *const endings[] = {".shp", ".gpkg", ".fgb"};
+    size_t n = strlen(path);
+    for (size_t i = 0; !in->standard && i < sizeof endings / sizeof endings[0]; i++) {
+        size_t len = strlen(endings[i]);
+        if (n > len && strcasecmp(path + n - len, endings[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool open_by_ogr(struct input *in, const char *path, char *why, size_t room)
+{
+    char name[4100]; /* which is no option */
+    snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
+    const char *argument[] = {"ogr2ogr",     "-f", "GeoJSON", "-lco", "SIGNIFICANT_FIGURES=17",
+                              "/vsistdout/", name, NULL};
+    in->program = argument[0];
+    in->size = 0;
+    if (convert(in, argument))
+        return true;
+    char closed[64];
+    snprintf(why, room, "to read this file the program ogr2ogr is needed (Debian: gdal-bin): %s",
+             strerror(errno));
+    input_close(in, false, closed, sizeof closed);
+    return false;
+}
+
 /* Looks at the first bytes of the content. */
 static size_t look(struct input *in, char *head)
 {
@@ -123,6 +155,12 @@ bool input_open(struct input *in, const char *path, char *why, size_t room)
     }
     if (fstat(in->fd, &st) == 0 && S_ISREG(st.st_mode))
         in->size = (uint64_t)st.st_size;
+    if (is_of_ogr(in, path)) {
+        bool ok = open_by_ogr(in, path, why, room);
+        if (ok)
+            in->first = '{';
+        return ok;
+    }
     size_t n = look(in, head);
     if (n >= 4 && memcmp(head, "PK\3\4", 4) == 0) {
         if (!open_member(in, why, room))

@@ -330,35 +330,38 @@ static size_t *largest(const struct model *m, const struct faces *f)
     return best;
 }
 
-/* Holes are the faces that lines enclose, but no border does; regions those inside of borders of other numbers than 0. Without borders there
- * are neither. */
-static bool put_seeds(FILE *out, const struct model *m)
+/* Whether the face with this triangle needs a seed: holes are the faces that lines enclose, but no border; regions those inside of borders
+ * of other numbers than 0. Without borders there are neither. */
+static bool needs_seed(const struct model *m, bool enclosed, size_t triangle, bool hole)
+{
+    int64_t region = m->regions ? m->region[triangle] : 0;
+    return hole ? enclosed && region == MODEL_OUTSIDE : region > 0;
+}
+
+/* The number of holes or regions and a seed for each; without regions nothing. */
+static void put_seeds(FILE *out, const struct model *m, const struct faces *f, const size_t *best,
+                      bool holes)
+{
+    size_t count = 0, n = 0;
+    for (size_t i = 0; i < f->n; i++)
+        count += needs_seed(m, f->enclosed[i], best[i], holes);
+    if (holes || count > 0)
+        fprintf(out, "%zu\n", count);
+    for (size_t i = 0; i < f->n; i++)
+        if (needs_seed(m, f->enclosed[i], best[i], holes))
+            put_seed(out, m, n++, best[i], holes ? -1 : m->region[best[i]]);
+}
+
+static bool put_holes_and_regions(FILE *out, const struct model *m)
 {
     struct sides sides;
     struct faces f = {0};
     bool ok = sides_init(&sides, m) && faces_init(&f, m, &sides);
-    size_t *best = ok ? largest(m, &f) : NULL, holes = 0, regions = 0, n = 0;
+    size_t *best = ok ? largest(m, &f) : NULL;
     ok = best != NULL;
-    for (int put = 0; ok && put < 2; put++) {
-        if (put == 1)
-            fprintf(out, "%zu\n", holes);
-        for (size_t i = 0; m->regions && i < f.n; i++)
-            if (f.enclosed[i] && m->region[best[i]] == MODEL_OUTSIDE) {
-                if (put == 1)
-                    put_seed(out, m, n++, best[i], -1);
-                holes += put == 0;
-            }
-    }
-    n = 0;
-    for (int put = 0; ok && put < 2; put++) {
-        if (put == 1 && regions > 0)
-            fprintf(out, "%zu\n", regions);
-        for (size_t i = 0; m->regions && i < f.n; i++)
-            if (m->region[best[i]] != MODEL_OUTSIDE && m->region[best[i]] > 0) {
-                if (put == 1)
-                    put_seed(out, m, n++, best[i], m->region[best[i]]);
-                regions += put == 0;
-            }
+    if (ok) {
+        put_seeds(out, m, &f, best, true);
+        put_seeds(out, m, &f, best, false);
     }
     free(best);
     faces_free(&f);
@@ -370,7 +373,7 @@ static bool write_poly(FILE *out, const struct model *m)
 {
     bool ok = formats_write_node(out, m);
     put_segments(out, m);
-    return ok && put_seeds(out, m);
+    return ok && put_holes_and_regions(out, m);
 }
 
 /* ---- the table ---- */

@@ -370,14 +370,18 @@ static enum delaunay_result receive_constraints(struct delaunay_client *c, struc
 static enum delaunay_result send_parts(struct delaunay_client *c, const char *set, unsigned parts,
                                        const struct model *m)
 {
+    char form[40];
+    bool any = m->inside != NULL && strcmp(m->inside, "any") == 0;
+    snprintf(form, sizeof form, "%s %.20s BINARY", m->inside != NULL ? " INSIDE" : "",
+             m->inside == NULL || any ? "" : m->inside);
     enum delaunay_result r =
         (parts & MODEL_MESH) != 0 ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = send_points(c, set, m);
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
-        r = send_table(c, "TRIANGLES", set, " BINARY");
+        r = send_table(c, "TRIANGLES", set, form);
     if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
-        r = send_table(c, "EDGES", set, " BINARY");
+        r = send_table(c, "EDGES", set, form);
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = send_table(c, "HULL", set, "");
     if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
@@ -452,7 +456,7 @@ void model_free(struct model *m)
     free(m->constraint);
     free(m->fixed);
     free(m->region);
-    *m = (struct model){0};
+    *m = (struct model){.inside = m->inside};
 }
 
 /* ---- missing heights ---- */

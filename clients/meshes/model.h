@@ -9,6 +9,8 @@
 enum { MODEL_NAME = 65, MODEL_MOST_FIELDS = 64 };
 
 struct model {
+    const char *
+        inside; /* the caller's: fetch only the triangles and edges inside a border of this number, or `any`; NULL: all */
     uint32_t *id; /* owns n, ascending */
     double *xy;   /* owns 2n */
     size_t n;
@@ -57,7 +59,7 @@ enum model_parts {
  * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
-void model_free(struct model *m);
+void model_free(struct model *m); /* keeps m->inside */
 
 /* The column of a field of that name; -1 if there is none. */
 int model_field(const struct model *m, const char *name);

@@ -41,10 +41,32 @@ static unsigned char *shades(const struct model *m, enum picture_colour colour)
     return degree != NULL ? shade : NULL;
 }
 
+/* Outside pale, so that it is below; then each colour by itself, since a path has one. */
+static void draw_regions(struct svg *s, const struct model *m)
+{
+    for (int64_t colour = MODEL_OUTSIDE; colour < 8; colour++)
+        for (size_t t = 0; t < m->triangles; t++) {
+            const uint32_t *v = m->triangle + 3 * t;
+            int64_t region = m->region[t];
+            if (region == MODEL_OUTSIDE ? colour == MODEL_OUTSIDE : region % 8 == colour)
+                svg_region_triangle(s, region, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+        }
+}
+
+/* Whether the triangle is pale, and not in the colour of its shape. */
+static bool is_pale(const struct model *m, size_t t)
+{
+    return m->regions && m->region[t] == MODEL_OUTSIDE;
+}
+
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
 {
     if (e->colour == COLOUR_RELIEF)
         return surface_draw_ground(s, m, m->z, RELIEF_BOTH);
+    if (e->colour == COLOUR_NONE && m->regions) {
+        draw_regions(s, m);
+        return true;
+    }
     unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
     if (e->colour != COLOUR_NONE && shade == NULL)
         return false;
@@ -53,7 +75,9 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
             const uint32_t *v = m->triangle + 3 * t;
             if (shade != NULL && shade[t] != pass)
                 continue;
-            if (shade != NULL)
+            if (is_pale(m, t))
+                svg_region_triangle(s, SVG_OUTSIDE, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+            else if (shade != NULL)
                 svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
             else
                 svg_triangle(s, point(m, v[0]), point(m, v[1]), point(m, v[2]));

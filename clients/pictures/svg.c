@@ -22,12 +22,33 @@
 /* The look of each class of paths, as attributes, which all programs understand. The class is there for a reader's own style sheet. */
 static const struct {
     const char *class, *fill, *stroke;
-} looks[] = {{"t", "#e9f1fa", "#6d94bf"}, {"h", NULL, "#d1495b"},    {"c", NULL, "#1f1f1f"},
-             {"b", NULL, "#7b2d8b"},      {"p", NULL, INK},          {"k", NULL, "#5b3a1e"},
-             {"l", NULL, "#3c2410"},      {"f", NULL, "#b5c7d9"},    {"s", NULL, INK},
-             {"q0", "#67001f", "#fff"},   {"q1", "#b2182b", "#fff"}, {"q2", "#d6604d", "#fff"},
-             {"q3", "#f4a582", "#fff"},   {"q4", "#fddbc7", "#fff"}, {"q5", "#e8eef2", "#fff"},
-             {"q6", "#d1e5f0", "#fff"},   {"q7", "#92c5de", "#fff"}, {"q8", "#4393c3", "#fff"},
+} looks[] = {{"t", "#e9f1fa", "#6d94bf"},
+             {"h", NULL, "#d1495b"},
+             {"c", NULL, "#1f1f1f"},
+             {"b", NULL, "#7b2d8b"},
+             {"p", NULL, INK},
+             {"o", "#fbfbfb", "#e4e4e4"},
+             {"r0", "#e9f1fa", "#6d94bf"},
+             {"r1", "#fdeed3", "#d1a054"},
+             {"r2", "#e3f4e1", "#75b06f"},
+             {"r3", "#fbe3e6", "#d58590"},
+             {"r4", "#ece6f6", "#9a83c4"},
+             {"r5", "#dff4f3", "#62b1ad"},
+             {"r6", "#f4f3d0", "#aba84e"},
+             {"r7", "#f3e5dc", "#b58a6c"},
+             {"k", NULL, "#5b3a1e"},
+             {"l", NULL, "#3c2410"},
+             {"f", NULL, "#b5c7d9"},
+             {"s", NULL, INK},
+             {"q0", "#67001f", "#fff"},
+             {"q1", "#b2182b", "#fff"},
+             {"q2", "#d6604d", "#fff"},
+             {"q3", "#f4a582", "#fff"},
+             {"q4", "#fddbc7", "#fff"},
+             {"q5", "#e8eef2", "#fff"},
+             {"q6", "#d1e5f0", "#fff"},
+             {"q7", "#92c5de", "#fff"},
+             {"q8", "#4393c3", "#fff"},
              {"q9", "#2166ac", "#fff"}};
 
 /* Opens a path of that class, or of the colour #rrggbb, with edges in that colour or in white. */
@@ -255,6 +276,13 @@ void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const d
                          const double *c)
 {
     draw_triangle(s, (const char[]){'q', (char)('0' + shade % SVG_SHADES), 0}, a, b, c);
+}
+
+void svg_region_triangle(struct svg *s, int64_t region, const double *a, const double *b,
+                         const double *c)
+{
+    const char class[] = {region < 0 ? 'o' : 'r', (char)(region < 0 ? 0 : '0' + region % 8), 0};
+    draw_triangle(s, class, a, b, c);
 }
 
 static void write_colour(char *class, uint32_t rgb)

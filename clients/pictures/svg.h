@@ -48,6 +48,11 @@ void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const d
 
 void svg_triangle(struct svg *s, const double *a, const double *b, const double *c);
 
+/* A triangle of a region, coloured by its number; SVG_OUTSIDE: pale. */
+enum { SVG_OUTSIDE = -1 };
+void svg_region_triangle(struct svg *s, int64_t region, const double *a, const double *b,
+                         const double *c);
+
 /* The same in the colour 0xRRGGBB, without edges of its own. */
 void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,
                            const double *c);

@@ -193,3 +193,88 @@ TEST(run_keeps_all_columns_of_numbers_on_request)
     CHECK(strstr(cli_run(&status, command), "3 2 0 1\n0 0 0 1\n") != NULL && status == 0);
     cli_finish();
 }
+
+#define PARCELS                                                                                    \
+    "> border 3\n0 0\n9 0\n9 9\n0 9\n0 0\n> border 3\n3 3\n6 3\n6 6\n3 6\n3 3\n"                   \
+    "> border 12\n9 0\n18 4\n9 9\n9 0\n"
+
+TEST(run_writes_what_is_inside_borders)
+{
+    static const struct {
+        const char *options, *want;
+    } runs[] = {{"-f ele --inside any", "9 3 0\n"},
+                {"-f ele --inside 12", "1 3 0\n0 1 8 2\n"},
+                {"-f ele", "11 3 0\n"},
+                {"-f edge --inside 12", "3 1\n"}};
+    char command[300];
+    int status;
+    cli_begin();
+    cli_write("a.gmt", PARCELS);
+    for (size_t i = 0; i < sizeof runs / sizeof runs[0]; i++) {
+        snprintf(command, sizeof command, "run %s - %s", cli_path("a.gmt"), runs[i].options);
+        const char *got = cli_run(&status, command);
+        CHECK_MSG(status == 0 && strstr(got, runs[i].want) != NULL, "%s: %s", runs[i].options, got);
+    }
+    snprintf(command, sizeof command, "run %s - -f ele --inside 5", cli_path("a.gmt"));
+    CHECK(strstr(cli_run(&status, command), "NOREGION") != NULL && status == 1);
+    snprintf(command, sizeof command, "run %s - -f ele --inside all", cli_path("a.gmt"));
+    CHECK(strstr(cli_run(&status, command), "inside any border, or of one number") != NULL);
+    CHECK(status == 2);
+    cli_finish();
+}
+
+TEST(pictures_are_pale_outside_borders_and_coloured_by_number_inside)
+{
+    char command[300];
+    int status;
+    cli_begin();
+    cli_write("a.gmt", PARCELS);
+    snprintf(command, sizeof command, "draw %s -", cli_path("a.gmt"));
+    const char *svg = cli_run(&status, command);
+    CHECK(status == 0 && strstr(svg, "class=\"o\" fill=\"#fbfbfb\"") != NULL);
+    CHECK(strstr(svg, "class=\"r3\"") != NULL && strstr(svg, "class=\"r4\"") != NULL);
+    CHECK(strstr(svg, "class=\"t\"") == NULL && strstr(svg, "class=\"r0\"") == NULL);
+    snprintf(command, sizeof command, "draw %s - --colour quality", cli_path("a.gmt"));
+    svg = cli_run(&status, command);
+    CHECK(status == 0 && strstr(svg, "class=\"o\"") != NULL && strstr(svg, "class=\"r3\"") == NULL);
+    snprintf(command, sizeof command, "draw %s - --inside any", cli_path("a.gmt"));
+    svg = cli_run(&status, command);
+    CHECK(status == 0 && strstr(svg, "class=\"o\"") == NULL && strstr(svg, "class=\"t\"") != NULL);
+    cli_finish();
+}
+
+TEST(holes_and_regions_are_written_to_poly_and_come_back)
+{
+    char command[300], first[2000];
+    int status;
+    cli_begin();
+    cli_write("a.gmt", PARCELS);
+    snprintf(command, sizeof command, "run %s - -f poly", cli_path("a.gmt"));
+    snprintf(first, sizeof first, "%s", cli_run(&status, command));
+    CHECK_MSG(strstr(first, "\n1\n0 4 4\n2\n0 5 1 3\n1 12 ") != NULL, "%s", first);
+    cli_write("a.poly", first);
+    snprintf(command, sizeof command, "run %s - -f poly", cli_path("a.poly"));
+    CHECK_STR(cli_run(&status, command), first);
+    snprintf(command, sizeof command, "run %s - -f ele --inside 12", cli_path("a.poly"));
+    CHECK_STR(cli_run(&status, command), "1 3 0\n0 1 8 2\n");
+    cli_finish();
+}
+
+TEST(shapefiles_and_geopackages_are_read_through_ogr2ogr)
+{
+    static const char fake[] =
+        "printf '#!/bin/sh\\n[ -f \"$6\" ] || exit 9\\necho \"$@\" > asked\\n"
+        "echo '\\''{\"type\":\"LineString\",\"coordinates\":[[0,0],[4,0],[0,4]]}'\\''\\n' > "
+        "ogr2ogr; "
+        "chmod +x ogr2ogr; echo binary > a.shp; cp a.shp B.GPKG; export PATH=$PWD:$PATH; ";
+    char command[900];
+    begin();
+    snprintf(command, sizeof command, "%s $D run a.shp - -f ele; cat asked; $D run B.GPKG - -f ele",
+             fake);
+    expect(command, "1 3 0\n0 0 1 2\n-f GeoJSON -lco SIGNIFICANT_FIGURES=17 /vsistdout/ a.shp\n"
+                    "1 3 0\n0 0 1 2\n");
+    expect("PATH=/none $D run a.shp - -f ele || echo $?",
+           "delaunay: a.shp: to read this file the program ogr2ogr is needed (Debian: gdal-bin): "
+           "No such file or directory\n1\n");
+    finish();
+}
