@@ -1,0 +1,28 @@
+/* recipes_test.c - the recipes in clients/README.md say what the commands answer. */
+#include <string.h>
+
+#include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+/* What the blocks of the section show, each `$ command` with its output, and what running these commands shows. */
+TEST(recipes_answer_what_the_readme_says)
+{
+    int status;
+    cli_begin();
+    const char *got =
+        peer_shell(&status,
+                   "R=$PWD D=$(realpath %s) DELAUNAYD=$(realpath %s) DELAUNAY_PORT=%s; "
+                   "export D DELAUNAYD DELAUNAY_PORT; cd %s && cp $R/clients/examples/*.geojson "
+                   "$R/clients/examples/*.csv . && "
+                   "awk '/^## /{on=/^## Recipes/} /^```/{code=on && /console/; next} on && code' "
+                   "$R/clients/README.md > want && "
+                   "delaunay() { \"$D\" \"$@\" 2>/dev/null; } && "
+                   "grep '^\\$ ' want | cut -c 3- | while IFS= read -r command; do "
+                   "printf '$ %%s\\n' \"$command\"; eval \"$command\"; done > got; "
+                   "grep -c '^\\$ ' want; diff want got",
+                   getenv("DELAUNAY"), getenv("DELAUNAYD"), cli_daemon.port_text, cli_path("."));
+    CHECK_STR(got, "11\n");
+    CHECK(status == 0);
+    cli_finish();
+}
