@@ -12,6 +12,7 @@
 #include "clients/files/progress.h"
 #include "clients/meshes/faces.h"
 #include "clients/points/join.h"
+#include "proto/number.h"
 
 enum { NOT_INSIDE = -1, AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
 
@@ -22,6 +23,8 @@ struct sending {
     bool is_new;
     uint64_t first; /* the id of the first point */
     uint64_t constraints;
+    uint64_t crossings; /* points where lines crossed */
+    double deviation;   /* by which such a point is at most beside its lines */
     char *status, refusal[SENDING_STATUS];
 };
 
@@ -72,6 +75,22 @@ static enum delaunay_result send_points(struct sending *s)
 
 /* ---- lines ---- */
 
+/* `added` counts constraints, but points after SPLIT, where there are other parts than were sent. */
+static void count_declared(struct sending *s, uint64_t added)
+{
+    const char *text;
+    size_t len;
+    double deviation;
+    if (!s->r->split) {
+        s->constraints += added;
+        return;
+    }
+    s->crossings += added;
+    if (delaunay_key(delaunay_status(s->c), "deviation", &text, &len) &&
+        proto_read_double(text, len, &deviation) && deviation > s->deviation)
+        s->deviation = deviation;
+}
+
 /* The replies to n requests. The first refusal counts; the others are received, too. */
 static enum delaunay_result receive_declared(struct sending *s, size_t n)
 {
@@ -86,7 +105,7 @@ static enum delaunay_result receive_declared(struct sending *s, size_t n)
         if (r != DELAUNAY_OK)
             result = r;
         else if (delaunay_key_number(delaunay_status(s->c), "added", &added))
-            s->constraints += added;
+            count_declared(s, added);
     }
     return result;
 }
@@ -342,6 +361,19 @@ static enum delaunay_result begin(struct sending *s)
     return ask(s, "EXPIRE", rest);
 }
 
+static void note_declared(struct sending *s)
+{
+    size_t n = strlen(s->status);
+    char deviation[PROTO_NUMBER_MAX + 1];
+    if (!s->r->split) {
+        snprintf(s->status + n, SENDING_STATUS - n, " constraints=%ju", (uintmax_t)s->constraints);
+        return;
+    }
+    deviation[proto_write_double(deviation, s->deviation)] = '\0';
+    snprintf(s->status + n, SENDING_STATUS - n, " crossings=%ju deviation=%s",
+             (uintmax_t)s->crossings, deviation);
+}
+
 static int send_lines(struct sending *s)
 {
     enum delaunay_result r = begin(s);
@@ -366,8 +398,7 @@ static int send_lines(struct sending *s)
         r = declare_faces(s);
     if (r == DELAUNAY_OK && s->is_new)
         r = ask(s, "PERSIST", "");
-    size_t n = strlen(s->status);
-    snprintf(s->status + n, SENDING_STATUS - n, " constraints=%ju", (uintmax_t)s->constraints);
+    note_declared(s);
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
     int status = fail(s, r);
