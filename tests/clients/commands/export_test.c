@@ -2,6 +2,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/daemon.h"
 #include "tests/test.h"
@@ -82,6 +83,22 @@ TEST(show_draws_constraints_also_where_there_are_too_many_edges_to_draw)
     check_run(&d, "show t --width 2 --height 1", 0, "\xE2\xA3\x8F\xE2\xA3\xB9\n");
     run(&d, &status, "CONSTRAIN t 0 7");
     check_run(&d, "show t --width 2 --height 1", 0, "\xE2\xA3\xAF\xE2\xA3\xBB\n");
+    daemon_end(&d);
+}
+
+TEST(show_draws_edges_outside_borders_in_another_colour_on_a_terminal)
+{
+    static const char outside[] = "\033[2;37m", inside[] = "\033[2;34m";
+    char out[20000];
+    int status;
+    struct daemon d = daemon_start(NULL);
+    run(&d, &status, "ADD t 0 0  8 0  8 8  0 8  40 0  40 8");
+    run(&d, &status, "TRIANGULATE t");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", out, sizeof out);
+    CHECK_MSG(strstr(out, outside) == NULL && strstr(out, inside) != NULL, "%s", out);
+    run(&d, &status, "CONSTRAIN t BORDER RING 0 1 2 3");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", out, sizeof out);
+    CHECK_MSG(strstr(out, outside) != NULL && strstr(out, inside) != NULL, "%s", out);
     daemon_end(&d);
 }
 
