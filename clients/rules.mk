@@ -28,7 +28,7 @@ LIB_FILES := $(LIBRARIES:%=lib%.a) $(LIBRARIES:%=lib%.so.0)
 lib: $(LIB_FILES:%=$(O)/lib/%) $(HEADERS:%=$(O)/include/%) $(LIBRARIES:%=$(O)/lib/pkgconfig/%.pc)
 
 # The public headers of each library are installed as one; both begin with the version.
-CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_constraints.h core/delaunay_fields.h core/delaunay_surface.h \
+CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_fields.h core/delaunay_constraints.h core/delaunay_surface.h \
                 core/delaunay_arrays.h
 CLIENT_HEADERS := proto/version.h clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
 $(O)/include/delaunay_client.h: $(CLIENT_HEADERS)

@@ -16,7 +16,7 @@
 #ifndef DT_DELAUNAY_CONSTRAINTS_H
 #define DT_DELAUNAY_CONSTRAINTS_H
 
-#include "core/delaunay.h"
+#include "core/delaunay_fields.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -110,22 +110,40 @@ struct dt_split {
     struct dt_constraint *released; /* declared ones, to be released */
     struct dt_constraint *added;    /* to be declared; all sorted */
     size_t n_points, n_released, n_added;
+    struct dt_values_of *
+        column; /* owns `columns`: of fields that have values at these points; borrows their names */
+    double *value; /* owns; of the columns */
+    size_t columns;
     size_t split;     /* constraints that are replaced by parts, declared ones and others */
     double deviation; /* the largest distance of such a part from its constraint */
     struct dt_crossed crossed;
 };
 
-/* Plans n constraints for a set whose triangulation is current (else DT_UNTRIANGULATED), and changes nothing: to carry it
- * out, dt_add_many the points, dt_release, dt_constrain, which then do not fail but for memory. In rounds, all crossings are
+/* Plans n constraints, and changes nothing: to carry it out, dt_add_values the points, dt_release, dt_constrain, which then do
+ * not fail but for memory. In rounds, all crossings are
  * found exactly, each is rounded once to the nearest place that dt_coordinate_ok accepts, and all constraints through it
  * are replaced by their parts; a point that would coincide with one that is there is not added. Borders of a number whose
- * parts come to lie on one another cancel out in pairs. From the second round on, a crossing that is some units of the last
- * place from an end of one of the two moves there. The plan does not depend on the order of c[]. After 16 rounds with
- * crossings left: DT_CROSSES, *out names the least constraints whose parts cross. Else as dt_constrain; *out is empty if it
+ * parts come to lie on one another cancel out in pairs. From the second round on, a crossing moves to an end of one of the
+ * two that is some units of the last place from the other one. The value of a field at a new point is the mean of those of the
+ * constraints through it, which are linear between their ends. In a set that has not been triangulated, declared constraints that cross
+ * each other are split, too. The plan does not depend on the order of c[]. After 16 rounds with
+ * crossings left: DT_CROSSES, *out names the least constraints whose parts cross. DT_NOMEM, too, if a round has more than
+ * about `crossings`. Else as dt_constrain; *out is empty if it
  * fails. Cost: linear in all constraints, and in those asked for O(n log n) if they are short, plus the crossings. */
 enum dt_status dt_plan_split(struct dt *t, const struct dt_constraint *c, size_t n,
-                             const struct dt_options *opt, struct dt_split *out, uint32_t *missing);
+                             size_t crossings, const struct dt_options *opt, struct dt_split *out,
+                             uint32_t *missing);
+
+/* An upper bound of the bytes that planning n constraints with so many crossings touches at its peak beyond dt_summary.memory, and
+ * those of the plan. */
+size_t dt_split_memory(const struct dt *t, size_t n, size_t crossings);
+
 void dt_split_clear(struct dt_split *out);
+
+/* Takes the last n points that were added back, which are no ends and no others have been added since: it is as if they had
+ * never been there, and the next one gets the first one's id. Fields that came with them stay. Cost: as dt_delete; of many,
+ * a build. */
+void dt_take_back(struct dt *t, uint32_t n);
 
 /* dt_delete_many of points that may be ends of constraints, which are released. (dt_delete_many refuses such an id:
  * DT_CONSTRAINED, and puts it into *missing.) */

@@ -86,6 +86,8 @@ struct search {
 
 static enum dt_status add_pair(struct dt_pairs *out, uint32_t a, uint32_t b)
 {
+    if (out->n >= out->most)
+        return DT_NOMEM;
     if (out->n == out->cap) {
         size_t cap = out->cap == 0 ? 64 : out->cap + out->cap / 2;
         uint64_t *v = dt_array_grow(out->v, out->n, cap, sizeof *v);

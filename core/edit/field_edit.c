@@ -180,6 +180,21 @@ enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
     return status;
 }
 
+void dt_take_back(struct dt *t, uint32_t n)
+{
+    enum { PIECE = 256 };
+    uint32_t ids[PIECE], first = t->points.next_id - n;
+    dt_views_edit_begin(t);
+    for (uint32_t at = 0, k; at < n && t->fields.n > 0; at += k) {
+        for (k = 0; k < PIECE && at + k < n; k++)
+            ids[k] = first + at + k;
+        (void)dt_fields_take_ready(&t->fields, ids, k,
+                                   NULL); /* they are ready: they were just set */
+        dt_fields_take(&t->fields, ids, k);
+    }
+    dt_update_take_back(t, n);
+}
+
 enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len)
 {
     struct dt_field *field = dt_fields_find(&t->fields, name, len);

@@ -2,8 +2,8 @@
  *
  * A round finds all crossings of the parts that there are, rounds each to a place, and cuts the parts there. Rounding moves
  * parts, so that these may cross others in the next round. Two parts that are almost parallel could cross again for many rounds,
- * one unit of the last place further each time. So from the second round on, a crossing near an end of one of the two
- * moves to that end: within one unit, two, four and so on. Nothing depends on the order of constraints: crossings are found
+ * one unit of the last place further each time. So from the second round on, two that cross are cut at an end of one of
+ * them, if it is near the other one: within one unit, two, four and so on. Nothing depends on the order of constraints: crossings are found
  * exactly, new points are numbered in the order of their places, and rounding is monotone, so that places follow one
  * another along a part as the crossings do. */
 #include <math.h>
@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "core/constraints/crossings.h"
+#include "core/delaunay_fields.h"
 #include "core/edit/constrain.h"
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
@@ -52,6 +53,12 @@ struct plan {
     struct dt_pairs pairs;
 };
 
+/* The places of points are looked up in the mesh, unless there is none or a tolerance; else by their index. */
+static bool needs_index(const struct dt *t)
+{
+    return t->points.tol > 0 || !dt_is_live(t);
+}
+
 /* ---- points that are there and those that are new ---- */
 
 /* The id that stands for the id. */
@@ -72,7 +79,7 @@ static uint32_t point_at(const struct plan *s, struct dt_point q)
 {
     const struct dt *t = s->t;
     uint32_t half, v = DT_NONE;
-    if (t->points.tol > 0)
+    if (needs_index(t))
         v = dt_points_find(&t->points, q, DT_NONE);
     else if (dt_place_find(t, q, DT_NONE, &half) == DT_ON_VERTEX)
         v = dt_origin(&t->mesh, half);
@@ -143,7 +150,8 @@ static enum dt_status begin_parts(struct plan *s)
         return DT_NOMEM;
     for (size_t i = 0; i < s->origins; i++) {
         const struct dt_constraint *c = &s->origin[i].c;
-        s->part[i] = (struct part){{c->a, c->b}, (uint32_t)i, !s->origin[i].declared};
+        bool fresh = !s->origin[i].declared || !s->t->triangulated; /* else they do not cross */
+        s->part[i] = (struct part){{c->a, c->b}, (uint32_t)i, fresh};
     }
     s->parts = s->origins;
     return DT_OK;
@@ -185,16 +193,36 @@ static double size_of(struct dt_point p)
     return larger(fabs(p.x), fabs(p.y));
 }
 
-/* The end of one of the segments that is nearest to q, where they cross, if it is near enough; else q. */
+/* The distance of r from the line through p and q. */
+static double distance(struct dt_point p, struct dt_point q, struct dt_point r)
+{
+    struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);
+    struct dt_double2 left = dt_double2_multiply(dx, dt_double2_difference(r.y, p.y));
+    struct dt_double2 right = dt_double2_multiply(dy, dt_double2_difference(r.x, p.x));
+    return fabs(dt_double2_add(left, dt_double2_negate(right)).hi) / hypot(dx.hi, dy.hi);
+}
+
+static bool is_between(double a, double b, double v, double slack)
+{
+    return v >= fmin(a, b) - slack && v <= fmax(a, b) + slack;
+}
+
+/* Where to cut two segments that cross at q: at the end of one of them that is nearest to the other one, if it is near enough;
+ * else at q. */
 static struct dt_point move_to_end(const struct dt_segment *a, const struct dt_segment *b,
                                    struct dt_point q, int round)
 {
     const struct dt_point end[] = {a->p, a->q, b->p, b->q};
+    const double near = ldexp(size_of(q), round - 53);
     struct dt_point best = q;
-    double least = ldexp(size_of(q), round - 53);
+    double least = HUGE_VAL;
     for (int i = 0; i < 4; i++) {
-        double d = size_of((struct dt_point){end[i].x - q.x, end[i].y - q.y});
-        if (d < least || (d == least && dt_compare_xy(end[i], best) < 0)) {
+        const struct dt_segment *other = i < 2 ? b : a;
+        if (!is_between(other->p.x, other->q.x, end[i].x, near) ||
+            !is_between(other->p.y, other->q.y, end[i].y, near))
+            continue;
+        double d = distance(other->p, other->q, end[i]);
+        if (d <= near && (d < least || (d == least && dt_compare_xy(end[i], best) < 0))) {
             best = end[i];
             least = d;
         }
@@ -297,6 +325,81 @@ static enum dt_status cut_parts(struct plan *s)
     return n > DT_MAX_CONSTRAINTS ? DT_TOOBIG : DT_OK;
 }
 
+/* ---- the values of fields at new points ---- */
+
+/* What the constraints through a point say about its value. */
+struct opinion {
+    uint32_t known; /* how many say something */
+    double least, most;
+};
+
+/* The value at the place of constraint c, linear between its ends; nan if one of them has none. */
+static double value_along(const struct plan *s, const struct dt_field *f,
+                          const struct dt_constraint *c, struct dt_point at)
+{
+    const uint32_t end[] = {c->a, c->b};
+    double v[2];
+    dt_field_values(f, NULL, end, 2, v);
+    struct dt_point p = place_of(s, c->a), q = place_of(s, c->b);
+    double dx = q.x - p.x, dy = q.y - p.y;
+    double t = ((at.x - p.x) * dx + (at.y - p.y) * dy) / (dx * dx + dy * dy);
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    return v[0] == v[1] ? v[0] : (1 - t) * v[0] + t * v[1];
+}
+
+/* The number of the new point at which the part begins; DT_NONE: at one that is there. */
+static uint32_t begins_at(const struct plan *s, const struct part *p)
+{
+    return p->end[0] < s->t->points.next_id ? DT_NONE : p->end[0] - s->t->points.next_id;
+}
+
+/* The values of the field at the n new points, each the mean of those of the constraints through it. Whether there are any. */
+static bool interpolate(const struct plan *s, const struct dt_field *f, struct opinion *o,
+                        double *out, size_t n)
+{
+    bool any = false;
+    for (size_t i = 0; i < n; i++) {
+        o[i] = (struct opinion){0, HUGE_VAL, -HUGE_VAL};
+        out[i] = 0;
+    }
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < s->parts; i++) {
+            uint32_t k = begins_at(s, &s->part[i]);
+            double v = k == DT_NONE
+                           ? (double)NAN
+                           : value_along(s, f, &s->origin[s->part[i].origin].c, s->fresh.xy[k]);
+            if (isnan(v))
+                continue;
+            if (pass == 0)
+                o[k] = (struct opinion){o[k].known + 1, fmin(o[k].least, v), fmax(o[k].most, v)};
+            else
+                out[k] += v / o[k].known;
+        }
+    for (size_t i = 0; i < n; i++) {
+        any |= o[i].known > 0;
+        out[i] = o[i].known == 0 ? (double)NAN : fmin(fmax(out[i], o[i].least), o[i].most);
+    }
+    return any;
+}
+
+static enum dt_status write_values(const struct plan *s, struct dt_split *out)
+{
+    size_t n = out->n_points, fields = n == 0 ? 0 : s->t->fields.n;
+    struct opinion *o = dt_array_new(n + 1, sizeof *o);
+    out->column = malloc((fields + 1) * sizeof *out->column);
+    out->value = malloc((n * fields + 1) * sizeof *out->value);
+    const struct dt_field *f = NULL;
+    bool room = o != NULL && out->column != NULL && out->value != NULL;
+    while (room && n > 0 && (f = dt_field_next(s->t, NULL, f)) != NULL) {
+        double *v = out->value + out->columns * n;
+        const char *name = dt_field_name(f);
+        if (interpolate(s, f, o, v, n))
+            out->column[out->columns++] = (struct dt_values_of){name, strlen(name), v};
+    }
+    dt_array_free(o);
+    return room ? DT_OK : DT_NOMEM;
+}
+
 /* ---- what is left ---- */
 
 /* The least constraints of which parts still cross. */
@@ -315,15 +418,6 @@ static void name_crossing(const struct plan *s, struct dt_crossed *out)
             *out = pair;
         found = true;
     }
-}
-
-/* The distance of r from the line through p and q. */
-static double distance(struct dt_point p, struct dt_point q, struct dt_point r)
-{
-    struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);
-    struct dt_double2 left = dt_double2_multiply(dx, dt_double2_difference(r.y, p.y));
-    struct dt_double2 right = dt_double2_multiply(dy, dt_double2_difference(r.x, p.x));
-    return fabs(dt_double2_add(left, dt_double2_negate(right)).hi) / hypot(dx.hi, dy.hi);
 }
 
 static double deviation_of(const struct plan *s)
@@ -397,7 +491,7 @@ static enum dt_status write_plan(const struct plan *s, struct dt_split *out)
     }
     settle_added(s, n, out);
     out->deviation = deviation_of(s);
-    return DT_OK;
+    return write_values(s, out);
 }
 
 /* ---- all of it ---- */
@@ -439,17 +533,27 @@ void dt_split_clear(struct dt_split *out)
     free(out->point);
     free(out->added);
     free(out->released);
+    free(out->column);
+    free(out->value);
     *out = (struct dt_split){.crossed = out->crossed};
 }
 
+size_t dt_split_memory(const struct dt *t, size_t n, size_t crossings)
+{
+    const size_t constraint = 160, crossing = 512; /* with what arrays grow by */
+    return (n + dt_constraints_count(t)) * constraint +
+           crossings * (crossing + t->fields.n * sizeof(double));
+}
+
 enum dt_status dt_plan_split(struct dt *t, const struct dt_constraint *c, size_t n,
-                             const struct dt_options *opt, struct dt_split *out, uint32_t *missing)
+                             size_t crossings, const struct dt_options *opt, struct dt_split *out,
+                             uint32_t *missing)
 {
     struct dt_stop work = dt_stop_of(opt);
-    struct plan s = {.t = t, .work = &work};
+    struct plan s = {.t = t, .work = &work, .pairs.most = crossings};
     memset(out, 0, sizeof *out);
-    enum dt_status status = dt_is_live(t) ? dt_constrainable(t, c, n, missing) : DT_UNTRIANGULATED;
-    if (status == DT_OK && t->points.tol > 0)
+    enum dt_status status = dt_constrainable(t, c, n, missing);
+    if (status == DT_OK && needs_index(t))
         status = dt_points_index(&t->points, &work);
     if (status != DT_OK)
         return status;

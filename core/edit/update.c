@@ -184,18 +184,32 @@ static enum dt_status add_one(struct dt *t, uint32_t id, struct dt_point q, uint
     return insert_at(t, dt_points_enter(&t->points, id, q), &p);
 }
 
-/* Takes the vertices of the first `done` points of the batch out of the mesh again. */
-static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
+/* Takes the vertex of a new point out of the mesh again. */
+static void withdraw_one(struct dt *t, uint32_t id)
 {
     const struct dt_points *p = &t->points;
+    if (!dt_points_is_alias(p, id) && remove_vertex(t, dt_points_vertex(p, id)) != DT_OK)
+        lose_mesh(t);
+}
+
+/* The same for the first `done` points of the batch. */
+static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
+{
     commit(t);
     if (done > UNDO_MOST)
         lose_mesh(t);
-    while (done-- > 0 && t->current) {
-        uint32_t id = p->next_id + dt_batch_index(b, done);
-        if (!dt_points_is_alias(p, id) && remove_vertex(t, dt_points_vertex(p, id)) != DT_OK)
-            lose_mesh(t);
-    }
+    while (done-- > 0 && t->current)
+        withdraw_one(t, t->points.next_id + dt_batch_index(b, done));
+}
+
+void dt_update_take_back(struct dt *t, uint32_t n)
+{
+    if (n > UNDO_MOST)
+        lose_mesh(t);
+    for (uint32_t i = 1; i <= n && t->current; i++)
+        withdraw_one(t, t->points.next_id - i);
+    t->points.next_id -= n;
+    dt_points_take_back(&t->points, n);
 }
 
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_stop *work,

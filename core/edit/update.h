@@ -22,6 +22,9 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
 enum dt_status dt_update_shift(struct dt *t, uint32_t v, struct dt_point to, struct dt_stop *work,
                                bool *moved);
 
+/* Takes the last n points back, which are no ends: dt_take_back without their values. */
+void dt_update_take_back(struct dt *t, uint32_t n);
+
 /* dt_add_many within an edit that has begun (dt_views_edit_begin). */
 enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
                                   const struct dt_options *opt, struct dt_added *out);

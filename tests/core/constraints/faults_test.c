@@ -391,7 +391,7 @@ TEST(parts_of_a_constraint_belong_to_the_one_that_was_declared)
     CHECK(dt_constraints(t, NULL, DT_NONE, &row, &n) == DT_OK && n == 1);
     CHECK(row->a == 0 && row->b == 3 && !row->border && row->number == 7);
     free(row);
-    CHECK(dt_plan_split(t, &line[1], 1, NULL, &plan, &missing) == DT_OK);
+    CHECK(dt_plan_split(t, &line[1], 1, SIZE_MAX, NULL, &plan, &missing) == DT_OK);
     CHECK(plan.n_points == 1 && plan.n_released == 1 && plan.n_added == 4 && plan.split == 2);
     for (size_t i = 0; i < plan.n_added; i++) {
         bool of_line = plan.added[i].a == 0 || plan.added[i].a == 3;
