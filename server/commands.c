@@ -78,15 +78,18 @@ const struct command commands[] = {
      .result = "points:i coincident:i triangles:i edges:i hull:i ms:d",
      .change = CHANGE_TRIANGULATE},
     {"CONSTRAIN", 4, 0, EDITS | CMD_FRESH, cmd_change,
-     "CONSTRAIN set [BORDER] [OF k] a b [a b ...] | CONSTRAIN set [BORDER] [OF k] PATH id id [id "
-     "...] | CONSTRAIN set [BORDER] [OF k] RING id id id [id ...]",
-     .help = "declares segments between points, which the triangulation keeps", .result = "added:i",
-     .change = CHANGE_CONSTRAIN, .read = read_constraints},
+     "CONSTRAIN set [BORDER] [OF k] [SPLIT] a b [a b ...] | CONSTRAIN set [BORDER] [OF k] [SPLIT] "
+     "PATH id id [id ...] | CONSTRAIN set [BORDER] [OF k] [SPLIT] RING id id id [id ...]",
+     .help =
+         "declares segments between points, which the triangulation keeps; with SPLIT those that "
+         "cross get points in common",
+     .result = "added:i", .change = CHANGE_CONSTRAIN, .read = read_constraints},
     {"RELEASE", 3, 0, EDITS | CMD_FRESH, cmd_change,
      "RELEASE set [BORDER] [OF k] a b [a b ...] | RELEASE set [BORDER] OF k | RELEASE set ALL",
      .help = "releases constraints: these, those of a number, or all", .result = "released:i",
      .change = CHANGE_RELEASE, .read = read_releases},
-    {"CONSTRAINB", 3, 6, EDITS | CMD_FRESH, cmd_constrainb, "CONSTRAINB set [BORDER] [OF k] n",
+    {"CONSTRAINB", 3, 7, EDITS | CMD_FRESH, cmd_constrainb,
+     "CONSTRAINB set [BORDER] [OF k] [SPLIT] n",
      .help = "declares n segments: n pairs of little-endian uint32 follow, the ids of their ends",
      .result = "added:i", .body = {.rows = LOAD_PAIRS}, .change = CHANGE_CONSTRAIN},
     {"RELEASEB", 3, 6, EDITS | CMD_FRESH, cmd_constrainb, "RELEASEB set [BORDER] [OF k] n",

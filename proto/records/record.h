@@ -91,7 +91,7 @@ enum record_type {
     RECORD_ADD,         /* first: the first id; items: points; creates the set if it is missing */
     RECORD_LOAD,        /* begins an ADD that is too long for one record; first: the first id */
     RECORD_CHUNK,       /* items: points, as many as RECORD_POINTS but for the last one */
-    RECORD_LOADED,      /* ends it; n: all its points; only now it counts */
+    RECORD_LOADED,      /* ends it; n: all its points and constraints; only now it counts */
     RECORD_DELETE,      /* items: ids */
     RECORD_MOVE,        /* first: the id; a, b: its place */
     RECORD_DROP,        /* the set */
@@ -105,11 +105,12 @@ enum record_type {
     RECORD_FSET, /* sets values of the field, which is created if it is missing; items: ids and values */
     RECORD_VALUES, /* the same; first: the first id; items: the values of the ids from it on. Without a name it is part
                       of a LOAD. Snapshot: values of the set; the field is created even if n is 0 */
-    RECORD_FDROP,     /* the field */
-    RECORD_SET_END,   /* snapshot: ends a set with RECORD_HAS_FIELDS or RECORD_HAS_CONSTRAINTS */
-    RECORD_CONSTRAIN, /* declares constraints; items: constraints. Without a name it is part of a LOAD without points, all of whose
-                         parts are of this type. Snapshot: constraints of the set */
-    RECORD_RELEASE, /* releases constraints. a: 0: the items; 1: those whose `what` is `first`; 2: all. The same in a LOAD */
+    RECORD_FDROP,   /* the field */
+    RECORD_SET_END, /* snapshot: ends a set with RECORD_HAS_FIELDS or RECORD_HAS_CONSTRAINTS */
+    RECORD_CONSTRAIN, /* declares constraints; items: constraints. Without a name it is the last part of a LOAD. Snapshot:
+                         constraints of the set */
+    RECORD_RELEASE, /* releases constraints. a: 0: the items; 1: those whose `what` is `first`; 2: all. The same in a LOAD, before
+                       RECORD_CONSTRAIN */
     RECORD_CASCADE, /* as RECORD_DELETE, with the constraints at these points */
     RECORD_MOVES,   /* several points at once; items: ids and places */
     RECORD_TYPES

@@ -10,15 +10,18 @@
 void assembly_clear(struct assembly *s)
 {
     change_clear(&s->change);
+    drawn_clear(&s->drawn);
     buf_free(&s->values);
     reservation_set(&s->memory, 0);
     *s = (struct assembly){.pages = s->pages, .memory = s->memory};
 }
 
-/* Reserves room for that many points, and `more` values. */
-static bool reserve(struct assembly *s, size_t points, size_t more)
+/* Reserves `more` bytes beyond what there is room for. */
+static bool reserve(struct assembly *s, size_t more)
 {
-    size_t bytes = points * sizeof(struct dt_point) + buf_len(&s->values) + more * sizeof(double);
+    size_t constraints = s->released_cap + s->added_cap;
+    size_t bytes = s->points_cap * sizeof(struct dt_point) + buf_len(&s->values) +
+                   constraints * sizeof(struct record_constraint) + more;
     return s->memory.budget == NULL || reservation_resize(&s->memory, bytes);
 }
 
@@ -31,7 +34,7 @@ static enum assembled take_points(struct assembly *s, const struct record *r)
     if (want > s->points_cap) {
         size_t cap = want > 2 * s->points_cap ? want : 2 * s->points_cap;
         struct dt_point *larger =
-            reserve(s, cap, 0)
+            reserve(s, (cap - s->points_cap) * sizeof *larger)
                 ? dt_pages_grow(s->pages, c->points, c->n * sizeof *larger, cap * sizeof *larger)
                 : NULL;
         if (larger == NULL)
@@ -51,34 +54,6 @@ static struct name *last_column(const struct assembly *s)
 {
     struct columns *v = s->change.columns;
     return v == NULL ? NULL : &v->field[v->count - 1];
-}
-
-/* All parts are constraints then, and all of one type. */
-static enum assembled take_constraints(struct assembly *s, const struct record *r)
-{
-    struct change *c = &s->change;
-    enum change_code code = r->type == RECORD_CONSTRAIN ? CHANGE_CONSTRAIN : CHANGE_RELEASE;
-    bool fits =
-        c->constraints == NULL ? c->n == 0 && c->columns == NULL : c->kind == &change_kinds[code];
-    size_t want = (size_t)c->n + r->n;
-    if (!fits || want > DT_MAX_CONSTRAINTS)
-        return ASSEMBLY_INVALID;
-    if (want > s->constraints_cap) {
-        size_t cap = want > 2 * s->constraints_cap ? want : 2 * s->constraints_cap;
-        size_t bytes = cap * sizeof *c->constraints;
-        bool room = s->memory.budget == NULL || reservation_resize(&s->memory, bytes);
-        struct record_constraint *larger =
-            room ? dt_pages_grow(s->pages, c->constraints, c->n * sizeof *larger, bytes) : NULL;
-        if (larger == NULL)
-            return ASSEMBLY_NOMEM;
-        c->constraints = larger;
-        s->constraints_cap = cap;
-    }
-    for (uint32_t i = 0; i < r->n; i++)
-        record_constraint_at(r, i, &c->constraints[c->n + i]);
-    c->n = (uint32_t)want;
-    c->kind = &change_kinds[code];
-    return ASSEMBLY_MORE;
 }
 
 /* Another column begins. */
@@ -105,7 +80,7 @@ static enum assembled take_values(struct assembly *s, const struct record *r)
     const struct name *last = last_column(s);
     if (!word_is_field_name(&field))
         return ASSEMBLY_INVALID;
-    if (!reserve(s, s->points_cap, r->n))
+    if (!reserve(s, r->n * sizeof(double)))
         return ASSEMBLY_NOMEM;
     double *to = (double *)(void *)buf_reserve(&s->values, ((size_t)r->n + 1) * sizeof *to);
     enum assembled how = ASSEMBLY_MORE;
@@ -133,7 +108,8 @@ static enum assembled fill_columns(struct assembly *s, struct columns *v)
     size_t bytes = buf_len(&s->values);
     if (bytes != v->count * (size_t)s->n * sizeof(double))
         return ASSEMBLY_INVALID;
-    v->v = dt_pages_grow(s->pages, NULL, 0, bytes + 1);
+    if (v->v == NULL) /* it is there if the record has come before */
+        v->v = dt_pages_grow(s->pages, NULL, 0, bytes + 1);
     if (v->v == NULL)
         return ASSEMBLY_NOMEM;
     if (bytes > 0)
@@ -151,6 +127,69 @@ static void become_run(struct change *c)
         return;
     c->kind = &change_kinds[CHANGE_RUN];
     c->n = v->n;
+}
+
+/* ---- constraints ---- */
+
+static enum assembled take_constraints(struct assembly *s, const struct record *r)
+{
+    bool added = r->type == RECORD_CONSTRAIN;
+    struct record_constraint **v = added ? &s->drawn.added : &s->drawn.released;
+    uint32_t *n = added ? &s->drawn.n_added : &s->drawn.n_released;
+    size_t *room = added ? &s->added_cap : &s->released_cap, want = (size_t)*n + r->n;
+    if (want > DT_MAX_CONSTRAINTS)
+        return ASSEMBLY_INVALID;
+    if (want > *room) {
+        size_t cap = want > 2 * *room ? want : 2 * *room;
+        struct record_constraint *larger =
+            reserve(s, (cap - *room) * sizeof *larger)
+                ? dt_pages_grow(s->pages, *v, *n * sizeof *larger, cap * sizeof *larger)
+                : NULL;
+        if (larger == NULL)
+            return ASSEMBLY_NOMEM;
+        *v = larger;
+        *room = cap;
+    }
+    for (uint32_t i = 0; i < r->n; i++)
+        record_constraint_at(r, i, &(*v)[*n + i]);
+    *n = (uint32_t)want;
+    return ASSEMBLY_MORE;
+}
+
+static bool has_constraints(const struct assembly *s)
+{
+    return s->drawn.n_added + s->drawn.n_released > 0;
+}
+
+/* A LOAD of constraints of one type alone is that. */
+static bool become_plain(struct assembly *s, struct change *c)
+{
+    struct drawn *d = &s->drawn;
+    if (c->n > 0 || c->columns != NULL || (d->n_added > 0 && d->n_released > 0))
+        return false;
+    bool added = d->n_added > 0;
+    struct record_constraint **v = added ? &d->added : &d->released;
+    c->kind = &change_kinds[added ? CHANGE_CONSTRAIN : CHANGE_RELEASE];
+    c->n = added ? d->n_added : d->n_released;
+    c->first = 0;
+    c->constraints = *v;
+    *v = NULL;
+    drawn_clear(d);
+    return true;
+}
+
+/* Gives the change the constraints. */
+static enum assembled become_drawing(struct assembly *s, struct change *c)
+{
+    if (become_plain(s, c))
+        return ASSEMBLY_DONE;
+    c->drawing = drawing_new();
+    if (c->drawing == NULL)
+        return ASSEMBLY_NOMEM;
+    c->kind = &change_kinds[CHANGE_DRAW];
+    c->drawing->lists = s->drawn;
+    s->drawn = (struct drawn){0};
+    return ASSEMBLY_DONE;
 }
 
 /* ---- the change ---- */
@@ -172,14 +211,19 @@ static enum assembled begin(struct assembly *s, const struct record *r)
 static enum assembled end(struct assembly *s, const struct record *r, struct change *c)
 {
     enum assembled how = ASSEMBLY_DONE;
-    if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != s->change.n ||
-        (s->change.constraints != NULL && s->change.columns != NULL))
+    uint64_t items = (uint64_t)s->change.n + s->drawn.n_released + s->drawn.n_added;
+    if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != items)
         return ASSEMBLY_INVALID;
     if (s->change.columns != NULL)
         how = fill_columns(s, s->change.columns);
     if (how != ASSEMBLY_DONE)
         return how;
-    become_run(&s->change);
+    if (has_constraints(s))
+        how = become_drawing(s, &s->change);
+    else
+        become_run(&s->change);
+    if (how != ASSEMBLY_DONE)
+        return how;
     *c = s->change;
     buf_free(&s->values);
     *s = (struct assembly){.pages = s->pages, .memory = s->memory};
@@ -200,7 +244,9 @@ enum assembled assembly_take(struct assembly *s, const struct record *r, struct 
     }
     if (r->type == RECORD_CONSTRAIN || r->type == RECORD_RELEASE)
         return take_constraints(s, r);
-    if (r->type == RECORD_CHUNK)
-        return s->change.constraints == NULL ? take_points(s, r) : ASSEMBLY_INVALID;
-    return r->type == RECORD_VALUES ? take_values(s, r) : end(s, r, c);
+    if (r->type == RECORD_LOADED)
+        return end(s, r, c);
+    if (has_constraints(s)) /* they come last */
+        return ASSEMBLY_INVALID;
+    return r->type == RECORD_CHUNK ? take_points(s, r) : take_values(s, r);
 }

@@ -1,5 +1,5 @@
-/* assembly.h - joins the records of a LOAD, which are one change: RECORD_LOAD, points, values of fields, RECORD_LOADED;
- * or constraints between the first and the last. */
+/* assembly.h - joins the records of a LOAD, which are one change: RECORD_LOAD, points, values of fields, constraints,
+ * RECORD_LOADED. */
 #ifndef SERVER_ASSEMBLY_H
 #define SERVER_ASSEMBLY_H
 
@@ -12,9 +12,10 @@ struct assembly {
     bool skips;                /* it is not wanted: nothing is collected */
     /* private */
     struct change change; /* of RECORD_LOAD; its points */
-    size_t points_cap, constraints_cap;
-    struct buf values; /* owns: doubles, column after column */
-    uint32_t first, n; /* of the first column */
+    size_t points_cap, released_cap, added_cap;
+    struct drawn drawn; /* constraints */
+    struct buf values;  /* owns: doubles, column after column */
+    uint32_t first, n;  /* of the first column */
 };
 
 enum assembled {

@@ -93,6 +93,68 @@ static enum dt_status delete_ends(struct dt *dt, struct change *c, const struct 
     return dt_delete_cascade(dt, c->ids, c->n, opt, &c->deleted, &c->missing);
 }
 
+/* Which of the fields of the columns there are: bit k. */
+static uint64_t fields_there(const struct dt *dt, const struct columns *v)
+{
+    uint64_t there = 0;
+    for (size_t k = 0; v != NULL && k < v->count; k++)
+        if (dt_field_find(dt, v->field[k].text, v->field[k].len) != NULL)
+            there |= (uint64_t)1 << k;
+    return there;
+}
+
+/* The points go, and the fields that came with them. */
+static void take_back(struct dt *dt, const struct change *c, uint64_t there)
+{
+    const struct columns *v = c->columns;
+    dt_take_back(dt, c->n);
+    for (size_t k = 0; v != NULL && k < v->count; k++)
+        if ((there >> k & 1) == 0)
+            (void)dt_field_drop(dt, v->field[k].text, v->field[k].len);
+}
+
+/* What has points or constraints of one type alone becomes a change of these, which is what its records mean. */
+static void become_plain(struct change *c)
+{
+    struct drawn *v = &c->drawing->lists;
+    bool points = c->n > 0 || c->columns != NULL || c->drawing->loads;
+    if (points && v->n_released + v->n_added == 0)
+        c->kind = &change_kinds[CHANGE_ADD];
+    if (points || (v->n_released > 0) == (v->n_added > 0))
+        return;
+    bool added = v->n_added > 0;
+    c->kind = &change_kinds[added ? CHANGE_CONSTRAIN : CHANGE_RELEASE];
+    c->first = 0;
+    c->n = added ? v->n_added : v->n_released;
+    c->constraints = added ? v->added : v->released;
+    *(added ? &v->added : &v->released) = NULL;
+}
+
+static enum dt_status draw(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    const uint64_t there = fields_there(dt, c->columns);
+    c->added = (struct dt_added){.first = dt_next_id(dt)};
+    enum dt_status status = c->n > 0 || c->columns != NULL ? add_points(dt, c, opt) : DT_OK;
+    if (status != DT_OK)
+        return status;
+    struct drawn_points p = {c->points, c->n, c->columns};
+    status = drawing_edit(dt, c->drawing, &p, c->pages, opt, &c->missing);
+    c->crossed = c->drawing->crossed;
+    if (status != DT_OK) {
+        if (opt == NULL || !opt->disposable)
+            take_back(dt, c, there);
+        return status;
+    }
+    c->added.added += p.n - c->n;
+    c->points = p.points;
+    c->n = p.n;
+    c->columns = p.columns;
+    if (c->columns != NULL)
+        c->columns->first = c->added.first;
+    become_plain(c);
+    return DT_OK;
+}
+
 /* The rows become constraints. */
 static bool split_pairs(struct change *c)
 {
@@ -228,12 +290,17 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
                       .items = ITEMS_MOVES,
                       .undone = ", or it is named twice; nothing was moved",
                       .edit = move_points},
+    [CHANGE_DRAW] = {.what = "declaring constraints",
+                     .flags = CHANGE_GROWS,
+                     .items = ITEMS_DRAWING,
+                     .undone = "; nothing was declared",
+                     .edit = draw},
 };
 
 enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
     enum dt_status status = c->kind->edit(dt, c, opt);
-    if (status == DT_CROSSES)
+    if (status == DT_CROSSES && c->kind->items != ITEMS_DRAWING)
         dt_crossed(dt, &c->crossed);
     if (status == DT_OK && (c->kind->flags & CHANGE_GROWS) != 0)
         c->first = c->added.first;
@@ -264,6 +331,9 @@ double change_tolerance(const struct change *c)
 
 bool change_is_void(const struct change *c)
 {
+    const struct drawing *d = c->drawing;
+    if (d != NULL)
+        return !d->loads && c->n + d->lists.n_released + d->declared == 0;
     return c->kind->items == ITEMS_CONSTRAINTS && c->constrained == 0;
 }
 
@@ -276,6 +346,7 @@ void change_clear(struct change *c)
     free(c->moves);
     dt_pages_release(c->constraints);
     columns_free(c->columns);
+    drawing_free(c->drawing);
     c->rows = NULL;
     c->points = NULL;
     c->ids = NULL;
@@ -283,6 +354,7 @@ void change_clear(struct change *c)
     c->moves = NULL;
     c->constraints = NULL;
     c->columns = NULL;
+    c->drawing = NULL;
 }
 
 const char *change_contradiction(const struct change *c, const struct dataset *set)
@@ -377,6 +449,8 @@ static bool take_items(struct change *c, const struct record *r)
         return take_constraints(c, r);
     case ITEMS_MOVES:
         return take_moves(c, r);
+    case ITEMS_DRAWING: /* it has no record of its own */
+        break;
     }
     return false;
 }
@@ -449,6 +523,8 @@ struct record change_encode(const struct change *c)
     case ITEMS_MOVES:
         r.items = c->moves;
         break;
+    case ITEMS_DRAWING:
+        break;
     }
     return r;
 }
@@ -459,5 +535,7 @@ bool change_is_long(const struct change *c)
         return c->columns->n > RECORD_MOST_VALUES;
     if (c->kind->items == ITEMS_CONSTRAINTS)
         return c->n > RECORD_CONSTRAINTS;
+    if (c->kind->items == ITEMS_DRAWING)
+        return true;
     return c->kind->items == ITEMS_POINTS && (c->columns != NULL || c->n > RECORD_POINTS);
 }

@@ -11,7 +11,7 @@
 
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
-#include "server/changes/columns.h"
+#include "server/changes/drawing.h"
 #include "server/sets/dataset.h"
 
 #define CHANGE_ANY UINT32_MAX   /* as `first`: the next id, whatever it is */
@@ -33,6 +33,7 @@ enum change_code {
     CHANGE_RELEASE,
     CHANGE_CASCADE, /* CHANGE_DELETE, and the constraints at these points are released */
     CHANGE_MOVES,   /* of several points at once */
+    CHANGE_DRAW,    /* points, and constraints between them and others */
     CHANGE_KINDS
 };
 
@@ -50,7 +51,8 @@ enum change_code {
  *     CONSTRAIN n constraints; or rows, which are n pairs of ids, and first: what they are, as in record_constraint
  *     RELEASE   a: which, as in RECORD_RELEASE; first, or the same as CONSTRAIN
  *     CASCADE   n ids
- *     MOVES     n moves */
+ *     MOVES     n moves
+ *     DRAW      as ADD, and a drawing */
 struct change {
     const struct change_kind *kind;
     struct name set;
@@ -64,6 +66,7 @@ struct change {
     struct record_constraint *constraints; /* owns n, from dt_pages_grow */
     struct record_move *moves;             /* owns n */
     struct columns *columns;               /* owns */
+    struct drawing *drawing;               /* owns */
     struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
     uint64_t lsn; /* of its record in the log; 0: it has none, or none yet */
@@ -89,12 +92,13 @@ enum change_items {
     ITEMS_PAIRS,
     ITEMS_COLUMN,
     ITEMS_CONSTRAINTS,
-    ITEMS_MOVES
+    ITEMS_MOVES,
+    ITEMS_DRAWING /* these and points are in the records of a LOAD */
 };
 
 struct change_kind {
-    enum record_type record;
-    const char *what; /* for progress comments; NULL: it is quick */
+    enum record_type record; /* 0: it is always a LOAD */
+    const char *what;        /* for progress comments; NULL: it is quick */
     unsigned flags;
     enum change_items items;
     bool has_field;
@@ -141,7 +145,7 @@ enum dt_status change_decode(struct change *c, const struct record *r, struct dt
 /* The record of a change that has been applied, which borrows from it; lsn and synced are 0. */
 struct record change_encode(const struct change *c);
 
-/* Whether one record is not enough, so that the change becomes a LOAD: log_append_load. */
+/* Whether one record is not enough, so that the change becomes a LOAD (log_append_load). */
 bool change_is_long(const struct change *c);
 
 #endif

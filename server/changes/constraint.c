@@ -3,8 +3,7 @@
 
 #include <stdlib.h>
 
-/* As the core takes them, from malloc; NULL: out of memory. */
-static struct dt_constraint *listed(const struct record_constraint *c, size_t n)
+struct dt_constraint *constraint_listed(const struct record_constraint *c, size_t n)
 {
     struct dt_constraint *to = malloc((n + 1) * sizeof *to);
     for (size_t i = 0; to != NULL && i < n; i++)
@@ -15,7 +14,7 @@ static struct dt_constraint *listed(const struct record_constraint *c, size_t n)
 enum dt_status constraint_declare(struct dt *dt, const struct record_constraint *c, size_t n,
                                   const struct dt_options *opt, size_t *added, uint32_t *missing)
 {
-    struct dt_constraint *v = listed(c, n);
+    struct dt_constraint *v = constraint_listed(c, n);
     enum dt_status status = v == NULL ? DT_NOMEM : dt_constrain(dt, v, n, opt, added, missing);
     free(v);
     return status;
@@ -38,7 +37,7 @@ enum dt_status constraint_release(struct dt *dt, const struct record_constraint 
                                   const struct dt_options *opt, size_t *released,
                                   struct dt_constraint *missing)
 {
-    return release(dt, listed(c, n), n, opt, released, missing);
+    return release(dt, constraint_listed(c, n), n, opt, released, missing);
 }
 
 enum dt_status constraint_release_of(struct dt *dt, bool all, uint32_t what,

@@ -24,6 +24,9 @@ static inline struct record_constraint constraint_record(const struct dt_constra
     return (struct record_constraint){c->a, c->b, constraint_what(c->border, c->number)};
 }
 
+/* As the core takes them, in an array from malloc; NULL: out of memory. */
+struct dt_constraint *constraint_listed(const struct record_constraint *c, size_t n);
+
 /* dt_constrain of these. */
 enum dt_status constraint_declare(struct dt *dt, const struct record_constraint *c, size_t n,
                                   const struct dt_options *opt, size_t *added, uint32_t *missing);

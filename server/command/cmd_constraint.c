@@ -11,8 +11,9 @@
 
 /* The words of a request that say which constraints it is about. */
 struct chosen {
-    size_t at; /* the first word behind [BORDER] [OF k] */
-    bool numbered;
+    size_t
+        at; /* the first word behind them: BORDER, OF k, SPLIT, each at most once, in any order */
+    bool numbered, splits;
     uint32_t what; /* as in struct record_constraint */
 };
 
@@ -29,14 +30,43 @@ bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t 
 static bool read_chosen(struct answer *a, const struct request *q, struct chosen *f)
 {
     uint32_t k = 0;
+    bool border = false, more = true;
     *f = (struct chosen){.at = 2};
-    bool border = word_is(&q->word[f->at], "BORDER");
-    f->at += border;
-    f->numbered = f->at + 1 < q->n && word_is(&q->word[f->at], "OF");
-    if (f->numbered && !read_number_of_constraint(a, &q->word[f->at + 1], &k))
-        return false;
-    f->at += f->numbered ? 2 : 0;
+    while (more && f->at < q->n) {
+        const struct word *w = &q->word[f->at];
+        if (!border && word_is(w, "BORDER")) {
+            border = true;
+        } else if (!f->splits && word_is(w, "SPLIT")) {
+            f->splits = true;
+        } else if (!f->numbered && f->at + 1 < q->n && word_is(w, "OF")) {
+            f->numbered = true;
+            if (!read_number_of_constraint(a, &q->word[++f->at], &k))
+                return false;
+        } else {
+            more = false;
+        }
+        f->at += more;
+    }
     f->what = constraint_what(border, k);
+    return true;
+}
+
+/* Constraints that are to be split: the change becomes a drawing without points. */
+static bool become_drawing(struct answer *a, const struct chosen *f, struct change *c)
+{
+    if (!f->splits)
+        return true;
+    c->drawing = drawing_new();
+    if (c->drawing == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    c->kind = &change_kinds[CHANGE_DRAW];
+    c->first = CHANGE_ANY;
+    c->drawing->asked = c->drawing->splits = true;
+    c->drawing->lists = (struct drawn){.added = c->constraints, .n_added = c->n};
+    c->constraints = NULL;
+    c->n = 0;
     return true;
 }
 
@@ -73,22 +103,27 @@ static bool read_pairs(struct answer *a, const struct request *q, const struct c
     return false;
 }
 
+/* Pairs, PATH or RING. */
+static bool read_declared(struct answer *a, const struct request *q, const struct chosen *f,
+                          struct change *c)
+{
+    bool path = f->at < q->n && word_is(&q->word[f->at], "PATH");
+    bool ring = f->at < q->n && word_is(&q->word[f->at], "RING");
+    if (!path && !ring)
+        return read_pairs(a, q, f, c);
+    size_t ids = q->n - f->at - 1;
+    if (ids >= (path ? 2 : 3))
+        return read_segments(a, q, f, f->at + 1, 1, path ? ids - 1 : ids, c);
+    answer_usage(a);
+    return false;
+}
+
 bool read_constraints(struct server *s, const struct dataset *set, const struct request *q,
                       struct answer *a, struct change *c)
 {
     struct chosen f;
     (void)s, (void)set;
-    if (!read_chosen(a, q, &f))
-        return false;
-    bool path = f.at < q->n && word_is(&q->word[f.at], "PATH");
-    bool ring = f.at < q->n && word_is(&q->word[f.at], "RING");
-    if (!path && !ring)
-        return read_pairs(a, q, &f, c);
-    size_t ids = q->n - f.at - 1;
-    if (ids >= (path ? 2 : 3))
-        return read_segments(a, q, &f, f.at + 1, 1, path ? ids - 1 : ids, c);
-    answer_usage(a);
-    return false;
+    return read_chosen(a, q, &f) && read_declared(a, q, &f, c) && become_drawing(a, &f, c);
 }
 
 bool read_releases(struct server *s, const struct dataset *set, const struct request *q,
@@ -102,11 +137,29 @@ bool read_releases(struct server *s, const struct dataset *set, const struct req
     }
     if (!read_chosen(a, q, &f))
         return false;
+    if (f.splits) {
+        answer_usage(a);
+        return false;
+    }
     if (f.at < q->n || !f.numbered)
         return read_pairs(a, q, &f, c);
     c->a = RELEASE_NUMBER;
     c->first = f.what;
     return true;
+}
+
+/* The pairs of a body, which keeps them, because the request may have to wait. */
+static bool copy_pairs(struct answer *a, const struct chosen *f, struct change *c)
+{
+    const uint32_t *id = (const uint32_t *)(const void *)a->body->body.xy;
+    c->constraints = dt_pages_grow(c->pages, NULL, 0, ((size_t)c->n + 1) * sizeof *c->constraints);
+    if (c->constraints == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    for (size_t i = 0; i < c->n; i++)
+        c->constraints[i] = (struct record_constraint){id[2 * i], id[2 * i + 1], f->what};
+    return become_drawing(a, f, c);
 }
 
 /* CONSTRAINB and RELEASEB, when their pairs have come. */
@@ -117,18 +170,22 @@ void cmd_constrainb(struct server *s, struct dataset *set, const struct request 
     struct submission *x = submission_new(s, a, a->command->change, &q->word[1]);
     if (x == NULL)
         return;
-    bool good = read_chosen(a, q, &f);
-    if (good && f.at + 1 != q->n) {
+    bool good = read_chosen(a, q, &f), declares = a->command->change == CHANGE_CONSTRAIN;
+    if (good && (f.at + 1 != q->n || (f.splits && !declares))) {
         answer_usage(a);
         good = false;
     }
     x->change.n = (uint32_t)a->body->body.n;
+    if (good && f.splits)
+        good = copy_pairs(a, &f, &x->change);
     if (!good || !submit_reserve(s, a, set, x)) {
         job_free(s, &x->job);
         return;
     }
-    x->change.first = f.what;
-    x->change.rows = load_take(a->body, &x->job.memory);
+    if (!f.splits) {
+        x->change.first = f.what;
+        x->change.rows = load_take(a->body, &x->job.memory);
+    }
     submit(s, a, set, x);
 }
 

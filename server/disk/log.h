@@ -14,7 +14,7 @@
 #define SERVER_LOG_H
 
 #include "proto/records/record.h"
-#include "server/changes/columns.h"
+#include "server/changes/drawing.h"
 #include "server/disk/datadir.h"
 #include "server/ops/config.h"
 
@@ -61,9 +61,10 @@ uint64_t log_append(struct log *log, struct record *r);
 /* The same for a record bytes[n] of another log, whose lsn is the next one here. */
 uint64_t log_append_copy(struct log *log, const char *bytes, size_t n);
 
-/* Appends a LOAD of n items (from dt_pages_grow), or none, in records of r->type, together with values (NULL: none), all of
- * which move to the log. */
-uint64_t log_append_load(struct log *log, struct record *r, void *items, struct columns *v);
+/* Appends a LOAD of n items (from dt_pages_grow), or none, in records of r->type, together with values (NULL: none) and
+ * constraints (NULL: none), all of which move to the log. */
+uint64_t log_append_load(struct log *log, struct record *r, void *items, struct columns *v,
+                         struct drawn *d);
 
 /* Appends empty records up to that lsn: these numbers belong to changes that a snapshot has but the log has
  * lost. */

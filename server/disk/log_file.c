@@ -140,31 +140,42 @@ static void write_column(struct log_file *f, const struct columns *v, size_t col
     } while (at < v->n && f->error == 0);
 }
 
+/* Items of r->type, n of them, behind the record r, which becomes the last of theirs. */
+static void write_items(struct log_file *f, struct record *r, const void *items, uint32_t n,
+                        struct buf *out)
+{
+    const size_t size = record_item_size(r->type); /* in memory, too */
+    const uint32_t most = record_most(r->type);
+    for (uint32_t at = 0; at < n && f->error == 0; at += r->n) {
+        r->lsn++;
+        r->n = n - at < most ? n - at : most;
+        r->items = (const char *)items + at * size;
+        record_write(out, r);
+        log_file_write(f, out);
+    }
+}
+
 void log_file_write_load(struct log_file *f, const struct record *load, const void *items,
-                         const struct columns *v)
+                         const struct columns *v, const struct drawn *d)
 {
     struct buf out = {0};
     struct record r = *load;
-    const size_t size = record_item_size(load->type); /* in memory, too */
-    const uint32_t most = record_most(load->type);
     r.type = RECORD_LOAD;
     r.n = 0;
     record_write(&out, &r);
     r.type = load->type;
     r.name_len = 0;
-    for (uint32_t at = 0; at < load->n && f->error == 0; at += r.n) {
-        r.lsn++;
-        r.n = load->n - at < most ? load->n - at : most;
-        r.items = (const char *)items + at * size;
-        record_write(&out, &r);
-        log_file_write(f, &out);
-    }
+    write_items(f, &r, items, load->n, &out);
     for (size_t i = 0; v != NULL && i < v->count && f->error == 0; i++)
         write_column(f, v, i, load->synced, &r.lsn, &out);
+    r.type = RECORD_RELEASE;
+    write_items(f, &r, d->released, d->n_released, &out);
+    r.type = RECORD_CONSTRAIN;
+    write_items(f, &r, d->added, d->n_added, &out);
     r.lsn++;
     r.type = RECORD_LOADED;
     r.name_len = load->name_len;
-    r.n = load->n;
+    r.n = load->n + d->n_released + d->n_added;
     record_write(&out, &r);
     log_file_write(f, &out);
     buf_free(&out);

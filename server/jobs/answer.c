@@ -3,7 +3,9 @@
 
 #include "server/jobs/reactor.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
+#include <stdio.h>
 
 bool answer_shares(const struct answer *a)
 {
@@ -28,9 +30,21 @@ void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
     a->code = code;
 }
 
-void answer_crosses(struct answer *a, const struct dt_crossed *c)
+/* A constraint, by its line if it has one. */
+static void name_constraint(char *text, size_t size, const struct dt_constraint *c, uint64_t line)
 {
-    answer_err(a, ERR_CROSSES, "%u %u crosses %u %u", c->one.a, c->one.b, c->other.a, c->other.b);
+    if (line > 0)
+        snprintf(text, size, "line %" PRIu64, line);
+    else
+        snprintf(text, size, "%u %u", c->a, c->b);
+}
+
+void answer_crosses(struct answer *a, const struct dt_crossed *c, const uint64_t *line)
+{
+    char one[32], other[32];
+    name_constraint(one, sizeof one, &c->one, line == NULL ? 0 : line[0]);
+    name_constraint(other, sizeof other, &c->other, line == NULL ? 0 : line[1]);
+    answer_err(a, ERR_CROSSES, "%s crosses %s", one, other);
 }
 
 void answer_status(struct answer *a, enum dt_status status)

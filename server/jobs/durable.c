@@ -64,14 +64,15 @@ struct log *durable_log_of(const struct server *s, const struct dataset *set)
 static uint64_t append_long(struct log *log, const struct dataset *set, struct change *c)
 {
     bool constraints = c->kind->items == ITEMS_CONSTRAINTS;
-    bool points = c->kind->items == ITEMS_POINTS; /* a column is a LOAD of no points */
+    bool column = c->kind->items == ITEMS_COLUMN; /* a LOAD of no points */
     struct record r = {.type = constraints ? c->kind->record : RECORD_CHUNK,
                        .name = set->name,
                        .name_len = set->name_len,
-                       .first = points || constraints ? c->first : dt_next_id(set->current->dt),
-                       .n = points || constraints ? c->n : 0};
+                       .first = column ? dt_next_id(set->current->dt) : c->first,
+                       .n = column ? 0 : c->n};
     void *items = constraints ? (void *)c->constraints : c->points;
-    uint64_t lsn = log_append_load(log, &r, items, c->columns);
+    struct drawn *drawn = c->kind->items == ITEMS_DRAWING ? &c->drawing->lists : NULL;
+    uint64_t lsn = log_append_load(log, &r, items, c->columns, drawn);
     c->points = NULL;
     c->constraints = NULL;
     c->columns = NULL;

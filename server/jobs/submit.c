@@ -115,6 +115,37 @@ static bool reserve_constraints(struct server *s, struct answer *a, const struct
                                                    : server_reserve(s, a, &x->job.memory, bytes);
 }
 
+/* A drawing: memory for what a split does beyond that. On any thread. */
+static enum dt_status reserve_more(void *ctx, size_t bytes)
+{
+    struct submission *x = ctx;
+    if (x->base == 0)
+        x->base = x->job.memory.bytes + 1;
+    return job_reserve(&x->job, x->base + bytes);
+}
+
+/* What the points take, which may be none, and the constraints. */
+static bool reserve_drawing(struct server *s, struct answer *a, const struct dataset *set,
+                            struct submission *x)
+{
+    struct drawing *d = x->change.drawing;
+    const struct drawn *v = &d->lists;
+    uint32_t points = set == NULL ? 0 : set->current->sum.points;
+    if (!reserve_points(s, a, set, x))
+        return false;
+    size_t n = (size_t)v->n_released + v->n_added, bytes = x->job.memory.bytes;
+    struct dt_options options = job_options(s);
+    bool refreshes = set != NULL && version_is_stale(set->current);
+    size_t rows = n * (sizeof(struct dt_constraint) + sizeof *v->added + sizeof *d->line);
+    bytes += rows + (set == NULL ? 0 : dt_constrain_memory(set->current->dt, n)) +
+             (refreshes ? dt_build_memory(set->current->dt, &options) : 0);
+    d->most = s->config->max_points - points - x->change.n;
+    d->reserve = reserve_more;
+    d->ctx = x;
+    return !refreshes && cost_at_once(COST_EDIT, n) ? fits(s, a, bytes)
+                                                    : server_reserve(s, a, &x->job.memory, bytes);
+}
+
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
                     struct submission *x)
 {
@@ -128,6 +159,8 @@ bool submit_reserve(struct server *s, struct answer *a, const struct dataset *se
         return server_reserve(s, a, &x->job.memory, memory_of_run(x->change.n));
     case ITEMS_CONSTRAINTS:
         return reserve_constraints(s, a, set, x);
+    case ITEMS_DRAWING:
+        return reserve_drawing(s, a, set, x);
     case ITEMS_NONE:
     case ITEMS_IDS:
     case ITEMS_MOVES:
@@ -176,11 +209,29 @@ static void run(struct job *j)
     }
 }
 
+/* Of a drawing: what it has added, declared and split. */
+static void answer_drawing(struct answer *a, const struct change *c)
+{
+    const struct drawing *d = c->drawing;
+    reply_key_u64(a->out, "first", c->added.first);
+    reply_key_u64(a->out, "added", c->added.added);
+    if (d->loads) {
+        reply_key_u64(a->out, "coincident", c->added.coincident);
+        reply_key_u64(a->out, "constraints", d->declared);
+    }
+    if (d->asked) {
+        reply_key_u64(a->out, "split", d->split);
+        reply_key_double(a->out, "deviation", d->deviation);
+    }
+}
+
 /* Writes the status line of a change that has been carried out, up to its version. */
 static void answer_facts(struct answer *a, const struct change *c)
 {
     reply_ok(a->out, 0);
-    if ((c->kind->flags & CHANGE_GROWS) != 0) {
+    if (c->drawing != NULL)
+        answer_drawing(a, c);
+    else if ((c->kind->flags & CHANGE_GROWS) != 0) {
         reply_key_u64(a->out, "first", c->added.first);
         reply_key_u64(a->out, "added", c->added.added);
         reply_key_u64(a->out, "coincident", c->added.coincident);
@@ -198,7 +249,7 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
     const struct dt_constraint *one = &c->crossed.one;
     const char *kind = one->border ? "border" : "line";
     if (status == DT_CROSSES)
-        answer_crosses(a, &c->crossed);
+        answer_crosses(a, &c->crossed, c->drawing == NULL ? NULL : c->drawing->crossed_line);
     else if (status == DT_CONSTRAINED)
         answer_err(a, ERR_CONSTRAINED,
                    "point %u is an end of a constraint: RELEASE it, or DEL set id CASCADE",
@@ -262,11 +313,17 @@ enum { VALUES_AT_ONCE = 4096 };
 
 static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
-    bool refreshes = c->kind->record >= RECORD_CONSTRAIN && version_is_stale(set->current);
+    const struct drawn *v = c->drawing == NULL ? NULL : &c->drawing->lists;
+    bool refreshes =
+        (c->kind->record >= RECORD_CONSTRAIN || v != NULL) && version_is_stale(set->current);
     switch (c->kind->items) {
     case ITEMS_CONSTRAINTS:
     case ITEMS_MOVES:
         return !refreshes && c->n > 0 && cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
+    case ITEMS_DRAWING:
+        return !refreshes && cost_at_once(COST_EDIT, (size_t)c->n + v->n_released + v->n_added)
+                   ? JOB_LIGHT
+                   : JOB_LONG;
     case ITEMS_POINTS:
     case ITEMS_IDS:
         return !refreshes && cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
@@ -285,7 +342,8 @@ static enum job_weight weight_of(const struct dataset *set, const struct change 
 /* Points that it adds, deletes or moves. */
 static size_t points_of(const struct change *c)
 {
-    if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS)
+    if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS ||
+        c->kind->items == ITEMS_DRAWING)
         return c->n;
     return c->kind->items == ITEMS_MOVES ? c->n : c->kind == &change_kinds[CHANGE_MOVE];
 }

@@ -9,8 +9,9 @@
 /* A change on its way: a job, if it edits points or values. */
 struct submission {
     struct job job;
-    struct change change;   /* owns */
-    size_t expected;        /* bytes that are prepared for it (keep.h), until it ends */
+    struct change change; /* owns */
+    size_t base;          /* bytes that are reserved before it splits constraints; 0: it does not */
+    size_t expected;      /* bytes that are prepared for it (keep.h), until it ends */
     struct list *temporary; /* the new set is one of these; NULL: it is not temporary */
 };
 

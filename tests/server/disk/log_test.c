@@ -251,7 +251,7 @@ TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
     struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
     struct bench b;
     begin(&b, LOG_ALWAYS);
-    log_append_load(b.log, &r, points(r.n), NULL);
+    log_append_load(b.log, &r, points(r.n), NULL, NULL);
     test_fail_alloc(1); /* on the log's thread, which encodes them */
     await_failure(&b);
     CHECK(test_alloc_failed() && b.status.error == ENOMEM && b.status.durable == 0);
@@ -268,7 +268,7 @@ TEST(large_load_whose_record_is_written_in_part_is_a_failed_log)
         xy[i] = 1.0 / 3;
     begin(&b, LOG_ALWAYS);
     calls_limit_space(300);
-    log_append_load(b.log, &r, xy, NULL);
+    log_append_load(b.log, &r, xy, NULL, NULL);
     await_failure(&b);
     CHECK(b.status.error == ENOSPC && b.status.durable == 0);
     end(&b);
@@ -498,7 +498,7 @@ TEST(bytes_in_the_queue_are_counted_until_they_are_written)
     size_t small = log_queued(b.log);
     CHECK(small >= RECORDS * 20 && small < RECORDS * 20 * 8);
     struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = POINTS};
-    last = log_append_load(b.log, &r, points(POINTS), NULL);
+    last = log_append_load(b.log, &r, points(POINTS), NULL, NULL);
     CHECK(log_queued(b.log) == small + POINTS * 16);
     await_durable(&b, last);
     CHECK(log_queued(b.log) == 0);
@@ -529,7 +529,8 @@ TEST(digest_of_a_log_is_read_as_it_was_written_and_continues)
     struct log_status before;
     begin(&b, LOG_ALWAYS);
     struct record add = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = 100000};
-    log_append_load(b.log, &add, dt_pages_grow(NULL, NULL, 0, 100000 * 2 * sizeof(double)), NULL);
+    log_append_load(b.log, &add, dt_pages_grow(NULL, NULL, 0, 100000 * 2 * sizeof(double)), NULL,
+                    NULL);
     append_nothing(&b);
     log_rotate(b.log, NULL);
     append_nothing(&b);

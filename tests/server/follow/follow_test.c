@@ -77,7 +77,10 @@ static void change_everything(const struct node *n)
         "TRIANGULATE d\nPERSIST gone\nDROP gone\nDROP d\nCREATE d\n"
         "CONSTRAIN a OF 7 0 1 1 3\nCONSTRAIN b BORDER RING 0 1 2\nRELEASE b BORDER 0 1\n"
         "MOVE a 0 0 1 1 3 2\nCONSTRAIN a 5 0\nRELEASE a OF 7\nDEL a 5 CASCADE\n"
-        "CONSTRAIN a OF 2 3 4\nCONSTRAIN b 0 1\nRELEASE b ALL\nCONSTRAIN b OF 3 PATH 2 0 1\n");
+        "CONSTRAIN a OF 2 3 4\nCONSTRAIN b 0 1\nRELEASE b ALL\nCONSTRAIN b OF 3 PATH 2 0 1\n"
+        "ADD x FIELDS z,w 0 0 1 2 9 9 3 4 0 9 5 6 9 0 7 nan 0 4 0 0 9 5 0 0\nCONSTRAIN x 0 1\n"
+        "CONSTRAIN x SPLIT OF 3 2 3\nTRIANGULATE x\nCONSTRAIN x SPLIT BORDER 4 5\n"
+        "CONSTRAIN x SPLIT 4 5\nCONSTRAIN x SPLIT 0 2\n");
 }
 
 TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)
@@ -89,7 +92,7 @@ TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)
     load_large(&l);
     node_expect_same(&l, &f);
     carry_out(&l.d, "FDROP large z\nTRIANGULATE large\nEXPIRE b 0.05\n");
-    await_info(&l.d, "sets", 4);
+    await_info(&l.d, "sets", 5);
     carry_out(&l.d, "ADD b 1 1\nDROP c\nDEL a 0 1\nFDROP a q\n");
     node_expect_same(&l, &f);
     CHECK(node_is(&f, "role", "follower") && node_is(&f, "link", "receiving"));

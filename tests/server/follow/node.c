@@ -122,7 +122,7 @@ void node_await_position(const struct node *leader, const struct node *follower)
     }
 }
 
-static const char *const sets[] = {"a", "b", "c", "d", "gone", "large"};
+static const char *const sets[] = {"a", "b", "c", "d", "gone", "large", "x"};
 enum { SETS = sizeof sets / sizeof sets[0] };
 
 void node_expect_same(const struct node *leader, const struct node *follower)

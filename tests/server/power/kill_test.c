@@ -49,8 +49,8 @@ static void compose_constraint(struct client *c, char *to)
 {
     unsigned kind = test_below(10), a = test_below(c->ids + 1), b = test_below(c->ids + 1);
     if (kind < 6)
-        snprintf(to, REQUEST_BYTES, "CONSTRAIN %s %sOF %u %u %u\n", c->set,
-                 kind < 2 ? "BORDER " : "", test_below(3), a, b);
+        snprintf(to, REQUEST_BYTES, "CONSTRAIN %s %s%sOF %u %u %u\n", c->set,
+                 kind < 2 ? "BORDER " : "", kind % 2 == 0 ? "SPLIT " : "", test_below(3), a, b);
     else if (kind < 7)
         snprintf(to, REQUEST_BYTES, "RELEASE %s %s\n", c->set, test_below(8) == 0 ? "ALL" : "OF 1");
     else if (kind < 8)

@@ -87,8 +87,9 @@ static void put_values(struct buf *to, const char *set, const struct request_cha
 static void put_constraints(struct buf *to, const char *set, const struct request_change *c,
                             const uint32_t *ids)
 {
-    if (c->kind == REQUEST_CONSTRAIN)
-        put(to, "CONSTRAIN %s OF %" PRIu32 " PATH", set, c->field);
+    if (c->kind == REQUEST_CONSTRAIN || c->kind == REQUEST_SPLIT)
+        put(to, "CONSTRAIN %s OF %" PRIu32 "%s PATH", set, c->field,
+            c->kind == REQUEST_SPLIT ? " SPLIT" : "");
     else if (c->kind == REQUEST_RELEASE && c->n == 0)
         put(to, "RELEASE %s ALL", set);
     else if (c->kind == REQUEST_RELEASE)
@@ -158,6 +159,7 @@ void request_change_write(struct buf *to, const char *set, const struct request_
     case REQUEST_RELEASE:
     case REQUEST_CASCADE:
     case REQUEST_MOVES:
+    case REQUEST_SPLIT:
         put_constraints(to, set, c, ids);
         break;
     }
@@ -225,18 +227,47 @@ static void change_points(struct model *m, const struct request_change *c, char 
         snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
 }
 
-static void constrain(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
+/* The constraints along the path of the ids. */
+static enum dt_status list_path(const struct request_change *c, struct dt_constraint *v)
 {
-    struct dt_constraint v[CHANGE_IDS];
-    size_t done, missing;
-    uint32_t id;
     enum dt_status status = DT_OK;
-    size_t n = c->n - 1;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i + 1 < c->n; i++) {
         v[i] = (struct dt_constraint){c->id[i], c->id[i + 1], false, c->field};
         if (v[i].a == v[i].b)
             status = DT_NOEDGE;
     }
+    return status;
+}
+
+static void split(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
+{
+    struct dt_constraint v[CHANGE_IDS];
+    struct dt_split s = {0};
+    struct dt_added added = {.first = dt_next_id(m->dt)};
+    size_t done, at;
+    uint32_t missing;
+    enum dt_status status = list_path(c, v);
+    if (status == DT_OK)
+        status = dt_plan_split(m->dt, v, c->n - 1, SIZE_MAX, NULL, &s, &missing);
+    if (!refuse(status, reply)) {
+        if (s.n_points > 0)
+            CHECK(dt_add_values(m->dt, s.point, s.n_points, s.column, s.columns, NULL, &added) ==
+                  DT_OK);
+        CHECK(dt_release(m->dt, s.released, s.n_released, NULL, &done, &at) == DT_OK);
+        CHECK(dt_constrain(m->dt, s.added, s.n_added, NULL, &done, &missing) == DT_OK);
+        snprintf(reply, REPLY_BYTES,
+                 "OK 0 first=%" PRIu32 " added=%zu split=%zu deviation=", added.first, s.n_points,
+                 s.split);
+    }
+    dt_split_clear(&s);
+}
+
+static void constrain(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
+{
+    struct dt_constraint v[CHANGE_IDS];
+    size_t done, missing, n = c->n - 1;
+    uint32_t id;
+    enum dt_status status = list_path(c, v);
     if (status == DT_OK)
         status = c->kind == REQUEST_CONSTRAIN ? dt_constrain(m->dt, v, n, NULL, &done, &id)
                                               : dt_release(m->dt, v, n, NULL, &done, &missing);
@@ -263,6 +294,8 @@ static void change_constraints(struct model *m, const struct request_change *c,
         release_all(m, reply);
     else if (c->kind == REQUEST_CONSTRAIN || c->kind == REQUEST_RELEASE)
         constrain(m, c, reply);
+    else if (c->kind == REQUEST_SPLIT)
+        split(m, c, reply);
     else if (c->kind == REQUEST_MOVES)
         refuse(dt_move_many(m->dt, c->id, c->points, c->n, NULL, &missing), reply);
     else if (!refuse(dt_delete_cascade(m->dt, c->id, c->n, NULL, &deleted, &missing), reply))
@@ -273,7 +306,8 @@ static void change_constraints(struct model *m, const struct request_change *c,
 static bool make_live(struct model *m, const struct request_change *c)
 {
     bool live = m->triangulated || c->kind == REQUEST_TRIANGULATE;
-    if (!live || (dt_constraints_count(m->dt) == 0 && c->kind != REQUEST_CONSTRAIN))
+    bool declares = c->kind == REQUEST_CONSTRAIN || c->kind == REQUEST_SPLIT;
+    if (!live || (dt_constraints_count(m->dt) == 0 && !declares))
         return true;
     enum dt_status status = dt_triangulate(m->dt, NULL);
     if (status == DT_OK)

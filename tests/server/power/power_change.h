@@ -22,7 +22,8 @@ enum request_kind {
     REQUEST_CONSTRAIN, /* the path of the ids, of the number `field` */
     REQUEST_RELEASE,   /* the same, two of them; or all, if n is 0 */
     REQUEST_CASCADE,
-    REQUEST_MOVES
+    REQUEST_MOVES,
+    REQUEST_SPLIT /* as REQUEST_CONSTRAIN */
 };
 
 enum { CHANGE_IDS = 8, CHANGE_FIELDS = 2, REPLY_BYTES = 128 };

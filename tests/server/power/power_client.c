@@ -60,17 +60,19 @@ static struct request_change change_of_values(struct client *c, const struct str
     return change;
 }
 
-/* Short lines, which seldom cross; many are refused. */
+/* Short lines, which seldom cross, but for those that are to be split; many are refused. */
 static struct request_change change_of_constraints(struct client *c, const struct stream *s)
 {
-    static const enum request_kind kinds[] = {REQUEST_CONSTRAIN, REQUEST_CONSTRAIN,
-                                              REQUEST_CONSTRAIN, REQUEST_RELEASE,
-                                              REQUEST_CASCADE,   REQUEST_MOVES};
-    struct request_change change = {.kind = kinds[below(c, 6)], .n = 2, .field = below(c, 2)};
+    static const enum request_kind kinds[] = {
+        REQUEST_CONSTRAIN, REQUEST_CONSTRAIN, REQUEST_CONSTRAIN, REQUEST_RELEASE,
+        REQUEST_CASCADE,   REQUEST_MOVES,     REQUEST_SPLIT};
+    struct request_change change = {.kind = kinds[below(c, 7)], .n = 2, .field = below(c, 2)};
     change.id[0] = below(c, s->ids + 1);
     change.id[1] = change.id[0] + 1 + below(c, 3);
     change.id[2] = below(c, s->ids + 1);
-    if (change.kind == REQUEST_CONSTRAIN)
+    if (change.kind == REQUEST_SPLIT)
+        change.id[1] = below(c, s->ids + 1);
+    if (change.kind == REQUEST_CONSTRAIN || change.kind == REQUEST_SPLIT)
         change.n += below(c, 2);
     else if (change.kind == REQUEST_RELEASE && below(c, 6) == 0)
         change.n = 0;

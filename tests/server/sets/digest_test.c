@@ -47,6 +47,16 @@ static uint64_t digest_after(const char *requests)
 
 #define BASE "ADD t 0 0 4 0 0 4 1.5 1.5 4 0\nFSET t z 0 1 2 -2.5\n"
 
+TEST(split_set_has_the_digest_of_its_points_values_and_parts)
+{
+    const char *const cross = "ADD t 0 0 4 4 0 4 4 0\nFSET t z 0 0 1 8 2 8 3 0\n";
+    char split[200], parts[200];
+    snprintf(split, sizeof split, "%sCONSTRAIN t OF 5 0 1\nCONSTRAIN t SPLIT 3 2\n", cross);
+    snprintf(parts, sizeof parts,
+             "%sADD t FIELDS z 2 2 4\nCONSTRAIN t 2 4 3 4\nCONSTRAIN t OF 5 0 4 1 4\n", cross);
+    CHECK(digest_after(split) == digest_after(parts));
+}
+
 TEST(digest_differs_after_any_single_change)
 {
     static const char *const sets[] = {

@@ -1,0 +1,57 @@
+/* drawing.h - points and constraints that come together, and count together: of `CONSTRAIN ... SPLIT` and LOAD PATHS.
+ *
+ * A request asks for points, and for constraints between them and others. With `split`, constraints that would cross are replaced
+ * by parts with points in common. Afterwards the change is what it has done: all points, with their values, and the constraints
+ * that were released and declared. So the log and followers need no geometry. */
+#ifndef SERVER_DRAWING_H
+#define SERVER_DRAWING_H
+
+#include "core/delaunay_constraints.h"
+#include "server/changes/columns.h"
+
+/* Constraints of a change that has points, too: both arrays are from dt_pages_grow. Start with {0}. */
+struct drawn {
+    struct record_constraint *released, *added; /* owns */
+    uint32_t n_released, n_added;
+};
+
+/* How many records they take. */
+uint64_t drawn_records(const struct drawn *d);
+void drawn_clear(struct drawn *d);
+
+struct drawing {
+    struct drawn lists; /* `added` are those asked for, until the change has been applied */
+    uint64_t *
+        line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
+    bool loads;    /* it is a LOAD */
+    bool asked;    /* it is asked to split constraints that cross, */
+    bool splits;   /* and that has not been done yet */
+    uint32_t most; /* points that may come with a split */
+    enum dt_status (*reserve)(void *ctx,
+                              size_t bytes); /* memory for a split; NULL: there is no limit */
+    void *ctx;
+    /* the outcome: */
+    size_t declared, split;
+    double deviation;
+    struct dt_crossed crossed; /* of DT_CROSSES, */
+    uint64_t crossed_line[2];  /* and the lines of the two; 0: it has none */
+};
+
+/* New points, all of them added, and their values. */
+struct drawn_points {
+    struct dt_point *points; /* from dt_pages_grow */
+    uint32_t n;
+    struct columns *columns; /* NULL: none */
+};
+
+/* All zero; NULL: out of memory. */
+struct drawing *drawing_new(void);
+void drawing_free(struct drawing *d); /* NULL: nothing */
+
+/* Edits the set, to which the points of *p have just been added, all or nothing: then these are all that there are, and the outcome is in *d.
+ * Unless DT_OK, *p and the request are as they were. DT_NOPOINT, DT_NOEDGE: *missing. */
+enum dt_status drawing_edit(struct dt *dt, struct drawing *d, struct drawn_points *p,
+                            struct dt_pages *pages, const struct dt_options *opt,
+                            uint32_t *missing);
+
+#endif
