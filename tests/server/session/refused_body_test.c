@@ -51,7 +51,7 @@ TEST(body_of_a_refused_request_is_not_carried_out)
         {"TIMEOUT 1 TIMEOUT 1 LOADB t x\n" TRAP, false},
         {"TIMEOUT 1 TIMEOUT 1 LOADB t\n" TRAP, false},
         {"BINARY LOADB t 1\n" TRAP, false},
-        {"INTERPOLATEB t z 1 MAXEDGE\n" TRAP, false},
+        {"INTERPOLATEB t z 1 MAXEDGE\n" TRAP, true},
         {"FSETB t z 0 1 2\n" TRAP, false},
         {"LOCATEB t 1 1\n" TRAP, false},
     };
