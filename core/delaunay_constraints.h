@@ -207,7 +207,7 @@ enum dt_status dt_region_check(const struct dt *t, uint32_t number);
 
 /* Appends the rows of DT_TRIANGLES or DT_EDGES, in their order, that are inside the border of the number, or inside any
  * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. Errors of dt_region_check, but there may be no border at all. opt may be NULL: its
- * flag is polled. Cost: about twice that of reading the table. */
+ * flag is polled. Cost: linear, and the sorting. */
 enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
                          const struct dt_options *opt, struct dt_ids *out);
 

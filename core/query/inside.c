@@ -1,6 +1,7 @@
 /* inside.c - what borders enclose: regions, places, triangles and edges. */
 #include <stdlib.h>
 
+#include "core/memory/memory.h"
 #include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
 #include "core/query/query.h"
@@ -166,58 +167,111 @@ enum dt_status dt_region_check(const struct dt *t, uint32_t number)
     return dt_enclosure_of(t, number, &in);
 }
 
-/* Whether the row of the table is inside: a triangle with the edge from its first corner to its second. */
-static bool is_inside(const struct dt *t, const struct dt_enclosure *in, const struct dt_cursor *c,
-                      const uint32_t *row)
+/* Whether the triangle of the half edge is inside; ghosts are not. */
+static bool has(const struct dt *t, const struct dt_enclosure *in, uint32_t h)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t h = dt_half_between(m, dt_points_vertex(&t->points, row[0]),
-                                 dt_points_vertex(&t->points, row[1]));
-    uint32_t left = dt_face(m, h), right = dt_face(m, dt_twin(m, h));
-    if (c->table == DT_EDGES)
-        return dt_encloses(in, left) || (right != left && dt_encloses(in, right));
-    return dt_encloses(in, c->cw ? right : left);
+    return dt_encloses(in, dt_face(&t->mesh, h));
 }
 
-/* Appends the next rows that are inside. *done: there are no more. */
-static enum dt_status read_rows(const struct dt *t, const struct dt_enclosure *in,
-                                struct dt_cursor *c, struct dt_ids *out, bool *done)
+/* Triangles, as their smallest ids and what finds them; or edges, as ids. */
+struct keys {
+    uint64_t *v; /* owns room for all there may be */
+    size_t n;
+};
+
+static void add_triangle(const struct dt *t, const struct dt_enclosure *in, uint32_t h,
+                         struct keys *keys)
 {
-    enum { ROWS = 1024 };
-    uint32_t row[3 * ROWS], width = c->table == DT_EDGES ? 2 : 3;
-    size_t rows = 0, words = 0;
-    enum dt_status status = dt_table_read(t, c, row, 3 * ROWS, ROWS, &rows, &words);
-    *done = status == DT_OK && rows == 0;
-    status = status == DT_TOOLONG ? DT_OK : status; /* to be called again */
-    if (status == DT_OK)
-        status = dt_ids_reserve(out, words);
-    for (size_t i = 0; status == DT_OK && i < rows * width; i += width) {
-        bool inside = is_inside(t, in, c, row + i);
-        for (uint32_t k = 0; inside && k < width; k++)
-            out->v[out->n++] = row[i + k];
+    uint32_t row[3];
+    if (!has(t, in, h))
+        return;
+    dt_triangle_ids(t, h, false, row);
+    keys->v[keys->n++] = (uint64_t)row[0] << 32 | h;
+}
+
+/* Each edge once: by its inner side with the smaller half edge. */
+static void add_edges(const struct dt *t, const struct dt_enclosure *in, uint32_t h,
+                      struct keys *keys)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (!has(t, in, h))
+        return;
+    for (uint32_t k = h; k < h + 3; k++) {
+        uint32_t twin = dt_twin(m, k);
+        if (twin < k && has(t, in, twin))
+            continue;
+        uint32_t a = t->points.id[dt_origin(m, k)], b = t->points.id[dt_dest(m, k)];
+        keys->v[keys->n++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
     }
-    return status;
+}
+
+static enum dt_status find_keys(const struct dt *t, const struct dt_enclosure *in, bool edges,
+                                struct dt_stop *stop, struct keys *keys)
+{
+    const struct dt_mesh *m = &t->mesh;
+    size_t most = 0;
+    for (uint32_t h = 0; h < 8 * m->tri_end; h += 8)
+        most += !dt_is_dead(m, h) && has(t, in, h) ? (edges ? 3 : 1) : 0;
+    keys->v = dt_array_new(most + 1, sizeof *keys->v);
+    if (keys->v == NULL)
+        return DT_NOMEM;
+    for (uint32_t h = 0; h < 8 * m->tri_end; h += 8) {
+        if ((h & 0xffff) == 0 && dt_stopped(stop))
+            return dt_stop_status(stop);
+        if (!dt_is_dead(m, h))
+            edges ? add_edges(t, in, h, keys) : add_triangle(t, in, h, keys);
+    }
+    dt_sort_keys(keys->v, keys->n);
+    return DT_OK;
+}
+
+/* Rows of one smallest id are sorted among themselves. */
+static void put_triangles(const struct dt *t, const struct keys *keys, bool cw, uint32_t *row)
+{
+    for (size_t i = 0, k; i < keys->n; i += k) {
+        for (k = 0; i + k < keys->n && keys->v[i + k] >> 32 == keys->v[i] >> 32; k++)
+            dt_triangle_ids(t, (uint32_t)keys->v[i + k], cw, row + 3 * (i + k));
+        qsort(row + 3 * i, k, 3 * sizeof *row, dt_triangle_compare);
+    }
+}
+
+static void put_edges(const struct keys *keys, uint32_t *row)
+{
+    for (size_t i = 0; i < keys->n; i++) {
+        row[2 * i] = (uint32_t)(keys->v[i] >> 32);
+        row[2 * i + 1] = (uint32_t)keys->v[i];
+    }
+}
+
+static enum dt_status put_rows(const struct dt *t, const struct keys *keys, bool edges, bool cw,
+                               struct dt_ids *out)
+{
+    size_t words = keys->n * (edges ? 2 : 3);
+    enum dt_status status = dt_ids_reserve(out, words);
+    if (status != DT_OK || words == 0)
+        return status;
+    if (edges)
+        put_edges(keys, out->v + out->n);
+    else
+        put_triangles(t, keys, cw, out->v + out->n);
+    out->n += words;
+    return DT_OK;
 }
 
 enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
                          const struct dt_options *opt, struct dt_ids *out)
 {
     struct dt_stop stop = dt_stop_of(opt);
-    struct dt_cursor c;
-    size_t from = out->n;
     struct dt_enclosure in;
-    bool done = false;
+    struct keys keys = {0};
+    bool edges = table == DT_EDGES;
     enum dt_status status = dt_enclosure_of(t, number, &in);
     if (status == DT_NOREGION && number == DT_NONE)
         return DT_OK;
     if (status == DT_OK)
-        status = dt_table_begin(t, NULL, table, cw, &c);
-    while (status == DT_OK && !done) {
-        status = read_rows(t, &in, &c, out, &done);
-        if (status == DT_OK && dt_stopped(&stop))
-            status = dt_stop_status(&stop);
-    }
-    if (status != DT_OK)
-        out->n = from;
+        status = find_keys(t, &in, edges, &stop, &keys);
+    if (status == DT_OK)
+        status = put_rows(t, &keys, edges, cw, out);
+    dt_array_free(keys.v);
     return status;
 }

@@ -194,6 +194,19 @@ static bool edge_inside(const struct answer *a, const uint32_t edge[2], uint32_t
     return false;
 }
 
+/* cw: the rows of the clockwise table whose triangles are those of `in`. */
+static void check_clockwise(const struct dt *t, const struct dt_ids *in, const struct dt_ids *cw)
+{
+    struct dt_ids all = table_of(t, DT_TRIANGLES, true);
+    size_t n = 0;
+    for (size_t i = 0; i < all.n; i += 3)
+        for (size_t k = 0; k < in->n; k += 3)
+            if (memcmp(&all.v[i], (uint32_t[]){in->v[k], in->v[k + 2], in->v[k + 1]}, 12) == 0)
+                CHECK(memcmp(&cw->v[3 * n++], &all.v[i], 12) == 0);
+    CHECK(3 * n == cw->n);
+    free(all.v);
+}
+
 static void check_lists(const struct dt *t, const struct answer *a, uint32_t number)
 {
     struct dt_ids in = {0}, edges = table_of(t, DT_EDGES, false), cw = {0};
@@ -217,6 +230,7 @@ static void check_lists(const struct dt *t, const struct answer *a, uint32_t num
         }
     CHECK(n == in.n);
     CHECK(dt_inside(t, number, DT_TRIANGLES, true, NULL, &cw) == DT_OK && cw.n == in.n);
+    check_clockwise(t, &in, &cw);
     in.n = n = 0;
     CHECK(dt_inside(t, number, DT_EDGES, false, NULL, &in) == DT_OK);
     for (size_t i = 0; i < edges.n; i += 2)

@@ -353,6 +353,32 @@ TEST_TIMEOUT(replies_about_regions_do_not_depend_on_order_or_threads, 60)
     local_stop(&some);
 }
 
+/* The body stays until the regions are known. */
+TEST_TIMEOUT(places_in_binary_wait_for_regions_and_are_missing_outside, 60)
+{
+    struct daemon d = daemon_start((const char *const[]){"--threads", "2", NULL});
+    int fd = daemon_connect(&d);
+    char *text = large_set(3000, true);
+    double value[3];
+    say(fd, text);
+    say(fd, "PING\nECHO\n");
+    while (strncmp(hear_line(fd), "ERR UNKNOWN", 11) != 0)
+        ;
+    for (int round = 0; round < 2; round++) {
+        say(fd, "RELEASE t BORDER OF 3\nINTERPOLATEB t z 3 INSIDE 1\n");
+        say_bytes(fd, (const double[]){20, 20, 50, 45, 200, 200}, 48);
+        say(fd, "CONSTRAIN t BORDER OF 3 RING 8 9 10\n");
+        CHECK(strncmp(hear_line(fd), "OK 0 released=", 14) == 0);
+        CHECK_STR(hear_line(fd), "OK 0 rows=3 bytes=24");
+        CHECK(read(fd, value, sizeof value) == sizeof value);
+        CHECK(value[0] >= 0 && value[0] < 17 && value[1] != value[1] && value[2] != value[2]);
+        CHECK(strncmp(hear_line(fd), "OK 0 added=3", 12) == 0);
+    }
+    free(text);
+    close(fd);
+    daemon_end(&d);
+}
+
 /* A place at a point with very many neighbours. */
 TEST_TIMEOUT(regions_at_a_hub_are_found_by_a_worker, 60)
 {
