@@ -159,15 +159,22 @@ static uint32_t nearest_at_once(const struct dt *t, struct dt_point q, uint32_t 
     uint32_t edge[2 * MOST + 3], n = 0, base = dt_base(h);
     struct dt_candidate best = dt_candidate(t, q, dt_origin(m, base));
     for (uint32_t k = base; k < base + 3; k++) {
-        consider(t, q, dt_origin(m, k), &best);
+        dt_fetch(&m->half[dt_base(dt_twin(m, k))]);
         edge[n++] = k;
     }
+    for (uint32_t k = base; k < base + 3; k++)
+        consider(t, q, dt_origin(m, k), &best);
     for (uint32_t visited = 0; n > 0;) {
-        uint32_t k = edge[--n], g = dt_twin(m, k), apex = dt_apex_of(m, g);
-        if (apex == DT_NONE || !meets_disc(q, xy[dt_origin(m, k)], xy[dt_origin(m, g)], best.d))
+        uint32_t k = edge[--n];
+        if (!meets_disc(q, xy[dt_origin(m, k)], xy[dt_dest(m, k)], best.d))
+            continue;
+        uint32_t g = dt_twin(m, k), apex = dt_apex_of(m, g);
+        if (apex == DT_NONE)
             continue;
         if (visited++ == MOST)
             return DT_NONE;
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(g)))]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(g)))]);
         consider(t, q, apex, &best);
         edge[n++] = dt_next(g);
         edge[n++] = dt_prev(g);

@@ -7,7 +7,11 @@
  *
  * Then edits of the core's sets of LONG_POINTS points with a constraint for every third point, to a neighbour, beside those
  * of the same points without: ns for one, the best of three. Moves go a tenth of the mean distance between points, or six
- * tenths; those that constraints refuse are left out. */
+ * tenths; those that constraints refuse are left out. NEAREST is of random places. Then the bytes that each of these
+ * constraints takes.
+ *
+ * Then constraints that cross about k edges, each declared in a set that has but one other, and released: ns beside the
+ * 2,000 + 150 k that they may take. Among random points a segment crosses 2.16 edges on each mean distance between points. */
 #include <stdatomic.h>
 extern "C" {
 #include "core/delaunay_constraints.h"
@@ -167,7 +171,7 @@ static void measure(const char *name, const job &j)
 
 /* ---- live ---- */
 
-enum { MOVE_NEAR, MOVE_FAR, ADD, DELETE, EDITS };
+enum { MOVE_NEAR, MOVE_FAR, NEAREST, ADD, DELETE, EDITS };
 
 static std::vector<dt_constraint> to_neighbours(const dt *t, size_t n)
 {
@@ -243,6 +247,11 @@ static void edit_live(const job &j, const std::vector<move> moves[2], double ns[
             dt_move(t, m.id, m.to);
         note(ns[far ? MOVE_FAR : MOVE_NEAR], start, moves[far].size());
     }
+    dt_ids out = {nullptr, 0, 0};
+    for (size_t i = n; i < n + n / 5; i++, out.n = 0)
+        dt_nearest(t, more.points[i], 1, &out);
+    note(ns[NEAREST], start, n / 5);
+    free(out.v);
     for (size_t i = n; i < n + n / 5; i++)
         dt_add(t, &more.points[i], 1, &added);
     note(ns[ADD], start, n / 5);
@@ -252,10 +261,26 @@ static void edit_live(const job &j, const std::vector<move> moves[2], double ns[
     dt_free(t);
 }
 
+static void measure_memory(const job &without, const job &with)
+{
+    size_t bytes[2];
+    for (int i = 0; i < 2; i++) {
+        struct dt_summary sum;
+        dt *t = live_set(i == 0 ? without : with);
+        dt_summary(t, &sum);
+        bytes[i] = sum.memory;
+        dt_free(t);
+    }
+    printf("memory     %.1f bytes for each of %zu constraints\n",
+           static_cast<double>(bytes[1] - bytes[0]) / static_cast<double>(with.constraints.size()),
+           with.constraints.size());
+}
+
 static void measure_live(const job &without)
 {
-    static const char *const name[] = {"MOVE near", "MOVE far", "ADD", "DEL"};
-    double ns[2][EDITS] = {{1e9, 1e9, 1e9, 1e9}, {1e9, 1e9, 1e9, 1e9}};
+    static const char *const name[] = {"MOVE near", "MOVE far", "NEAREST", "ADD", "DEL"};
+    double ns[2][EDITS];
+    std::fill(&ns[0][0], &ns[0][0] + 2 * EDITS, 1e9);
     size_t n = without.points.size();
     double apart = 1 / std::sqrt(static_cast<double>(n));
     job with = without;
@@ -273,6 +298,63 @@ static void measure_live(const job &without)
     for (int i = 0; i < EDITS; i++)
         printf("%-10s points %8zu  without constraints %.0f ns  with %.0f = %.2f\n", name[i], n,
                ns[0][i], ns[1][i], ns[1][i] / ns[0][i]);
+    measure_memory(without, with);
+}
+
+/* ---- crossing k edges ---- */
+
+/* From random points, to the nearest ones of places as far away as crosses k edges. */
+static std::vector<dt_constraint> crossing(const dt *t, size_t n, double k)
+{
+    std::mt19937_64 bits(3);
+    std::uniform_real_distribution<double> turn(0, 2 * std::acos(-1));
+    double length = k / 2.16 / std::sqrt(static_cast<double>(n));
+    std::vector<dt_constraint> c;
+    dt_ids out = {nullptr, 0, 0};
+    while (c.size() < 2000) {
+        uint32_t a = static_cast<uint32_t>(bits() % n);
+        double angle = turn(bits);
+        dt_point p;
+        dt_get(t, a, &p);
+        p.x += length * std::cos(angle);
+        p.y += length * std::sin(angle);
+        out.n = 0;
+        if (p.x > 0 && p.x < 1 && p.y > 0 && p.y < 1 && dt_nearest(t, p, 1, &out) == DT_OK &&
+            out.v[0] != a)
+            c.push_back({a, out.v[0], false, 0});
+    }
+    free(out.v);
+    return c;
+}
+
+static void measure_crossing(job j, double k)
+{
+    dt *t = live_set(j);
+    j.constraints = to_neighbours(t, 1); /* the first one marks all triangles */
+    dt_free(t);
+    t = live_set(j);
+    double ns[2] = {1e9, 1e9};
+    for (int i = 0; i < 3; i++) {
+        double both[2] = {0, 0};
+        std::vector<dt_constraint> c = crossing(t, j.points.size(), k);
+        for (const dt_constraint &one : c) {
+            size_t count, at;
+            uint32_t missing;
+            double start = seconds();
+            if (dt_constrain(t, &one, 1, nullptr, &count, &missing) != DT_OK)
+                continue;
+            double declared = seconds();
+            if (dt_release(t, &one, 1, nullptr, &count, &at) != DT_OK)
+                exit(1);
+            both[0] += declared - start;
+            both[1] += seconds() - declared;
+        }
+        for (int b = 0; b < 2; b++)
+            ns[b] = std::min(ns[b], 1e9 * both[b] / static_cast<double>(c.size()));
+    }
+    printf("crossing %6.0f edges: declared %.0f ns, released %.0f, both / (2000 + 150 k) = %.2f\n",
+           k, ns[0], ns[1], (ns[0] + ns[1]) / (2000 + 150 * k));
+    dt_free(t);
 }
 
 int main(int argc, char **argv)
@@ -283,6 +365,8 @@ int main(int argc, char **argv)
     measure("paths", paths(strtoull(argv[1], nullptr, 10)));
     measure("across", across(strtoull(argv[2], nullptr, 10), strtoull(argv[3], nullptr, 10)));
     measure_live(random_points(strtoull(argv[2], nullptr, 10)));
+    for (double k : {1, 10, 100, 1000})
+        measure_crossing(random_points(strtoull(argv[2], nullptr, 10)), k);
     dt_pages_free(pages);
     return 0;
 }
