@@ -372,8 +372,8 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
 {
     char form[40];
     bool any = m->inside != NULL && strcmp(m->inside, "any") == 0;
-    snprintf(form, sizeof form, "%s %.20s BINARY", m->inside != NULL ? " INSIDE" : "",
-             m->inside == NULL || any ? "" : m->inside);
+    snprintf(form, sizeof form, "%s%s%.20s BINARY", m->inside != NULL ? " INSIDE" : "",
+             m->inside == NULL || any ? "" : " ", m->inside == NULL || any ? "" : m->inside);
     enum delaunay_result r =
         (parts & MODEL_MESH) != 0 ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
