@@ -25,6 +25,20 @@ void body_columns(struct body *b, size_t coordinates, size_t values)
     b->width = coordinates + values;
 }
 
+void body_paths(struct body *b)
+{
+    b->width++;
+    b->paths = b->begins = true;
+}
+
+void body_columns_of(struct body *b, const struct body *other)
+{
+    b->coordinates = other->coordinates;
+    b->width = other->width;
+    b->paths = other->paths;
+    b->begins = false;
+}
+
 void body_words(struct body *b)
 {
     body_columns(b, 0, 1);
@@ -101,7 +115,7 @@ static bool reserve(struct body *b)
 /* Whether a point has two coordinates and nothing else. */
 static bool is_plain(const struct body *b)
 {
-    return b->width == 2 && b->coordinates == 2;
+    return body_numbers(b) == 2 && b->coordinates == 2;
 }
 
 /* The error for number i of a point. */
@@ -122,12 +136,21 @@ static enum body_fault judge_point(const struct body *b, const double *v)
         return b->coordinates_ok(v, 2)      ? BODY_GOOD
                : isnan(v[0]) || isnan(v[1]) ? BODY_NUMBER
                                             : BODY_RANGE;
-    for (size_t i = 0; i < b->width && fault == BODY_GOOD; i++)
+    for (size_t i = 0; i < body_numbers(b) && fault == BODY_GOOD; i++)
         fault = judge(b, i, v[i]);
     return fault;
 }
 
 /* ---- text ---- */
+
+/* The point of the line, whose numbers have been read, has come. */
+static void end_point(struct body *b, double *to)
+{
+    if (b->paths)
+        to[b->width - 1] = b->begins ? -(double)b->line : (double)b->line;
+    b->begins = false;
+    b->n++;
+}
 
 static void add_point(struct body *b, double x, double y)
 {
@@ -138,9 +161,10 @@ static void add_point(struct body *b, double x, double y)
     if (fault != BODY_GOOD) {
         body_fail(b, fault);
     } else if (reserve(b)) {
-        b->xy[2 * b->n] = x;
-        b->xy[2 * b->n + 1] = y;
-        b->n++;
+        double *to = b->xy + b->n * b->width;
+        to[0] = x;
+        to[1] = y;
+        end_point(b, to);
     }
 }
 
@@ -171,25 +195,28 @@ static void take_wide_line(struct body *b, const struct line *line)
     const char *p = line->text, *end = p + line->len;
     size_t len, i = 0;
     const char *word = next_word(&p, end, &len);
-    if (b->fault != BODY_GOOD || len == 0 || *word == '#' || !reserve(b))
+    const size_t numbers = body_numbers(b);
+    bool begins = b->paths && len > 0 && *word == '>';
+    b->begins |= begins;
+    if (b->fault != BODY_GOOD || len == 0 || begins || *word == '#' || !reserve(b))
         return;
     double *to = b->xy + b->n * b->width;
     enum body_fault fault = BODY_GOOD;
-    for (; i < b->width && len > 0 && fault == BODY_GOOD; i++) {
+    for (; i < numbers && len > 0 && fault == BODY_GOOD; i++) {
         fault = read_number(b, i, word, len, &to[i]) ? judge(b, i, to[i]) : BODY_NUMBER;
         word = next_word(&p, end, &len);
     }
-    if (fault == BODY_GOOD && (i < b->width || len > 0))
+    if (fault == BODY_GOOD && (i < numbers || len > 0))
         fault = BODY_SYNTAX;
     if (fault != BODY_GOOD)
         body_fail(b, fault);
     else
-        b->n++;
+        end_point(b, to);
 }
 
 static void take_line(struct body *b, const struct line *line)
 {
-    if (!is_plain(b)) {
+    if (!is_plain(b) || b->paths) {
         take_wide_line(b, line);
         return;
     }
@@ -216,7 +243,7 @@ static size_t take_plain_line(struct body *b, const char *bytes, size_t n)
 {
     const char *p = bytes, *end = bytes + n;
     double x, y;
-    bool plain = b->fault == BODY_GOOD && b->width == 2;
+    bool plain = b->fault == BODY_GOOD && is_plain(b);
     size_t len = plain ? proto_read_leading_double(p, n, &x) : 0;
     p += len;
     if (len == 0 || p == end || !text_is_blank(*p))
@@ -341,6 +368,17 @@ size_t body_scan(const struct body *b, const char *bytes, size_t n, uint64_t mos
     return at;
 }
 
+/* The marks of n points of lines that follow those of b. */
+static void shift_marks(const struct body *b, double *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        double *mark = v + (i + 1) * b->width - 1;
+        *mark += *mark < 0 ? -(double)b->line : (double)b->line;
+        if (i == 0 && b->begins)
+            *mark = -fabs(*mark);
+    }
+}
+
 bool body_join(struct body *b, const struct body *lines)
 {
     if (b->fault != BODY_GOOD || lines->fault != BODY_GOOD || !lines->complete ||
@@ -351,6 +389,9 @@ bool body_join(struct body *b, const struct body *lines)
             return false;
     if (lines->n > 0)
         memcpy(b->xy + b->n * b->width, lines->xy, lines->n * point_bytes(b));
+    if (b->paths)
+        shift_marks(b, b->xy + b->n * b->width, lines->n);
+    b->begins = (b->begins && lines->n == 0) || lines->begins;
     b->n += lines->n;
     b->line += lines->line;
     if (b->form == BODY_LINES)

@@ -6,6 +6,8 @@
  *
  * A line, or a point, may have values after its coordinates, or values instead of them (body_columns).
  *
+ * Lines may be paths (body_paths): a line that starts with `>` begins the next one.
+ *
  * Blank lines and lines that start with `#` are skipped. The first bad line determines the fault; the rest of the
  * body is then read and dropped, so that the next request is found. */
 #ifndef PROTO_BODY_H
@@ -46,6 +48,8 @@ struct body {
         *xy; /* owns: x, y and the values of each point read so far; NULL once there is a fault */
     size_t n, cap;             /* points */
     size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
+    bool paths;                /* the last number is a mark (body_paths) */
+    bool begins;               /* the next point begins a path */
     bool words;                /* BODY_BINARY: a point is 8 bytes of any kind */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
@@ -67,6 +71,18 @@ void body_free(struct body *b);
 /* To be called after body_init: a point has this number of coordinates (2 or 0), and values after them: finite numbers or
  * nan. */
 void body_columns(struct body *b, size_t coordinates, size_t values);
+
+/* The same for lines that are paths: each point has one more number, which is the number of its line; negative, if it begins a path. */
+void body_paths(struct body *b);
+
+/* The points of b are those of another body, in its middle. */
+void body_columns_of(struct body *b, const struct body *other);
+
+/* Numbers that a line has. */
+static inline size_t body_numbers(const struct body *b)
+{
+    return b->width - b->paths;
+}
 
 /* The same for a binary body whose points are 8 bytes of any kind, which take the place of a number. */
 void body_words(struct body *b);

@@ -37,10 +37,13 @@ const struct command commands[] = {
      "ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]",
      .help = "adds points, with values of fields", .result = "first:i", .ahead = AHEAD_PLACE,
      .change = CHANGE_ADD, .read = read_new_points},
-    {"LOAD", 2, 5, EDITS | CMD_SHARES, cmd_load, "LOAD set [n] [FIELDS a,b]",
+    {"LOAD", 2, 10, EDITS | CMD_SHARES, cmd_load,
+     "LOAD set [n] [FIELDS a,b] | LOAD set [n] PATHS [BORDER] [OF k] [SPLIT] [FIELDS a,b]",
      .help =
-         "adds points: n lines `x y` follow, or lines up to a single `.`; with FIELDS `x y a b`",
-     .result = "first:i", .body = {.rows = LOAD_POINTS, .count = 2, .lines = true, .fields = true},
+         "adds points: n lines `x y` follow, or lines up to a single `.`; with FIELDS `x y a b`; "
+         "with PATHS they are joined by constraints, and a line `>` begins the next path",
+     .result = "first:i",
+     .body = {.rows = LOAD_POINTS, .count = 2, .lines = true, .fields = true, .paths = true},
      .change = CHANGE_ADD},
     {"LOADB", 3, 5, EDITS | CMD_SHARES, cmd_load, "LOADB set n [FIELDS a,b]",
      .help = "adds points: n pairs of little-endian doubles follow; with FIELDS their values, too",

@@ -64,6 +64,16 @@ struct word load_field_names(const struct load_shape *shape, const struct reques
     return names ? q->word[q->n - 1] : (struct word){"", 0};
 }
 
+size_t load_paths_at(const struct load_shape *shape, const struct request *q)
+{
+    struct word names = load_field_names(shape, q);
+    size_t end = names.len > 0 ? q->n - 2 : q->n;
+    for (size_t i = shape->count; shape->paths && i < end && i <= shape->count + 1; i++)
+        if (word_is(&q->word[i], "PATHS"))
+            return i;
+    return 0;
+}
+
 static size_t count_names(const struct word *w)
 {
     size_t n = w->len > 0;
@@ -89,7 +99,8 @@ static size_t count_at(const struct load_shape *shape, const struct request *q)
 static bool read_line(const struct load_shape *shape, const struct request *q, struct announced *b)
 {
     struct word names = load_field_names(shape, q);
-    bool counted = count_at(shape, q) < (names.len > 0 ? q->n - 2 : q->n);
+    size_t paths = load_paths_at(shape, q);
+    bool counted = count_at(shape, q) < (paths > 0 ? paths : names.len > 0 ? q->n - 2 : q->n);
     const struct word *n = &q->word[count_at(shape, q)];
     *b = (struct announced){.form = !shape->lines ? BODY_BINARY
                                     : counted     ? BODY_LINES
@@ -114,6 +125,8 @@ static void begin(struct server *s, const struct load_shape *shape, const struct
         body_words(&l->body);
     else
         body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
+    if (load_paths_at(shape, q) > 0)
+        body_paths(&l->body);
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
     a->next = ANSWER_BODY;
     a->load = l;
@@ -197,7 +210,7 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
     case BODY_GOOD:
         return false;
     case BODY_SYNTAX:
-        say(a, l, ERR_SYNTAX, b->width > 2 ? "not `x y` and its values" : "not `x y`");
+        say(a, l, ERR_SYNTAX, body_numbers(b) > 2 ? "not `x y` and its values" : "not `x y`");
         break;
     case BODY_ENDED:
         say(a, l, ERR_SYNTAX, "the input ended too early");

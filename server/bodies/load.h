@@ -25,6 +25,7 @@ struct load_shape {
         lines; /* the rows are lines; without a count they end with `.`. Otherwise they are binary */
     bool
         fields; /* the last two words may be FIELDS and names: each row has values of these fields, too */
+    bool paths; /* the word PATHS may follow the count, and then others about constraints */
 };
 
 struct load {
@@ -88,6 +89,9 @@ bool load_stalls(struct load *l, int64_t now_ms);
 
 /* The names of the fields that come with the points, `a,b,c`; len 0: none. q is the request. */
 struct word load_field_names(const struct load_shape *shape, const struct request *q);
+
+/* The index of the word PATHS; 0: there is none. */
+size_t load_paths_at(const struct load_shape *shape, const struct request *q);
 
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);

@@ -147,7 +147,7 @@ void parser_submit(struct parser *p)
     struct parse *x = make_array(p, k) ? job_new(sizeof *x, run_parse, end_parse) : NULL;
     k->fed = 0;
     body_init(&k->body, BODY_LINES, k->lines, k->lines, p->body->coordinates_ok);
-    body_columns(&k->body, p->body->coordinates, p->body->width - p->body->coordinates);
+    body_columns_of(&k->body, p->body);
     k->body.memory = (struct body_memory){give_array, keep_array, k};
     if (x == NULL) {
         p->ready(p->ctx);

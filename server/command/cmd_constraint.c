@@ -9,14 +9,6 @@
 
 /* ---- arguments ---- */
 
-/* The words of a request that say which constraints it is about. */
-struct chosen {
-    size_t
-        at; /* the first word behind them: BORDER, OF k, SPLIT, each at most once, in any order */
-    bool numbered, splits;
-    uint32_t what; /* as in struct record_constraint */
-};
-
 bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t *k)
 {
     if (!read_count(a, w, "a number of constraints", k))
@@ -27,11 +19,11 @@ bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t 
     return false;
 }
 
-static bool read_chosen(struct answer *a, const struct request *q, struct chosen *f)
+bool read_chosen(struct answer *a, const struct request *q, size_t from, struct chosen *f)
 {
     uint32_t k = 0;
     bool border = false, more = true;
-    *f = (struct chosen){.at = 2};
+    *f = (struct chosen){.at = from};
     while (more && f->at < q->n) {
         const struct word *w = &q->word[f->at];
         if (!border && word_is(w, "BORDER")) {
@@ -123,7 +115,7 @@ bool read_constraints(struct server *s, const struct dataset *set, const struct 
 {
     struct chosen f;
     (void)s, (void)set;
-    return read_chosen(a, q, &f) && read_declared(a, q, &f, c) && become_drawing(a, &f, c);
+    return read_chosen(a, q, 2, &f) && read_declared(a, q, &f, c) && become_drawing(a, &f, c);
 }
 
 bool read_releases(struct server *s, const struct dataset *set, const struct request *q,
@@ -135,7 +127,7 @@ bool read_releases(struct server *s, const struct dataset *set, const struct req
         c->a = RELEASE_ALL;
         return true;
     }
-    if (!read_chosen(a, q, &f))
+    if (!read_chosen(a, q, 2, &f))
         return false;
     if (f.splits) {
         answer_usage(a);
@@ -170,7 +162,7 @@ void cmd_constrainb(struct server *s, struct dataset *set, const struct request 
     struct submission *x = submission_new(s, a, a->command->change, &q->word[1]);
     if (x == NULL)
         return;
-    bool good = read_chosen(a, q, &f), declares = a->command->change == CHANGE_CONSTRAIN;
+    bool good = read_chosen(a, q, 2, &f), declares = a->command->change == CHANGE_CONSTRAIN;
     if (good && (f.at + 1 != q->n || (f.splits && !declares))) {
         answer_usage(a);
         good = false;

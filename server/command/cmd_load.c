@@ -2,6 +2,7 @@
 #include "server/command/command.h"
 
 #include "server/bodies/load.h"
+#include "server/changes/paths.h"
 #include "server/jobs/submit.h"
 
 /* The rows of the body. A reactor that shares the world may have to give up the change, so it copies the few rows that it takes.
@@ -14,10 +15,83 @@ static bool take_rows(struct answer *a, struct submission *x, double **rows)
     return !a->out->failed;
 }
 
+/* ---- LOAD ... PATHS ---- */
+
+/* What the words behind PATHS say about the constraints of the body. */
+static bool read_paths(struct answer *a, const struct request *q, size_t at, struct chosen *f)
+{
+    const struct body *b = &a->body->body;
+    struct word names = load_field_names(a->body->shape, q);
+    if (!read_chosen(a, q, at + 1, f))
+        return false;
+    if (f->at != (names.len > 0 ? q->n - 2 : q->n)) {
+        answer_usage(a);
+        return false;
+    }
+    size_t paths = paths_count(b->xy, b->n, b->width);
+    if (paths > 0 && paths - 1 > DT_MAX_NUMBER - (f->what >> 1)) {
+        answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
+        return false;
+    }
+    return true;
+}
+
+/* The change has its sizes: at most a constraint for each row. */
+static bool begin_paths(struct answer *a, const struct chosen *f, struct change *c)
+{
+    c->drawing = drawing_new();
+    if (c->drawing == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    c->kind = &change_kinds[CHANGE_DRAW];
+    c->drawing->loads = true;
+    c->drawing->asked = c->drawing->splits = f->splits;
+    c->drawing->lists.n_added = c->n;
+    return true;
+}
+
+static void load_paths(struct server *s, struct dataset *set, const struct request *q,
+                       struct answer *a, size_t at)
+{
+    struct load *l = a->body;
+    struct word names = load_field_names(l->shape, q);
+    struct chosen f;
+    if (!world_alone(a) || !read_paths(a, q, at, &f))
+        return;
+    struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
+    if (x == NULL)
+        return;
+    struct change *c = &x->change;
+    uint32_t first = set == NULL ? 0 : dt_next_id(set->current->dt);
+    c->first = CHANGE_ANY;
+    c->n = (uint32_t)l->body.n;
+    if ((names.len > 0 && (c->columns = read_field_names(a, set, &names)) == NULL) ||
+        !begin_paths(a, &f, c) || !submit_reserve(s, a, set, x)) {
+        job_free(s, &x->job);
+        return;
+    }
+    x->expected = load_hand_on_expected(s, l);
+    size_t n = c->n;
+    if (paths_take(c, load_take(l, &x->job.memory), n, first, f.what)) {
+        submit(s, a, set, x);
+        return;
+    }
+    answer_out_of_memory(a);
+    job_free(s, &x->job);
+}
+
+/* ---- the others ---- */
+
 /* Adds the points, if there is memory for them; else they stay. */
 void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct load *l = a->body;
+    size_t paths = load_paths_at(l->shape, q);
+    if (paths > 0) {
+        load_paths(s, set, q, a, paths);
+        return;
+    }
     if (!submit_may(a, set, CHANGE_ADD, l->body.n))
         return;
     struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);

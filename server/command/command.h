@@ -147,6 +147,14 @@ bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t 
 struct inside;
 bool read_inside(struct answer *a, const struct request *q, size_t *at, struct inside *out);
 
+/* The words of a request that say which constraints it is about: BORDER, OF k, SPLIT, each at most once, in any order. */
+struct chosen {
+    size_t at; /* the first word behind them */
+    bool numbered, splits;
+    uint32_t what; /* as in struct record_constraint */
+};
+bool read_chosen(struct answer *a, const struct request *q, size_t from, struct chosen *f);
+
 /* A whole number; `what` names it in the error. */
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 

@@ -137,7 +137,8 @@ static bool reserve_drawing(struct server *s, struct answer *a, const struct dat
     struct dt_options options = job_options(s);
     bool refreshes = set != NULL && version_is_stale(set->current);
     size_t rows = n * (sizeof(struct dt_constraint) + sizeof *v->added + sizeof *d->line);
-    bytes += rows + (set == NULL ? 0 : dt_constrain_memory(set->current->dt, n)) +
+    bytes += rows + (d->loads ? x->change.n * sizeof(struct dt_point) : 0) +
+             (set == NULL ? 0 : dt_constrain_memory(set->current->dt, n)) +
              (refreshes ? dt_build_memory(set->current->dt, &options) : 0);
     d->most = s->config->max_points - points - x->change.n;
     d->reserve = reserve_more;

@@ -46,6 +46,8 @@ static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const 
     body_init(b, (enum body_form)(kind % 3), count, LIMIT, dt_coordinates_ok);
     if (kind >= 128) /* values after the coordinates, or alone */
         body_columns(b, kind / 3 % 2 * 2, kind / 6 % 3 + 1);
+    if (kind >= 64 && kind < 192 && b->form != BODY_BINARY)
+        body_paths(b);
     ptrdiff_t first = feed(b, data, cut, false);
     if (first < 0 || b->complete)
         return first;
@@ -62,13 +64,15 @@ static void require_joined(const struct body *whole, enum body_form form, uint64
     uint64_t n;
     bool ended;
     body_init(&joined, form, count, LIMIT, dt_coordinates_ok);
-    body_columns(&joined, whole->coordinates, whole->width - whole->coordinates);
+    body_columns(&joined, whole->coordinates, body_numbers(whole) - whole->coordinates);
+    if (whole->paths)
+        body_paths(&joined);
     if (form == BODY_BINARY || joined.complete)
         return;
     size_t at = body_scan(&joined, (const char *)data, size,
                           form == BODY_LINES ? count - 1 : UINT64_MAX, &n, &ended);
     body_init(&lines, BODY_LINES, n, LIMIT, dt_coordinates_ok);
-    body_columns(&lines, whole->coordinates, whole->width - whole->coordinates);
+    body_columns_of(&lines, whole);
     require(feed(&lines, data, at, false) == (ptrdiff_t)at && (lines.complete || n == 0));
     if (body_join(&joined, &lines)) {
         require(feed(&joined, data + at, size - at, true) >= 0 && joined.complete);

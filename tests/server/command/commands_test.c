@@ -385,8 +385,12 @@ TEST(load_without_a_clear_head_closes_the_connection)
 {
     converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x is not a number of points\n");
     converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n [FIELDS a,b]\n");
-    converse_alone("LOAD\n1 1\n.\n", "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b]\n");
-    converse_alone("LOAD t 1 1\n1 1\n", "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b]\n");
+    static const char usage[] = "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b] | LOAD set [n] PATHS "
+                                "[BORDER] [OF k] [SPLIT] [FIELDS a,b]\n";
+    converse_alone("LOAD\n1 1\n.\n", usage);
+    converse_alone("LOAD t 1 1\n1 1\n", usage);
+    converse_alone("LOAD t 1 OF 3\n1 1\n", usage);
+    converse_alone("LOAD t 1 FIELDS z PATHS\n1 1\n", usage);
 }
 
 TEST(points_of_a_load_that_is_refused_are_skipped)

@@ -80,7 +80,9 @@ static void change_everything(const struct node *n)
         "CONSTRAIN a OF 2 3 4\nCONSTRAIN b 0 1\nRELEASE b ALL\nCONSTRAIN b OF 3 PATH 2 0 1\n"
         "ADD x FIELDS z,w 0 0 1 2 9 9 3 4 0 9 5 6 9 0 7 nan 0 4 0 0 9 5 0 0\nCONSTRAIN x 0 1\n"
         "CONSTRAIN x SPLIT OF 3 2 3\nTRIANGULATE x\nCONSTRAIN x SPLIT BORDER 4 5\n"
-        "CONSTRAIN x SPLIT 4 5\nCONSTRAIN x SPLIT 0 2\n");
+        "CONSTRAIN x SPLIT 4 5\nCONSTRAIN x SPLIT 0 2\n"
+        "LOAD x 5 PATHS OF 4 SPLIT FIELDS v\n1 7 1\n9 2 2\n> b\n0 1 3\n9 8 4\n"
+        "LOAD x PATHS BORDER\n20 20\n21 20\n20 21\n20 20\n.\nLOAD x 1 PATHS\n30 30\n");
 }
 
 TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)

@@ -1,0 +1,17 @@
+/* paths.h - rows of paths become points and constraints.
+ *
+ * A row is x, y, the values of the fields, and a mark: the number of its line, negative if it begins a path (proto/body.h). A path whose
+ * last place is its first is a ring, and the last place is no point. */
+#ifndef SERVER_PATHS_H
+#define SERVER_PATHS_H
+
+#include "server/changes/change.h"
+
+/* How many paths there are in rows of that width. */
+size_t paths_count(const double *rows, size_t n, size_t width);
+
+/* Makes a change of the rows, which it owns then: the points get ids from `first` on, and the constraints of path i, counted from 0, are
+ * `what` with a number that is greater by i. *c has columns, without values, and a drawing. False: out of memory. */
+bool paths_take(struct change *c, double *rows, size_t n, uint32_t first, uint32_t what);
+
+#endif
