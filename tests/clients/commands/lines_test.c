@@ -216,3 +216,15 @@ TEST(run_and_draw_keep_the_lines_of_a_file)
     CHECK(strstr(cli_run(&status, command), "class=\"c\"") != NULL && status == 0);
     cli_finish();
 }
+
+TEST(lines_that_cross_get_points_with_split)
+{
+    cli_begin();
+    load_says("a.geojson", LINE("[[0,0,0],[4,4,8]]") POLYGON("[[[0,4],[4,0],[9,9],[0,4]]]"),
+              "--split", 0, "crossings=1 deviation=0\n");
+    cli_expect("constraints t OF 0", "OK 2\n0 5 line 0\n1 5 line 0\n");
+    cli_expect("fget t z 5", "OK 1\n5 4\n");
+    load_says("a.gmt", ">\n0 0\n4 4\n", "--split", 1,
+              "--split makes a new set, and there is a set t");
+    cli_finish();
+}
