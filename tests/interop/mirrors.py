@@ -109,7 +109,7 @@ class Editor:
         rnd, kind = self.rnd, self.rnd.choice(("", " BORDER")) + " OF %d" % self.rnd.randrange(3)
         what = rnd.random()
         if what < 0.75:
-            return "CONSTRAIN t%s %d %d" % (kind, self.some_id(), self.some_id())
+            return "CONSTRAIN t%s%s %d %d" % (kind, rnd.choice(("", " SPLIT")), self.some_id(), self.some_id())
         if what < 0.9:
             return "CONSTRAIN t%s PATH %d %d %d" % (kind, self.some_id(), self.some_id(), self.some_id())
         return "RELEASE t ALL" if what < 0.92 else "RELEASE t%s" % kind
@@ -150,8 +150,8 @@ class Editor:
                 self.refused += 1
                 continue
             self.edits += 1
-            if request.startswith(("ADD", "LOAD")):
-                first, added = (int(word.split(b"=")[1]) for word in words[2:4])
+            if b"first=" in reply:
+                first, added = (int(next(w for w in words if w.startswith(k)).split(b"=")[1]) for k in (b"first=", b"added="))
                 self.ids += range(first, first + added)
                 self.used = first + added
             elif request.startswith("DEL"):
