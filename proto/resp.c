@@ -58,14 +58,32 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
     return 0;
 }
 
+enum { DIGITS = 10 }; /* of a number in a request, at most; a place has 16 bytes */
+
+/* INTERPOLATEB set field n, options, and then the body, unless the last word is a part of an option. */
+static bool ends_with_places(const struct word *word, size_t words, long long len)
+{
+    enum { INSIDE = sizeof "INSIDE" - 1 };
+    size_t i = 4, last = words - 1;
+    bool number = false; /* the last word may be the number of INSIDE k */
+    while (i < last) {
+        bool inside = word_is(&word[i], "INSIDE");
+        number = inside && i + 1 == last;
+        i += inside && (number || word[i + 1].text[0] < '0' || word[i + 1].text[0] > '9') ? 1 : 2;
+    }
+    return i == last && len != INSIDE && !(number && len > 0 && len <= DIGITS);
+}
+
 /* Whether a request of so many words, of which all but the last are at `word`, ends with a body of `len` bytes. */
 static bool ends_with_body(const struct word *word, size_t words, long long len)
 {
-    enum { DIGITS = 10 }; /* of k, at most; a place has 16 bytes */
     if (words < 4)
         return false;
     if (word_is(word, "INTERPOLATEB"))
-        return words == 5 || words == 7 || words == 9; /* options are two words each */
+        return ends_with_places(word, words, len);
+    if (word_is(word, "LOAD") &&
+        (word_is(&word[2], "PATHS") || (words > 4 && word_is(&word[3], "PATHS"))))
+        return false; /* lines follow */
     if (words > 6)
         return false;
     if (words == 6)
@@ -104,7 +122,13 @@ static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after
         return wait_for(out, header + after * LEAST_WORD);
     }
     *at += (size_t)took;
-    if (has_body(q, q->n + 1 + after, len)) {
+    const struct word paths = {bytes + *at,
+                               sizeof "PATHS" - 1}; /* LOAD set n PATHS: lines follow */
+    bool whole = n - *at >= paths.len, may_be = len == (long long)paths.len;
+    bool body = has_body(q, q->n + 1 + after, len);
+    if (body && may_be && !whole)
+        return wait_for(out, *at + paths.len);
+    if (body && !(may_be && word_is(&paths, "PATHS"))) {
         out->has_body = true;
         out->body = (size_t)len;
         return len <= RESP_BODY_LIMIT ? 1 : bad(out, RESP_TOO_LONG);

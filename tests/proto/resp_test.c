@@ -97,6 +97,47 @@ TEST(resp_fourth_word_of_a_load_is_its_body)
     CHECK(!r.has_body);
 }
 
+/* Whether the last one of some words, separated by blanks, is taken as a body. */
+static bool ends_with_body(const char *line)
+{
+    char copy[200], text[400] = "", words[256];
+    struct resp r;
+    size_t n = 0;
+    for (const char *at = line; at != NULL; at = strchr(at + 1, ' '))
+        n++;
+    snprintf(copy, sizeof copy, "%s", line);
+    int len = sprintf(text, "*%zu\r\n", n);
+    for (char *w = strtok(copy, " "); w != NULL; w = strtok(NULL, " "))
+        len += sprintf(text + len, "$%zu\r\n%s\r\n", strlen(w), w);
+    CHECK(read_text(text, (size_t)len, &r, words) > 0);
+    return r.has_body;
+}
+
+TEST(resp_words_behind_places_are_options_or_a_body)
+{
+    CHECK(ends_with_body("INTERPOLATEB t z 1 ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("INTERPOLATEB t z 1 METHOD linear ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("INTERPOLATEB t z 1 INSIDE ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("INTERPOLATEB t z 1 INSIDE 3 ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("INTERPOLATEB t z 1 INSIDE MAXEDGE 2 METHOD linear ABCDEFGHABCDEFGH"));
+    CHECK(!ends_with_body("INTERPOLATEB t z 1 INSIDE"));
+    CHECK(!ends_with_body("INTERPOLATEB t z 1 INSIDE 3"));
+    CHECK(!ends_with_body("INTERPOLATEB t z 1 METHOD linear INSIDE"));
+    CHECK(!ends_with_body("INTERPOLATEB t z 1 MAXEDGE 0.12345678901234"));
+    CHECK(!ends_with_body("INTERPOLATEB t z 1"));
+}
+
+TEST(resp_paths_follow_as_lines)
+{
+    CHECK(ends_with_body("LOAD t 1 text"));
+    CHECK(ends_with_body("LOAD t 1 FIELDS z text"));
+    CHECK(!ends_with_body("LOAD t FIELDS z"));
+    CHECK(!ends_with_body("LOAD t PATHS SPLIT"));
+    CHECK(!ends_with_body("LOAD t 1 PATHS"));
+    CHECK(!ends_with_body("LOAD t PATHS OF 3 SPLIT"));
+    CHECK(!ends_with_body("LOAD t 1 PATHS FIELDS z"));
+}
+
 TEST(resp_out_of_memory_is_reported)
 {
     struct request q = {0};

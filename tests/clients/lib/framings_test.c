@@ -55,7 +55,7 @@ static void append_raw(struct requests *r, const char *line)
 static void begin_body(struct requests *r, const char *name, char *const *word, int words)
 {
     if (strcmp(name, "LOAD") == 0)
-        r->body = words % 2 == 1 ? strtol(word[2], NULL, 10) : -1;
+        r->body = words > 2 && isdigit((unsigned char)word[2][0]) ? strtol(word[2], NULL, 10) : -1;
 }
 
 static void append_request(struct requests *r, const char *line)

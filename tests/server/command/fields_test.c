@@ -213,7 +213,8 @@ TEST(points_come_with_all_of_their_values_or_not_at_all)
         "ERR SYNTAX a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or "
         "_\n"
         "OK 0\n"
-        "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b]\n");
+        "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b] | LOAD set [n] PATHS [BORDER] [OF k] [SPLIT] "
+        "[FIELDS a,b]\n");
     daemon_stop(&d, SIGTERM);
 }
 

@@ -247,9 +247,6 @@ TEST(words_of_usages_are_those_of_the_headings_of_the_document)
         char usage[512] = " ", headings[512] = " ", words[512];
         add_words(usage, sizeof usage, commands[i].usage);
         add_headings(headings, sizeof headings, document, commands[i].name);
-        if (commands[i].body.lines ||
-            commands[i].body.fields) /* one heading is about both LOAD and LOADB */
-            add_headings(headings, sizeof headings, document, "LOAD");
         expect_listed(commands[i].name, strcpy(words, usage), headings);
         expect_listed(commands[i].name, strcpy(words, headings), usage);
     }
