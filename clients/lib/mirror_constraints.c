@@ -198,12 +198,17 @@ static void leave(struct constraints *s, const struct delaunay_segment *c)
 
 /* ---- changes ---- */
 
+static bool are_equal(const double a[4], const double b[4])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
+}
+
 static bool compare_one(struct constraints *s, const struct constraint_said *said)
 {
     const struct delaunay_segment *old = find(s, &said->what);
     if (!said->declared)
         return old == NULL || add(&s->released, old);
-    bool same = old != NULL && memcmp(old->places, said->what.places, sizeof old->places) == 0;
+    bool same = old != NULL && are_equal(old->places, said->what.places);
     return same || add(&s->added, &said->what);
 }
 
