@@ -389,7 +389,7 @@ bool body_join(struct body *b, const struct body *lines)
             return false;
     if (lines->n > 0)
         memcpy(b->xy + b->n * b->width, lines->xy, lines->n * point_bytes(b));
-    if (b->paths)
+    if (b->paths && lines->n > 0)
         shift_marks(b, b->xy + b->n * b->width, lines->n);
     b->begins = (b->begins && lines->n == 0) || lines->begins;
     b->n += lines->n;
