@@ -108,6 +108,14 @@ static bool has_body(const struct request *q, size_t words, long long len)
     return ends_with_body(q->word + prefix, words - prefix, len);
 }
 
+enum { PATHS = sizeof "PATHS" - 1 };
+
+/* Whether the last word, which has_body says is a body, may be that of LOAD set n PATHS, where lines follow. */
+static bool may_be_paths(const struct request *q, long long len)
+{
+    return len == PATHS && word_is(&q->word[q->n - 3], "LOAD");
+}
+
 /* Reads the word at bytes[*at], of which `after` more follow, and moves *at behind it. Returns 1, 0
  * or -1. */
 static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after, struct request *q,
@@ -122,13 +130,14 @@ static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after
         return wait_for(out, header + after * LEAST_WORD);
     }
     *at += (size_t)took;
-    const struct word paths = {bytes + *at,
-                               sizeof "PATHS" - 1}; /* LOAD set n PATHS: lines follow */
-    bool whole = n - *at >= paths.len, may_be = len == (long long)paths.len;
     bool body = has_body(q, q->n + 1 + after, len);
-    if (body && may_be && !whole)
-        return wait_for(out, *at + paths.len);
-    if (body && !(may_be && word_is(&paths, "PATHS"))) {
+    if (body && may_be_paths(q, len)) {
+        const struct word word = {bytes + *at, PATHS};
+        if (n - *at < PATHS)
+            return wait_for(out, *at + PATHS);
+        body = !word_is(&word, "PATHS");
+    }
+    if (body) {
         out->has_body = true;
         out->body = (size_t)len;
         return len <= RESP_BODY_LIMIT ? 1 : bad(out, RESP_TOO_LONG);

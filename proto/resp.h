@@ -24,7 +24,7 @@ struct resp {
     size_t need; /* if 0 is returned: with fewer bytes than this it would return 0 again */
     bool
         has_body; /* the last word is a body (resp.c says of which requests) and has not been read yet: */
-    size_t body;           /* its bytes, followed by \r\n */
+    size_t body; /* its bytes, followed by \r\n; of 5, all are needed to tell it from PATHS */
     enum resp_fault fault; /* if -1 is returned */
 };
 
