@@ -170,6 +170,8 @@ FUZZ_RUNS  ?= 50000
 FUZZ_RUNS_session ?= 0
 # One run of this target builds a dozen triangulations.
 FUZZ_RUNS_edit ?= 4000
+# Most of the time of this one is memory that each run gets from the system.
+FUZZ_RUNS_table ?= 5000
 fuzz_long   = $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(or $(FUZZ_RUNS_$(1)),$(FUZZ_RUNS)) -seed=1)
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
