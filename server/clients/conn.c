@@ -305,7 +305,8 @@ void conn_turn(struct conn *c)
     settle(c);
 }
 
-/* The turn of a connection that has yielded: it sends and reads, without a call of `data`. */
+/* The turn of a connection that has yielded: it sends, without a call of `data`. It receives no more until that call, so its
+ * input does not grow while it waits. */
 static void send_and_settle(struct conn *c)
 {
     send_output(c);
@@ -322,7 +323,7 @@ static void on_ready(struct source *source, uint32_t events)
     }
     if (readable && c->lingering)
         drop_input(c);
-    else if (readable && !c->receives)
+    else if (readable && !c->receives && !c->yielded)
         read_input(c);
     if (c->closed)
         return;
