@@ -33,11 +33,11 @@ def files(commands):
     yield "clients/cli/requests.h", command_line.generate(commands, by_hand, SAYS)
     yield "man/delaunay.1", documents.generate_page(read("man/delaunay.1"), commands, by_hand, SAYS)
     package = "clients/python/delaunayd/"
-    by_hand = names(r"^    def ([a-z_]+)\(", package + "_commands.py", package + "client.py")
+    by_hand = names(r"^    def ([a-z_]+)\(", package + "_commands.py", package + "_constraints.py", package + "client.py")
     methods = python.generate(commands, by_hand, SAYS)
     yield package + "_table.py", methods
-    yield package + "aio.pyi", python.generate_aio([read(package + "_commands.py"), methods], SAYS)
-    by_hand = names(r"^  (?:async )?([A-Za-z]+)\(", "clients/js/lib/client.js")
+    yield package + "aio.pyi", python.generate_aio(read(package + "_commands.py"), read(package + "_constraints.py"), methods, SAYS)
+    by_hand = names(r"^  (?:async )?([A-Za-z]+)\(", "clients/js/lib/client.js", "clients/js/lib/constraints.js")
     yield "clients/js/lib/table.js", node.generate(commands, by_hand, SAYS)
     yield "clients/js/table.d.ts", node.generate_types(commands, by_hand, SAYS)
 

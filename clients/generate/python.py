@@ -95,7 +95,7 @@ def generate(commands, by_hand, says):
     return text
 
 
-AIO_HEAD = '''"""Types of delaunayd.aio: the methods of _commands.py and _table.py as coroutines.
+AIO_HEAD = '''"""Types of delaunayd.aio: the methods of _commands.py, _constraints.py and _table.py as coroutines.
 
 %s
 """
@@ -103,6 +103,7 @@ AIO_HEAD = '''"""Types of delaunayd.aio: the methods of _commands.py and _table.
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._aio_mirror import Mirror as Mirror
+from ._constraints import Constraints, Inside, Regions
 from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
 from ._types import Floats, Uint32s
 
@@ -119,11 +120,16 @@ class Client:
 '''
 
 
-def generate_aio(sources, says):
-    """From the text of these modules, each of which has one class."""
+def class_from(source, base):
+    (of,) = (node for node in ast.parse(source).body if isinstance(node, ast.ClassDef) and [ast.unparse(b) for b in node.bases] == [base])
+    return of
+
+
+def generate_aio(commands, constraints, table, says):
+    """From the text of these modules, each of which has one class that asks."""
     text = AIO_HEAD % says
-    for source in sources:
-        (of,) = (node for node in ast.parse(source).body if isinstance(node, ast.ClassDef))
+    for source, base in ((commands, "ConstraintCommands"), (constraints, "Table"), (table, "Asking")):
+        of = class_from(source, base)
         for f in of.body:
             if isinstance(f, ast.FunctionDef) and not f.name.startswith("_"):
                 text += "    async def %s(%s) -> %s: ...\n" % (f.name, ast.unparse(f.args), ast.unparse(f.returns))

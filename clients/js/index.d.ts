@@ -10,6 +10,9 @@ export { Constrainautor, Delaunator, Delaunay, LiveSet, Voronoi, earcut };
 /** Flat coordinates (x, y, x, y ...) or pairs. */
 export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;
 
+/** Ids, flat or as pairs. */
+export type Pairs = ArrayLike<number> | Iterable<readonly [number, number]>;
+
 /** For points of any other type. */
 export interface Accessors<P> {
   getX?: (p: P) => number;
@@ -75,7 +78,35 @@ export interface SurfaceOptions {
   method?: 'linear' | 'natural' | 'laplace' | 'nearest';
   /** No values in triangles with a longer edge. */
   maxEdge?: number;
+  /** No values outside. */
+  inside?: Inside;
   timeout?: number;
+}
+
+/** The number of a border; true: any of them. */
+export type Inside = number | boolean;
+
+/** The kind of constraints, borders or lines, and the number of their line or polygon, 0 by default. */
+export interface WhichConstraints {
+  border?: boolean;
+  number?: number;
+}
+
+/** With `split`, constraints that cross get points in common. */
+export type ConstrainOptions = WhichConstraints & RequestOptions & { split?: boolean };
+
+/** added: new constraints; with `split`: new points, from the id `first` on. */
+export interface Constrained {
+  added: number;
+  first?: number;
+  split?: number;
+  deviation?: number;
+}
+
+export interface Region {
+  closed: boolean;
+  triangles: number;
+  area: number;
 }
 
 export interface ContourLine {
@@ -140,8 +171,8 @@ export class Client {
     options: { fields: Iterable<string> },
   ): Promise<{ ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> }>;
   coincident(set: string): Promise<Map<number, number>>;
-  triangles(set: string, options?: { clockwise?: boolean; within?: Box }): Promise<Uint32Array>;
-  edges(set: string): Promise<Uint32Array>;
+  triangles(set: string, options?: { clockwise?: boolean; within?: Box; inside?: Inside }): Promise<Uint32Array>;
+  edges(set: string, options?: { constrained?: boolean; inside?: Inside }): Promise<Uint32Array>;
   lists(set: string, options?: { within?: Box }): Promise<Map<number, Uint32Array>>;
   hull(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
   locate(set: string, x: number, y: number): Promise<Located>;
@@ -175,7 +206,7 @@ export class Client {
   contourLines(
     set: string,
     field: string,
-    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; timeout?: number },
+    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
   ): Promise<ContourLine[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
   volume(
@@ -186,6 +217,24 @@ export class Client {
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
+  constrain(set: string, ends: Pairs, options?: ConstrainOptions): Promise<Constrained>;
+  constrainPath(set: string, ids: Iterable<number>, options?: ConstrainOptions & { closed?: boolean }): Promise<Constrained>;
+  release(set: string, ends: Pairs, options?: WhichConstraints & RequestOptions): Promise<number>;
+  /** Of all kinds if there is no number. */
+  releaseAll(set: string, options?: WhichConstraints & RequestOptions): Promise<number>;
+  constraints(
+    set: string,
+    options?: { ids?: Iterable<number>; number?: number } & RequestOptions,
+  ): Promise<{ ends: Uint32Array; border: Uint8Array; number: Uint32Array }>;
+  regions(set: string, options?: RequestOptions): Promise<{ triangles: number; area: number; borders: Map<number, Region> }>;
+  regionsAt(set: string, places: Points, options?: RequestOptions): Promise<number[][]>;
+  regionsAt<P>(set: string, places: Iterable<P>, options: Accessors<P> & RequestOptions): Promise<number[][]>;
+  /** fields: for each name the values of each path. */
+  loadPaths(
+    set: string,
+    paths: Iterable<Points>,
+    options?: ConstrainOptions & { fields?: Record<string, ArrayLike<ArrayLike<number>>> },
+  ): Promise<{ first: number; added: number; coincident: number; constraints: number; split?: number; deviation?: number }>;
   mirror(set: string, options?: { within?: Box; fields?: Iterable<string> }): Promise<Mirror>;
   info(): Promise<Record<string, string | number | boolean>>;
 }

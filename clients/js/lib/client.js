@@ -3,17 +3,19 @@
 
 const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
+const { Constraints } = require('./constraints.js');
 const { Disconnected } = require('./errors.js');
-const { checkField, checkSet, doubleBytes, pointBytes, typed, words } = require('./framing.js');
+const { checkField, checkSet, doubleBytes, option, pointBytes, typed, words } = require('./framing.js');
 const { flatten } = require('./points.js');
 const { Cells, bordersOf, contourOf, multiPolygon } = require('./surfaces.js');
-const { Table } = require('./table.js');
 
 const CONNECT_MS = 10000;
 const MOST_TRIES = 10; // until the set is not edited meanwhile
 const MOST_IDS = 4096; // of a line of a request
 
-const methodWords = ({ method, maxEdge }) => `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}`;
+const insideWords = (inside) => option('INSIDE', inside).map((word) => ` ${word}`).join('');
+const methodWords = ({ method, maxEdge, inside }) =>
+  `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}${insideWords(inside)}`;
 const boxWords = (box, word = 'BOX') => (box ? ` ${word} ${[...box].join(' ')}` : '');
 
 /** Rows x, y and the values of fields. */
@@ -40,7 +42,7 @@ function pointOf(row) {
 }
 
 /** Made by connect(). Requests may be made without waiting for one another. The methods here take or return more than words. */
-class Client extends Table {
+class Client extends Constraints {
   #address;
   #options;
   #connection = null;
@@ -226,14 +228,15 @@ class Client extends Table {
 
   // ---- the triangulation ----
 
-  /** Three ids a triangle, counterclockwise. within: [x0, y0, x1, y1], only the triangles that meet this box. */
-  async triangles(set, { clockwise = false, within } = {}) {
-    return this.#ids(`TRIANGLES ${checkSet(set)}${boxWords(within, 'WITHIN')}${clockwise ? ' CW' : ''} BINARY`);
+  /** Three ids a triangle, counterclockwise. within: [x0, y0, x1, y1], only the triangles that meet this box. inside: only the triangles
+   * inside the border of this number, or, if it is true, inside any border. */
+  async triangles(set, { clockwise = false, within, inside } = {}) {
+    return this.#ids(`TRIANGLES ${checkSet(set)}${boxWords(within, 'WITHIN')}${insideWords(inside)}${clockwise ? ' CW' : ''} BINARY`);
   }
 
-  /** Two ids an edge. */
-  async edges(set) {
-    return this.#ids(`EDGES ${checkSet(set)} BINARY`);
+  /** Two ids an edge. constrained: only those that are parts of constraints; inside: only those with a border's inside on a side. */
+  async edges(set, { constrained = false, inside } = {}) {
+    return this.#ids(`EDGES ${checkSet(set)}${constrained ? ' CONSTRAINED' : ''}${insideWords(inside)} BINARY`);
   }
 
   /** A Map from each point's id to its ring of neighbours, in the order of LISTS. within: [x0, y0, x1, y1], only the
@@ -295,23 +298,23 @@ class Client extends Table {
     return new Map(rows.map(numbersOf));
   }
 
-  /** The values at places, a Float64Array; NaN where there are none. */
-  async interpolate(set, field, places, { method, maxEdge, getX, getY, timeout } = {}) {
+  /** The values at places, a Float64Array; NaN where there are none. inside: as for triangles(). */
+  async interpolate(set, field, places, { method, maxEdge, inside, getX, getY, timeout } = {}) {
     const body = pointBytes(flatten(places, getX, getY));
-    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ method, maxEdge })}`;
+    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ method, maxEdge, inside })}`;
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
   /** The values at the centres of cells, row by row from the largest y, as d3-contour expects them. */
-  async raster(set, field, box, columns, rows, { method, maxEdge, progress, timeout } = {}) {
-    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords({ method, maxEdge })} BINARY`;
+  async raster(set, field, box, columns, rows, { method, maxEdge, inside, progress, timeout } = {}) {
+    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords({ method, maxEdge, inside })} BINARY`;
     return words(Float64Array, (await this.request(line, { progress, timeout })).data);
   }
 
   /** Contour lines {level, closed, coords}, higher ground on the left: at `levels`, or at base and all multiples of `every` from it. */
-  async contourLines(set, field, { levels, every, base = 0, maxEdge, timeout } = {}) {
+  async contourLines(set, field, { levels, every, base = 0, maxEdge, inside, timeout } = {}) {
     const which = levels ? [...levels].join(' ') : `EVERY ${every} BASE ${base}`;
-    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${which}${methodWords({ maxEdge })}`;
+    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${which}${methodWords({ maxEdge, inside })}`;
     return (await this.request(line, { timeout })).rows.map(contourOf);
   }
 

@@ -110,7 +110,7 @@ function option(keyword, value) {
 }
 
 /** The line of a request: words, and lists of words. */
-const line = (...parts) => parts.flat().join(' ');
+const line = (...parts) => parts.flat(2).join(' ');
 
 // ---- results: functions of a reply ----
 
@@ -146,6 +146,14 @@ function pointBytes(flat) {
   return doubleBytes(flat);
 }
 
+/** Pairs of ids as CONSTRAINB expects them. */
+function idBytes(flat) {
+  const ids = Uint32Array.from(flat);
+  if (ids.some((id, i) => id !== flat[i])) throw new RangeError('an id is a number from 0 to 2^32 - 1');
+  const bytes = Buffer.from(ids.buffer);
+  return BIG_ENDIAN ? bytes.swap32() : bytes;
+}
+
 function doubleBytes(flat) {
   const bytes = Buffer.from(flat.buffer, flat.byteOffset, flat.byteLength);
   return BIG_ENDIAN ? Buffer.from(bytes).swap64() : bytes;
@@ -156,6 +164,7 @@ module.exports = {
   checkField,
   checkSet,
   doubleBytes,
+  idBytes,
   line,
   nothing,
   number,

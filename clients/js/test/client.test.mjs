@@ -86,6 +86,72 @@ describe('a client', () => {
     assert.deepEqual(await client.get('tolerant', [1, 0]), [{ id: 1, x: 0.25, y: 0 }, { id: 0, x: 0, y: 0 }]);
   });
 
+  // Two parcels with a common side, the left one with a hole.
+  const parcels = [[0, 0], [6, 0], [6, 6], [0, 6], [2, 2], [4, 2], [4, 4], [2, 4], [12, 0], [12, 6]];
+
+  async function loadParcels() {
+    await client.load('t', parcels, { fields: { z: parcels.map(([x]) => x) } });
+    await client.triangulate('t');
+    for (const [number, ring] of [[1, [0, 1, 2, 3]], [1, [4, 5, 6, 7]], [2, [1, 8, 9, 2]]]) {
+      assert.equal((await client.constrainPath('t', ring, { closed: true, border: true, number })).added, 4);
+    }
+  }
+
+  test('constraints are declared, listed and released', async () => {
+    await loadParcels();
+    assert.equal((await client.constrain('t', [[0, 4], [6, 2]], { number: 7 })).added, 2);
+    const { ends, border, number } = await client.constraints('t', { number: 7 });
+    assert.deepEqual([[...ends], [...border], [...number]], [[0, 4, 2, 6], [0, 0], [7, 7]]);
+    const those = await client.constraints('t', { ids: [8] });
+    assert.deepEqual([[...those.ends], [...those.border], [...those.number]], [[1, 8, 8, 9], [1, 1], [2, 2]]);
+    assert.deepEqual([...(await client.edges('t', { constrained: true }))].slice(0, 4), [0, 1, 0, 3]);
+    await assert.rejects(client.constrain('t', [3, 4, 0, 7]), { code: 'CROSSES' });
+    await assert.rejects(client.constrain('t', [0, -1]), RangeError);
+    await assert.rejects(client.constrainPath('t', [0, 1], { closed: true }), RangeError);
+    await assert.rejects(client.release('t', [[0, 4]]), { code: 'NOCONSTRAINT' });
+    assert.equal(await client.release('t', [[0, 4]], { number: 7 }), 1);
+    assert.equal(await client.releaseAll('t', { number: 2, border: true }), 4);
+    assert.equal(await client.releaseAll('t'), 9);
+    assert.equal((await client.constraints('t')).ends.length, 0);
+  });
+
+  test('constraints that cross get points in common', async () => {
+    await client.load('t', [0, 0, 4, 4, 0, 4, 4, 0]);
+    const { first, added, split, deviation } = await client.constrain('t', [0, 1, 2, 3], { split: true });
+    assert.deepEqual([first, added, split, deviation], [4, 1, 2, 0]);
+    assert.deepEqual(await client.get('t', [4]), [{ id: 4, x: 2, y: 2 }]);
+  });
+
+  test('regions, and nothing outside of a border', async () => {
+    await loadParcels();
+    const { triangles, area, borders } = await client.regions('t');
+    assert.deepEqual([triangles, area, borders.get(1).area, borders.get(2)], [10, 68, 32, { closed: true, triangles: 2, area: 36 }]);
+    const places = [[1, 1], [3, 3], [6, 3], [9, 3]];
+    assert.deepEqual(await client.regionsAt('t', places), [[1], [], [1, 2], [2]]);
+    assert.equal((await client.regionsAt('t', Array.from({ length: 2001 }, () => [9, 3]))).filter(([k]) => k === 2).length, 2001);
+    assert.deepEqual(await client.regionsAt('t', []), []);
+    assert.equal((await client.triangles('t', { inside: 2 })).length, 6);
+    assert.equal((await client.triangles('t', { inside: true, clockwise: true })).length, 30);
+    assert.equal((await client.triangles('t', { inside: false })).length, 36);
+    assert.equal((await client.edges('t', { inside: 2 })).length, 10);
+    assert.deepEqual([...(await client.interpolate('t', 'z', places, { inside: true }))], [1, NaN, 6, 9]);
+    assert.deepEqual([...(await client.raster('t', 'z', [0, 2, 12, 4], 4, 1, { inside: 2 }))].map(Number.isNaN), [true, true, false, false]);
+    assert.equal((await client.contourLines('t', 'z', { levels: [3], inside: true })).length, 2);
+  });
+
+  test('paths become points and constraints in one request', async () => {
+    const ring = [[0, 0], [4, 0], [0, 4], [0, 0]];
+    const fields = { z: [[1, 2, 3, 1], [NaN, 5]] };
+    const facts = await client.loadPaths('t', [ring, Float64Array.of(1, 1, 2, 1)], { border: true, number: 3, fields });
+    assert.deepEqual([facts.first, facts.added, facts.constraints], [0, 5, 4]);
+    assert.deepEqual([...(await client.constraints('t')).number], [3, 3, 3, 4]);
+    assert.deepEqual([...(await client.getField('t', 'z', [4]))], [5]);
+    await client.triangulate('t');
+    await assert.rejects(client.loadPaths('t', [[[-1, 1.5], [1.5, 1.5]]]), /line 3 crosses/);
+    assert.equal((await client.loadPaths('t', [[-1, 1.5, 1.5, 1.5]], { split: true })).split, 2);
+    await assert.rejects(client.loadPaths('t', [[[0, 0]]], { fields: { z: [[1, 2]] } }), RangeError);
+  });
+
   test('points come in arrays of any kind', async () => {
     const kinds = [square, Float32Array.from(square), [...square], [[0, 0], [4, 0], [4, 4], [0, 4], [2, 2]], new Set([[0, 0], [4, 0], [4, 4], [0, 4], [2, 2]])];
     for (const points of kinds) {

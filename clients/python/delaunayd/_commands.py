@@ -9,15 +9,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
-from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
-from ._table import Table
+from ._constraints import ConstraintCommands, Inside
+from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, option, set_name
 
 if TYPE_CHECKING:
     from ._types import Floats, Uint32s
 
 
-class Commands(Table):
-    """The commands, one method each: those of the table, and here those that take or return more than words, such as arrays."""
+class Commands(ConstraintCommands):
+    """The commands, one method each: those of the table, those about constraints, and here those that take or return more than
+    words, such as arrays. `inside` of several: nothing outside the border of this number, or, if it is True, outside all borders."""
 
     def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Uint32s:
         """Ids in binary, in rows of `width`."""
@@ -123,14 +124,16 @@ class Commands(Table):
         words = ("METHOD", method) if method is not None else ()
         return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
 
-    def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Uint32s:
+    def triangles(self, name: str, within: Optional[Sequence[float]] = None, inside: Inside = None) -> Uint32s:
         """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3). `within`: those that meet the closed
-        box (x0, y0, x1, y1)."""
-        return self._ask_ids(3, "TRIANGLES", set_name(name), *_box("WITHIN", within), "BINARY")
+        box (x0, y0, x1, y1). `inside`: those inside a border."""
+        return self._ask_ids(3, "TRIANGLES", set_name(name), *_box("WITHIN", within), *option("INSIDE", inside), "BINARY")
 
-    def edges(self, name: str) -> Uint32s:
-        """Every edge a, b, with a < b, sorted: ids with shape (n, 2)."""
-        return self._ask_ids(2, "EDGES", set_name(name), "BINARY")
+    def edges(self, name: str, constrained: bool = False, inside: Inside = None) -> Uint32s:
+        """Every edge a, b, with a < b, sorted: ids with shape (n, 2). `constrained`: those that are parts of constraints; `inside`: those
+        with a border's inside on a side."""
+        words = (*option("CONSTRAINED", constrained), *option("INSIDE", inside))
+        return self._ask_ids(2, "EDGES", set_name(name), *words, "BINARY")
 
     def lists(self, name: str, within: Optional[Sequence[float]] = None) -> Dict[int, Uint32s]:
         """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order. `within`: those of
@@ -182,13 +185,19 @@ class Commands(Table):
         return self._ask(_weights, "WEIGHTS", set_name(name), float(x), float(y), "METHOD", method)
 
     def interpolate(
-        self, name: str, field: str, places: Any, method: str = "linear", max_edge: Optional[float] = None
+        self,
+        name: str,
+        field: str,
+        places: Any,
+        method: str = "linear",
+        max_edge: Optional[float] = None,
+        inside: Inside = None,
     ) -> Floats:
         """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
-        nearest. None in triangles with an edge longer than max_edge."""
+        nearest. None in triangles with an edge longer than max_edge, and outside the border of `inside`."""
         data, n = protocol.pairs(places)
         words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)
-        return self._ask(_values, *words, *_method(method, max_edge), body=data)
+        return self._ask(_values, *words, *_method(method, max_edge, inside), body=data)
 
     def raster(
         self,
@@ -199,12 +208,13 @@ class Commands(Table):
         rows: int,
         method: str = "linear",
         max_edge: Optional[float] = None,
+        inside: Inside = None,
     ) -> Floats:
         """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
         else as interpolate()."""
         x0, y0, x1, y1 = map(float, box)
         words: Tuple[Word, ...] = ("RASTER", set_name(name), field_name(field), x0, y0, x1, y1, int(columns), int(rows))
-        return self._ask(_grid(int(columns)), *words, *_method(method, max_edge), "BINARY")
+        return self._ask(_grid(int(columns)), *words, *_method(method, max_edge, inside), "BINARY")
 
     def contours(
         self,
@@ -214,6 +224,7 @@ class Commands(Table):
         every: Optional[float] = None,
         base: float = 0.0,
         max_edge: Optional[float] = None,
+        inside: Inside = None,
     ) -> List[Contour]:
         """The contour lines of a field at levels, or at base and all multiples of `every` from it."""
         words: Tuple[Word, ...] = ("CONTOUR", set_name(name), field_name(field))
@@ -225,7 +236,7 @@ class Commands(Table):
             words += ("EVERY", float(every or 0), "BASE", float(base))
         if max_edge is not None:
             words += ("MAXEDGE", float(max_edge))
-        return self._ask(protocol.contours, *words)
+        return self._ask(protocol.contours, *words, *option("INSIDE", inside))
 
     def volume(self, name: str, field: str, level: Optional[float] = None, minus: Optional[str] = None) -> Dict[str, float]:
         """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
@@ -264,9 +275,11 @@ def _grid(columns: int) -> Callable[[Reply], Floats]:
     return read
 
 
-def _method(method: str, max_edge: Optional[float]) -> Tuple[Word, ...]:
+def _method(method: str, max_edge: Optional[float], inside: Inside) -> Tuple[Word, ...]:
     words: Tuple[Word, ...] = ("METHOD", method)
-    return words if max_edge is None else words + ("MAXEDGE", float(max_edge))
+    if max_edge is not None:
+        words += ("MAXEDGE", float(max_edge))
+    return words + option("INSIDE", inside)
 
 
 def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:

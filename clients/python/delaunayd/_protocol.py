@@ -375,12 +375,39 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
     return memoryview(flat).cast("B"), len(flat) // 2
 
 
-def check_rows(data: memoryview, width: int) -> None:
-    """Raises ValueError where the server would refuse a number of rows x, y, value ...: for requests that change something before."""
+def double_words(data: Any) -> List[float]:
+    """Little-endian doubles as numbers of Python."""
     flat = array("d", bytes(data))
     if sys.byteorder == "big":
         flat.byteswap()
-    for i, v in enumerate(flat):
+    return flat.tolist()
+
+
+def id_pairs(ends: Any) -> Tuple[memoryview, int]:
+    """Pairs of ids as little-endian words, and their number."""
+    if numpy is not None:
+        a: Any = numpy.asarray(ends)
+        if a.size == 0:
+            a = a.reshape(0, 2).astype("<u4")
+        elif a.ndim == 1 and isinstance(ends, array) and a.size % 2 == 0:
+            a = a.reshape(-1, 2)
+        if a.ndim != 2 or a.shape[1] != 2 or a.dtype.kind not in "iu":
+            raise ValueError("ends must have the shape (n, 2) and be ids")
+        if a.size > 0 and not (a.min() >= 0 and a.max() < 2**32):
+            raise ValueError("an id is a number from 0 to 2^32 - 1")
+        a = numpy.ascontiguousarray(a, dtype="<u4")
+        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
+    flat = array("I", ends if isinstance(ends, array) else [int(i) for pair in ends for i in pair])
+    if len(flat) % 2 != 0:
+        raise ValueError("ends must be pairs of ids")
+    if sys.byteorder == "big":
+        flat.byteswap()
+    return memoryview(flat).cast("B"), len(flat) // 2
+
+
+def check_rows(data: memoryview, width: int) -> None:
+    """Raises ValueError where the server would refuse a number of rows x, y, value ...: for requests that change something before."""
+    for i, v in enumerate(double_words(data)):
         row, column = divmod(i, width)
         if column < 2 and not (v == 0 or 2.0**-142 <= abs(v) <= 2.0**201):
             raise ValueError("points[%d]: a coordinate is 0 or has a magnitude from 2^-142 to 2^201, not %r" % (row, v))

@@ -19,8 +19,13 @@ export async function asynchronous(): Promise<number> {
   await client.stat('none').catch((e: unknown) => e instanceof Refused && e.code.length);
   const mirror: Mirror = await client.mirror('t', { within: [0, 0, 1, 1], fields: ['z'] });
   mirror.on('change', ({ added }: Change) => console.log(added.length, mirror.point(0)?.[1])).once('dropped', () => mirror.close());
+  const { added }: { added: number } = await client.constrain('t', [[0, 1]], { border: true, number: 2, split: true });
+  const { ends } = await client.constraints('t', { number: 2 });
+  const inside: Uint32Array = await client.triangles('t', { inside: 2 });
+  const area = (await client.regions('t')).borders.get(2)?.area ?? added + ends.length + inside.length;
+  const facts = await client.loadPaths('t', [[[0, 0], [1, 1]], new Float64Array(4)], { fields: { z: [[1, 2], [3, 4]] } });
   client.close();
-  return triangles + ms + Number(delaunay) + Number(dropped) + steps.length + ids.length + id + distance + t.halfedges.length;
+  return area + facts.constraints + (await client.regionsAt('t', [[0, 0]]))[0][0] + triangles + ms + Number(delaunay) + Number(dropped) + steps.length + ids.length + id + distance + t.halfedges.length;
 }
 
 export function synchronous(): Polygon {

@@ -1,0 +1,104 @@
+// Constraints and regions as methods of the client.
+'use strict';
+
+const { checkField, checkSet, idBytes, line, option, typedKeys, words } = require('./framing.js');
+const { flatten, pairs } = require('./points.js');
+const { Table } = require('./table.js');
+
+const PLACES_A_LINE = 500; // a line may have 65536 bytes
+
+const whichWords = ({ border, number }) => [option('BORDER', border), number ? ['OF', Number(number)] : []];
+const released = ({ keys }) => Number(keys.released);
+const wordOf = (value) => (Number.isNaN(Number(value)) ? 'nan' : Number(value));
+
+/** The lines of LOAD PATHS: one before each path, one for each point. columns: of each field the values of each path. */
+function pathLines(paths, columns) {
+  const lines = [];
+  for (const column of columns) if (column.length !== paths.length) throw new RangeError(`values of ${column.length} paths for ${paths.length}`);
+  paths.forEach((path, i) => {
+    const flat = pairs(path);
+    lines.push('>');
+    for (const { [i]: values } of columns) {
+      if (2 * values.length !== flat.length) throw new RangeError(`${values.length} values for ${flat.length / 2} points of path ${i}`);
+    }
+    for (let k = 0; 2 * k < flat.length; k++) lines.push([flat[2 * k], flat[2 * k + 1], ...columns.map((column) => wordOf(column[i][k]))].join(' '));
+  });
+  return lines;
+}
+
+class Constraints extends Table {
+  /** Declares constraints between pairs of ids, flat or not, all or none: lines, or borders; number: of the line or polygon that they
+   * belong to. Resolves with {added}. split: those that cross get points in common; then with {first, added, split, deviation}. */
+  async constrain(set, ends, { border, number, split, ...options } = {}) {
+    const body = idBytes(pairs(ends));
+    const rest = line(whichWords({ border, number }), option('SPLIT', split), body.length / 8);
+    return typedKeys(await this.request(`CONSTRAINB ${checkSet(set)} ${rest}`, { ...options, body }));
+  }
+
+  /** The same for the segments along a path of ids; closed: also from its last one to its first. */
+  async constrainPath(set, ids, { closed = false, ...options } = {}) {
+    const way = [...ids];
+    if (way.length < (closed ? 3 : 2)) throw new RangeError('a path has at least two points, a closed one three');
+    const ends = way.slice(1).map((id, i) => [way[i], id]);
+    return this.constrain(set, closed ? [...ends, [way.at(-1), way[0]]] : ends, options);
+  }
+
+  /** Releases constraints, given as for constrain(), all or none; resolves with how many. */
+  async release(set, ends, { border, number, ...options } = {}) {
+    const body = idBytes(pairs(ends));
+    const rest = line(whichWords({ border, number }), body.length / 8);
+    return released(await this.request(`RELEASEB ${checkSet(set)} ${rest}`, { ...options, body }));
+  }
+
+  /** Releases all constraints, or all lines, or borders, of a number; resolves with how many. */
+  async releaseAll(set, { border, number, ...options } = {}) {
+    const which = number === undefined ? 'ALL' : line(option('BORDER', border), 'OF', Number(number));
+    return released(await this.request(`RELEASE ${checkSet(set)} ${which}`, options));
+  }
+
+  /** All constraints, those that end at one of `ids`, or those of a number: {ends: Uint32Array of pairs, border: Uint8Array, 1 for
+   * borders, number: Uint32Array}, in the order of CONSTRAINTS. */
+  async constraints(set, { ids = [], number, ...options } = {}) {
+    const which = line([...ids].map(Number), option('OF', number), 'BINARY');
+    const rows = words(Uint32Array, (await this.request(`CONSTRAINTS ${checkSet(set)} ${which}`, options)).data);
+    const n = rows.length / 3;
+    const at = (i) => rows[3 * i + 2];
+    return {
+      ends: Uint32Array.from({ length: 2 * n }, (_, i) => rows[3 * (i >> 1) + (i & 1)]),
+      border: Uint8Array.from({ length: n }, (_, i) => at(i) & 1),
+      number: Uint32Array.from({ length: n }, (_, i) => at(i) >>> 1),
+    };
+  }
+
+  /** {triangles, area, borders}: of all that is inside at least one border; and by number what is inside each, {closed, triangles, area}. */
+  async regions(set, options) {
+    const { keys, rows } = await this.request(`REGIONS ${checkSet(set)}`, options);
+    const borders = new Map(rows.map((row) => row.split(' ')).map(([number, state, triangles, area]) => {
+      return [Number(number), { closed: state === 'closed', triangles: Number(triangles), area: Number(area) }];
+    }));
+    return { triangles: Number(keys.inside), area: Number(keys.area), borders };
+  }
+
+  /** For each place the numbers of the borders that contain it, ascending; a place on the edge of a region belongs to it. */
+  async regionsAt(set, places, { getX, getY, ...options } = {}) {
+    const flat = pairs(places, getX, getY);
+    const asked = [];
+    for (let at = 0; at < flat.length; at += 2 * PLACES_A_LINE) {
+      asked.push(this.request(line('REGIONS', checkSet(set), 'AT', [...flat.subarray(at, at + 2 * PLACES_A_LINE)]), options));
+    }
+    return (await Promise.all(asked)).flatMap(({ rows }) => rows.map((row) => row.split(' ').slice(1).map(Number)));
+  }
+
+  /** Adds the points of paths, flat or pairs, and the constraints along them, as one change. A path whose last place equals its first is
+   * closed. The first path gets `number`, the others the numbers after it. fields: {name: [the values of each path]}. Resolves with
+   * {first, added, coincident, constraints}, and if `split` is true also {split, deviation}. */
+  async loadPaths(set, paths, { border, number, split, fields = {}, ...options } = {}) {
+    const names = Object.keys(fields).map(checkField);
+    const lines = pathLines([...paths].map((path) => flatten(path)), Object.values(fields));
+    const rest = line('PATHS', whichWords({ border, number }), option('SPLIT', split), names.length > 0 ? ['FIELDS', names.join(',')] : []);
+    const body = Buffer.from(lines.map((text) => `${text}\n`).join(''));
+    return typedKeys(await this.request(`LOAD ${checkSet(set)} ${lines.length} ${rest}`, { ...options, body }));
+  }
+}
+
+module.exports = { Constraints };
