@@ -53,7 +53,8 @@ void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
  *   at a point            its value, exactly
  *   on an edge            of the hull, and with DT_LINEAR of any triangle: linear between the two ends
  *   elsewhere inside      the mean of the values of the points around, by the weights above
- *   outside the hull      nan
+ *   outside the hull      nan; or, if it goes on beyond the hull, the value at the nearest place of the hull, on an edge linear
+ *                         between the two ends; with DT_CLOSEST the value of the nearest point
  *
  * It is nan where a value that counts is nan, and in triangles that have an edge longer than max_edge, but for
  * their corners and for edges that another triangle without such an edge shares; and where no triangle around the place is
@@ -67,6 +68,7 @@ struct dt_surface {
     double max_edge; /* HUGE_VAL: any */
     bool inside;     /* the surface ends at the border of the number, or at all borders: DT_NONE */
     uint32_t number;
+    bool beyond; /* it goes on beyond the hull */
 };
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of

@@ -146,16 +146,16 @@ const struct command commands[] = {
      .help = "the areas of the Voronoi cells, clipped to a box", .rows = "id"},
     {"INTERPOLATE", 5, 0, SEARCHES | CMD_SHARES, cmd_interpolate,
      "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
-     "[INSIDE [k]]",
+     "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at places between its points", .rows = "d"},
-    {"INTERPOLATEB", 4, 10, SEARCHES, cmd_interpolateb,
+    {"INTERPOLATEB", 4, 12, SEARCHES, cmd_interpolateb,
      "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
-     "[INSIDE [k]]",
+     "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
-    {"RASTER", 9, 16, SEARCHES, cmd_raster,
+    {"RASTER", 9, 18, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] "
-     "[MAXEDGE e] [INSIDE [k]] [BINARY]",
+     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},

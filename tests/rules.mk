@@ -79,7 +79,7 @@ test_web bench-web soak-web: all
 # large sets; TABLES=hostile MIN=10000 every family and order of input compared with uniform points, and edits of difficult
 # sets; TABLES=edits only the latter. tests/bench/README.md has the tables of a run on an idle machine, bench.svg their chart.
 
-TABLES     ?= paper sizes families daemon live surface end_to_end
+TABLES     ?= paper sizes families daemon live surface rasters end_to_end
 MIN        ?= 1000
 MAX        ?= 1000000
 TEN        := uniform gaussian clusters kuzmin lattice lattice_shuffled duplicates near_collinear thin_line circle
@@ -91,7 +91,7 @@ $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
 
 # Operations on one set.
 SET_BENCH := $(addprefix $(O)/tests/bench/,set/live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-$(addprefix $(O)/tests/bench/set/,live surface): %: %.o $(SET_BENCH)
+$(addprefix $(O)/tests/bench/set/,live surface rasters): %: %.o $(SET_BENCH)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 CGAL_BENCH := $(addprefix $(O)/tests/bench/,cgal_speed cgal_text set/cgal_live set/cgal_surface)
@@ -100,13 +100,14 @@ $(filter $(O)/tests/bench/set/%,$(CGAL_BENCH)): $(SET_BENCH)
 $(CGAL_BENCH): %: %.o $(FAMILIES)
 	$(CXXCOMPILE) -o $@ $(sort $^) -lgmp -lmpfr
 
-bench: all $(addprefix $(O)/tests/bench/,bench set/live set/surface points)
+bench: all $(addprefix $(O)/tests/bench/,bench set/live set/surface set/rasters points)
 	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(CGAL_BENCH), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
 	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed \
 	    $(filter paper sizes families hostile edits,$(TABLES:hostile=hostile edits)) \
 	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
 	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/set/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/set/cgal_live)) \
+	  $(if $(filter rasters,$(TABLES)),&& $(O)/tests/bench/set/rasters $(MAX) $(MAX)) \
 	  $(if $(filter surface,$(TABLES)),&& $(O)/tests/bench/set/surface $(MAX) $(MAX) $(if $(HAVE_CGAL),$(O)/tests/bench/set/cgal_surface)) \
 	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md
 	@echo "the tables are in $(O)/bench.md"

@@ -383,6 +383,16 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
     return dt_big_compare(&exact_d, &exact_rr);
 }
 
+int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b)
+{
+    struct big_vector to_a, to_b;
+    struct dt_big dot;
+    vector_big(o, a, &to_a);
+    vector_big(o, b, &to_b);
+    dot_big(&to_a, &to_b, &dot);
+    return dot.sign;
+}
+
 /* ---- circumradii: (|ab| |bc| |ca|)^2 beside (2 r)^2 D^2 ---- */
 
 static int compare_circumradius_big(struct dt_point a, struct dt_point b, struct dt_point c,

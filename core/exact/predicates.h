@@ -129,6 +129,17 @@ int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
 /* The sign of |a - b|^2 - r^2, r >= 0: <= 0 if a and b are at most r apart. */
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r);
 
+/* The sign of (a - o) . (b - o): > 0 if a and b are within a right angle as seen from o, 0 if at one. Exact. */
+int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b);
+
+static inline int dt_dot(struct dt_point o, struct dt_point a, struct dt_point b)
+{
+    double x = (a.x - o.x) * (b.x - o.x), y = (a.y - o.y) * (b.y - o.y), dot = x + y;
+    if (fabs(dot) > DT_ORIENT_BOUND * (fabs(x) + fabs(y)))
+        return dot > 0 ? 1 : -1;
+    return dt_dot_exact(o, a, b);
+}
+
 /* The sign of R - r for the circumradius R of a, b, c, which are not on one line, and r >= 0. Exact. */
 int dt_compare_circumradius(struct dt_point a, struct dt_point b, struct dt_point c, double r);
 

@@ -47,6 +47,7 @@ struct lane {
     uint32_t near;     /* a half edge near the cell that was looked up last, DT_NONE: none */
     bool by_turns;     /* goes on by turns; otherwise up and its ends are out of date */
     bool outside;      /* has left the hull */
+    uint32_t ghost;    /* then, one near the last cell, if the surface goes on beyond the hull */
     double *out;       /* of the first column of the chunk */
     uint32_t crossed;  /* edges that are not noted yet: */
     uint32_t beyond[PATIENCE], column[PATIENCE]; /* the triangles beyond, and c */
@@ -212,6 +213,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
     l->crossed++;
     if (__builtin_expect(apex == DT_NONE, 0)) {
         l->outside = true;
+        l->ghost = twin;
         return false;
     }
     dt_fetch_at_vertex(a->v, apex);
@@ -284,6 +286,14 @@ static enum dt_status find_chunk(struct abreast *a, struct lane *lane, uint32_t 
     return s;
 }
 
+static enum dt_status value_outside(struct abreast *a, struct lane *l, uint32_t i)
+{
+    l->out[i] = (double)NAN;
+    if (!a->v->s->beyond)
+        return DT_OK;
+    return dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->ghost, &l->out[i]);
+}
+
 /* The values of the row's cells in the chunk. */
 static enum dt_status values(struct abreast *a, struct lane *l)
 {
@@ -295,8 +305,8 @@ static enum dt_status values(struct abreast *a, struct lane *l)
         l->half[i] = half;
         last = half == DONE ? last : half;
         if (__builtin_expect(half >= OUTSIDE, 0)) {
-            if (half == OUTSIDE)
-                l->out[i] = (double)NAN;
+            if (half == OUTSIDE && s == DT_OK)
+                s = value_outside(a, l, i);
             if (s == DT_OK && from < i)
                 s = dt_values_in_row(a->v, l->half + from, a->x + from, l->y, i - from,
                                      l->out + from);

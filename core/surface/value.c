@@ -51,7 +51,8 @@ static bool is_natural(const struct dt_valuer *v)
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               const struct dt_options *opt)
 {
-    *v = (struct dt_valuer){.t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE};
+    *v = (struct dt_valuer){
+        .t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE, .edge.ghost = DT_NONE};
     enum dt_status status = is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
     return status == DT_OK && s->inside ? dt_enclosure_of(t, s->number, &v->enclosure) : status;
 }
@@ -149,7 +150,7 @@ static double weighted_mean(const struct dt_valuer *v)
         most = z > most ? z : most;
     }
     double largest = fmax(-least, most);
-    double scale = largest > 0x1p1000 ? 0x1p-2 : largest < 0x1p-800 ? 0x1p200 : 1;
+    double scale = largest > DT_MEAN_MOST ? 0x1p-2 : largest < DT_MEAN_LEAST ? 0x1p200 : 1;
     double z0 = dt_value_of_id(v->s, w->id[0]) * scale;
     for (size_t i = 0; i < w->n; i++)
         sum += w->weight[i] * (dt_value_of_id(v->s, w->id[i]) * scale - z0);
@@ -221,9 +222,65 @@ static inline enum dt_status value_at(struct dt_valuer *v, struct dt_point q, en
     return value_in_doubles(v, q, where, half, out) ? DT_OK : by_weights(v, q, where, half, out);
 }
 
+/* ---- outside the hull ---- */
+
+/* The value inside of the hull's edge of the ghost, at the place nearest to q. */
+static enum dt_status value_at_foot(struct dt_valuer *v, struct dt_point q, uint32_t ghost,
+                                    double *out)
+{
+    *out = (double)NAN;
+    if (!edge_has_surface(v, ghost))
+        return DT_OK;
+    if (v->s->how == DT_CLOSEST)
+        return nearest_value(v, q, ghost, out);
+    enum dt_status s = dt_weigh_foot(v->t, q, ghost, &v->weigher);
+    if (s == DT_OK)
+        *out = weighted_mean(v);
+    return s;
+}
+
+/* *half: as dt_place_find has found. */
+static enum dt_status value_outside(struct dt_valuer *v, struct dt_point q, uint32_t *half,
+                                    double *out)
+{
+    bool corner;
+    *out = (double)NAN;
+    if (v->t->mesh.vertices == 0)
+        return DT_OK;
+    if (*half == DT_NONE)
+        return value_at(v, q, DT_ON_VERTEX, DT_NONE, out);
+    *half = dt_base(*half);
+    enum dt_status s = dt_foot_find(v, q, half, &corner);
+    if (s != DT_OK)
+        return s;
+    return corner ? value_at(v, q, DT_ON_VERTEX, *half + 1, out) : value_at_foot(v, q, *half, out);
+}
+
+/* The same for a place near the ghost; false: it may not be outside the ghost's edge. */
+static bool value_near_ghost(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, double *out,
+                             enum dt_status *s)
+{
+    bool planes = v->s->how != DT_CLOSEST && v->s->max_edge == HUGE_VAL && !v->s->inside;
+    *s = DT_OK;
+    if (planes && dt_foot_value(v, q, *ghost, out))
+        return true;
+    if (!dt_foot_sees(v->t, *ghost, q))
+        return false;
+    *s = value_outside(v, q, ghost, out);
+    return true;
+}
+
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
 {
+    enum dt_status s;
+    if (v->s->beyond && *half != DT_NONE && dt_is_ghost(&v->t->mesh, *half)) {
+        *half = dt_base(*half);
+        if (value_near_ghost(v, q, half, out, &s))
+            return s;
+    }
     enum dt_where where = dt_place_find(v->t, q, *half, half);
+    if (where == DT_OUTSIDE && v->s->beyond)
+        return value_outside(v, q, half, out);
     return value_at(v, q, where, *half, out);
 }
 

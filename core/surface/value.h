@@ -9,6 +9,16 @@
 #include "core/delaunay_surface.h"
 #include "core/surface/weights.h"
 
+/* The edge of the hull that is the nearest to the last places outside. */
+struct dt_foot_edge {
+    uint32_t ghost;                  /* DT_NONE: none yet */
+    struct dt_point a, to;           /* one end, and the other one relative to it */
+    double out;                      /* 1, or -1: `to` is clockwise along the hull */
+    double square;                   /* of its length */
+    double first, rise, least, most; /* of the values */
+    bool plain;                      /* they are there, and means of them need no scale */
+};
+
 /* What one place after the other is computed in, while the set does not change. */
 struct dt_valuer {
     const struct dt *t;            /* borrows */
@@ -22,6 +32,7 @@ struct dt_valuer {
     uint32_t circle_mask;
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
     bool is_short;   /* none of them is longer */
+    struct dt_foot_edge edge;
     struct dt_weigher weigher;
     struct dt_ids ids; /* owns */
 };
@@ -40,8 +51,9 @@ static inline uint32_t dt_value_steps(const struct dt_valuer *v)
     return v->s->how == DT_LINEAR ? 1 : 8;
 }
 
-/* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds (DT_NONE for a set of at most
- * one point). DT_NOMEM, DT_CANCELLED, DT_TOOLONG. */
+/* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds. For a set of at most one point
+ * it becomes DT_NONE, and outside of a surface that goes on beyond the hull, the ghost at the nearest place. DT_NOMEM,
+ * DT_CANCELLED, DT_TOOLONG. */
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out);
 
 /* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
@@ -102,6 +114,24 @@ static inline void dt_fetch_at_vertex(struct dt_valuer *v, uint32_t vertex)
     if (v->fetched != NULL && v->fetched[DT_BLOCKS + block % DT_BLOCKS] != block)
         dt_fetch_vertices(v, block);
 }
+
+/* ---- the nearest place of the hull (outside.c) ---- */
+
+/* Means are computed without a scale if the largest magnitude of the values is from the one to the other. */
+#define DT_MEAN_LEAST 0x1p-800
+#define DT_MEAN_MOST 0x1p1000
+
+/* The value at the place of the hull that is nearest to q, if doubles show that it is inside of the ghost's edge and are exact
+ * enough. The edge has a surface. */
+bool dt_foot_value(struct dt_valuer *v, struct dt_point q, uint32_t ghost, double *out);
+
+/* Whether q is on the outer side of the edge of the ghost. */
+bool dt_foot_sees(const struct dt *t, uint32_t ghost, struct dt_point q);
+
+/* Walks to the place of the hull that is nearest to q, outside. It begins at the edge of *ghost, which q sees or, on a line, is
+ * beyond. *corner: the place is the first point of *ghost's edge; otherwise it is inside of that edge. DT_CANCELLED,
+ * DT_TOOLONG. Cost: the number of edges between. */
+enum dt_status dt_foot_find(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, bool *corner);
 
 /* ---- linear values in doubles (planes.c) ---- */
 

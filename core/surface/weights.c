@@ -228,6 +228,24 @@ static void weigh_on_edge(const struct dt *t, uint32_t half, struct dt_weigher *
     put(w, t->points.id[ascending ? v : u], (ascending ? from : to) / whole);
 }
 
+enum dt_status dt_weigh_foot(const struct dt *t, struct dt_point q, uint32_t ghost,
+                             struct dt_weigher *w)
+{
+    uint32_t u = dt_origin(&t->mesh, ghost), v = dt_dest(&t->mesh, ghost);
+    uint32_t first = t->points.id[u] < t->points.id[v] ? u : v, other = u + v - first;
+    struct dt_point a = t->points.xy[first], b = t->points.xy[other];
+    double along;
+    w->n = 0;
+    if (!reserve(w))
+        return DT_NOMEM;
+    if (!along_double(a, b, q, &along) && !along_double2(a, b, q, &along))
+        (void)along_big(a, b, q, &along);
+    along = along < 0 ? 0 : along > 1 ? 1 : along;
+    put(w, t->points.id[first], 1 - along);
+    put(w, t->points.id[other], along);
+    return DT_OK;
+}
+
 /* Only the triangle, for linear weights. */
 static void take_triangle(struct dt_weigher *w, const struct dt *t, uint32_t half)
 {

@@ -72,6 +72,13 @@ static inline bool dt_weigh_along_edge(const struct dt *t, enum dt_where where, 
                                    dt_is_ghost(&t->mesh, dt_twin(&t->mesh, half)));
 }
 
+/* The weights of the ends of the hull's edge of the ghost at the place inside of it that is nearest to q: linear along the edge. Each
+ * errs by less than DT_WEIGHTS_ERROR / 4. DT_NOMEM. Cost: constant; larger if q is far away. */
+#define DT_FOOT_NEAR 0x1p6 /* how far q may be for doubles, see weights_formula.h */
+#define DT_FOOT_ERROR (DT_WEIGHTS_ERROR / 8)
+enum dt_status dt_weigh_foot(const struct dt *t, struct dt_point q, uint32_t ghost,
+                             struct dt_weigher *w);
+
 /* Where rounding begins, so that the same set gives the same bytes: the half edge of the triangle around the place, or
  * of the first of the two at its edge, that leaves the corner with the smallest id. */
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);

@@ -56,6 +56,20 @@ static inline struct F(vector) F(from)(struct dt_point a, struct dt_point b)
     return (struct F(vector)){DIFFERENCE(b.x, a.x), DIFFERENCE(b.y, a.y)};
 }
 
+/* How far along from a to b the place is that is nearest to q: the quotient d . e / e . e. Here d = q - a and e = b - a.
+ *
+ * Errors, in units of UNIT. Let s be the sum of the sizes of d . e's products, over e . e.
+ * 1. The products are off by 3 s, and their sum by s more.
+ * 2. e . e is off by 4 of itself, and the quotient by 1 of itself more.
+ * False: the error may be more than DT_WEIGHTS_ERROR / 8. */
+static bool F(along)(struct dt_point a, struct dt_point b, struct dt_point q, double *along)
+{
+    struct F(vector) d = F(from)(a, q), e = F(from)(a, b);
+    NUMBER x = TIMES(d.x, e.x), y = TIMES(d.y, e.y), whole = F(square)(e);
+    *along = ROUGH(OVER(PLUS(x, y), whole));
+    return 16 * UNIT * (fabs(ROUGH(x)) + fabs(ROUGH(y))) <= DT_WEIGHTS_ERROR / 8 * ROUGH(whole);
+}
+
 static inline struct F(vector) F(sum)(struct F(vector) a, struct F(vector) b)
 {
     return (struct F(vector)){PLUS(a.x, b.x), PLUS(a.y, b.y)};

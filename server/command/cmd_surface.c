@@ -62,17 +62,22 @@ enum option {
     OPTION_BINARY = 4,
     OPTION_EVERY = 8,
     OPTION_BASE = 16,
-    OPTION_INSIDE = 32
+    OPTION_INSIDE = 32,
+    OPTION_OUTSIDE = 64
 };
+
+/* The options of values at places. */
+enum { VALUE_OPTIONS = OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_OUTSIDE };
 
 static enum option option_of(const struct word *w)
 {
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {{"METHOD", OPTION_METHOD}, {"MAXEDGE", OPTION_MAXEDGE},
-                   {"BINARY", OPTION_BINARY}, {"EVERY", OPTION_EVERY},
-                   {"BASE", OPTION_BASE},     {"INSIDE", OPTION_INSIDE}};
+    } options[] = {{"METHOD", OPTION_METHOD},  {"MAXEDGE", OPTION_MAXEDGE},
+                   {"BINARY", OPTION_BINARY},  {"EVERY", OPTION_EVERY},
+                   {"BASE", OPTION_BASE},      {"INSIDE", OPTION_INSIDE},
+                   {"OUTSIDE", OPTION_OUTSIDE}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -108,6 +113,12 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     switch (option) {
     case OPTION_METHOD:
         if (read_method(w, &out->how))
+            return true;
+        answer_usage(a);
+        return false;
+    case OPTION_OUTSIDE:
+        out->beyond = word_is(w, "nearest");
+        if (out->beyond || word_is(w, "nan"))
             return true;
         answer_usage(a);
         return false;
@@ -182,8 +193,7 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE, &surface) ||
-        !is_ready(s, a, set, &surface))
+        !read_options(a, q, end, VALUE_OPTIONS, &surface) || !is_ready(s, a, set, &surface))
         return;
     if (end == 3)
         answer_usage(a);
@@ -200,8 +210,7 @@ void cmd_interpolateb(struct server *s, struct dataset *set, const struct reques
 {
     struct surface surface;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE, &surface) ||
-        !is_ready(s, a, set, &surface))
+        !read_options(a, q, 4, VALUE_OPTIONS, &surface) || !is_ready(s, a, set, &surface))
         return;
     surface.binary = true;
     surface.places.n = a->body->body.n;
@@ -249,8 +258,7 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct surface surface;
     if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
-        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BINARY,
-                     &surface) &&
+        read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY, &surface) &&
         is_ready(s, a, set, &surface))
         surface_answer(s, a, set, &surface);
 }

@@ -41,6 +41,7 @@ static void answer_values(struct server *s, struct answer *a, struct dataset *se
                                     .how = q->how,
                                     .max_edge = q->max_edge,
                                     .inside = q->inside,
+                                    .beyond = q->beyond,
                                     .place = q->places.p,
                                     .raster = q->raster,
                                     .columns = columns,

@@ -20,6 +20,7 @@ struct surface {
     enum dt_interpolation how;
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
+    bool beyond;          /* OUTSIDE nearest */
     struct places places; /* SURFACE_PLACES */
     struct dt_raster raster;
     double

@@ -79,7 +79,8 @@ enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t
     struct dt_surface s = {.how = r->how,
                            .max_edge = r->max_edge,
                            .inside = r->inside.asked,
-                           .number = r->inside.number};
+                           .number = r->inside.number,
+                           .beyond = r->beyond};
     r->passed = r->view != NULL && !(s.inside ? dt_view_has_regions(r->dt, r->view)
                                               : dt_view_is_current(r->dt, r->view));
     if (r->passed)

@@ -23,6 +23,7 @@ struct surface_rows {
     enum dt_interpolation how;
     double max_edge; /* HUGE_VAL: any */
     struct inside inside;
+    bool beyond;                  /* OUTSIDE nearest */
     const struct dt_point *place; /* borrows; NULL: the cells of the raster */
     struct dt_raster raster;
     size_t columns; /* values in a row */

@@ -39,6 +39,42 @@ def check(connection, points, values, q):
     return compared
 
 
+def outside(points, hull, q):
+    """The nearest place of the hull, points in their order, as weights of points; None inside."""
+    q = (Fraction(q[0]), Fraction(q[1]))
+    best, result, seen = None, None, False
+    for i, b in enumerate(hull):
+        a = hull[i - 1]
+        ax, ay, bx, by = (Fraction(c) for p in (points[a], points[b]) for c in p)
+        ex, ey = bx - ax, by - ay
+        seen |= ex * (q[1] - ay) - ey * (q[0] - ax) < 0
+        along = max(Fraction(0), min(Fraction(1), ((q[0] - ax) * ex + (q[1] - ay) * ey) / (ex * ex + ey * ey)))
+        square = (ax + along * ex - q[0]) ** 2 + (ay + along * ey - q[1]) ** 2
+        if best is None or square < best:
+            best, result = square, {v: w for v, w in ((a, 1 - along), (b, along)) if w}
+    return result if seen else None
+
+
+def check_outside(connection, points, hull, values, q):
+    weight = outside(points, hull, q)
+    rows = [connection.ask(f"INTERPOLATE v z {q[0]!r} {q[1]!r} METHOD {method} OUTSIDE nearest")[0]
+            for method in ("linear", "natural", "laplace")]
+    if weight is None:
+        return 0
+    assert rows[0] == rows[1] == rows[2], (q, rows)
+    count = [Fraction(values[v]) for v in weight]
+    error = abs(Fraction(float(rows[0])) - sum(w * Fraction(values[v]) for v, w in weight.items()))
+    assert error <= BOUND * (max(count) - min(count)) + max(map(abs, count)) / 2**51, (q, float(error))
+    return 1
+
+
+def far_place(points, rng):
+    p, q = rng.sample(points, 2)
+    far = rng.choice((0.5, 1.0, 3.0, 1e3, 1e9)) * rng.random()
+    most = 2.0**200
+    return tuple(max(-most, min(most, a + (a - b) * far)) for a, b in zip(p, q))
+
+
 def fill(connection, points, values):
     connection.ask("CREATE v")
     for i in range(0, len(points), 500):
@@ -56,6 +92,10 @@ def main():
         before = compared
         for _ in range(6):
             compared += check(connection, points, values, place(points, rng))
+        assert compared > before, name
+        hull, before = [int(row.split()[0]) for row in connection.ask("HULL v")], compared
+        for _ in range(20):
+            compared += check_outside(connection, points, hull, values, far_place(points, rng))
         assert compared > before, name
         connection.ask("DROP v")
     assert compared > 100, compared

@@ -62,6 +62,7 @@ static void check_rasters(const struct pair *pair)
     for (int i = 0; i < 4; i++) {
         struct dt_surface s = surface_of(all_methods[test_below(METHODS)]);
         struct dt_raster r = random_raster(pair->b);
+        s.beyond = test_below(2) == 0;
         if (test_below(3) == 0)
             s.max_edge = hypot(r.hi.x - r.lo.x, r.hi.y - r.lo.y);
         if (s.max_edge > 0)
@@ -84,6 +85,7 @@ TEST(cells_of_a_lattice_have_the_values_at_their_centres)
     struct dt *t = set_of(p, 64);
     for (int how = 0; how < METHODS; how++) {
         struct dt_surface s = surface_of(all_methods[how]);
+        s.beyond = true;
         check_cells(t, &s, &(struct dt_raster){{-1.5, -1.5}, {8.5, 8.5}, 10, 10});
         check_cells(t, &s, &(struct dt_raster){{-1.25, -1.25}, {8.75, 8.75}, 20, 20});
         check_cells(t, &s, &(struct dt_raster){{3, 3}, {3, 3}, 3, 2});
@@ -130,6 +132,7 @@ TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
     check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 3, 9});
     for (int how = 0; how < METHODS; how++) {
         s = surface_of(all_methods[how]);
+        s.beyond = how % 2 == 0;
         check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 150, 6});
         check_cells(few, &s, &(struct dt_raster){{0.25, -0.125}, {0.75, 1.125}, 7, 140});
     }

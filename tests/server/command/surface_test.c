@@ -62,10 +62,11 @@ static bool is_same(const double *a, const double *b, size_t n)
 
 #define INTERPOLATE_USAGE                                                                          \
     "ERR SYNTAX usage: INTERPOLATE set field x y [x y ...] "                                       \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]]\n"
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest]\n"
 #define RASTER_USAGE                                                                               \
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [BINARY]\n"
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] "      \
+    "[BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
     "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR "    \
     "set field EVERY step [BASE b] [MAXEDGE e] [INSIDE [k]]\n"
@@ -79,29 +80,51 @@ TEST(surface_requests_that_cannot_be_answered)
     int fd = daemon_connect(&d);
     say(fd, "TRIANGULATE t\n");
     CHECK(strncmp(hear_line(fd), "OK 0 points=4", 13) == 0);
-    converse(
-        &d,
-        "INTERPOLATE t z 1\nINTERPOLATE t z 1 2 3\nINTERPOLATE t z METHOD linear\n"
-        "INTERPOLATE t z 1 x\nINTERPOLATE t z 1 2 METHOD\nINTERPOLATE t z 1 2 METHOD cubic\n"
-        "INTERPOLATE t z 1 2 BINARY\nINTERPOLATE t z 1 2 MAXEDGE -1\nINTERPOLATE u z 1 2\n"
-        "INTERPOLATE t y 1 2\nRASTER t z 0 0 1 1 1\nRASTER t z 0 0 1 1 1 x\n"
-        "RASTER t z 0 0 1 1 65537 1\nRASTER t z 0 0 1 1 65536 65536\n"
-        "CONTOUR t z 1 BINARY\nCONTOUR t z 1 EVERY 1\nCONTOUR t z EVERY 1 BASE\n"
-        "CONTOUR t z x\nCONTOUR t z 1e999\nCONTOUR t z EVERY -1\nCONTOUR t z EVERY 1e-300\n"
-        "CONTOUR t z\nCONTOUR t z EVERY 1e-4\n",
-        INTERPOLATE_USAGE
-        "ERR SYNTAX odd number of coordinates\n" INTERPOLATE_USAGE
-        "ERR NUMBER x is not a number\n" INTERPOLATE_USAGE INTERPOLATE_USAGE INTERPOLATE_USAGE
-        "ERR RANGE a length is not negative\n"
-        "ERR NOSET there is no set u\n"
-        "ERR NOFIELD there is no field y\n" RASTER_USAGE "ERR NUMBER x is not a number of rows\n"
-        "ERR RANGE a raster has 1 to 65536 columns and rows\n"
-        "ERR TOOBIG a raster has at most 134217728 cells\n" CONTOUR_USAGE CONTOUR_USAGE
-            CONTOUR_USAGE "ERR NUMBER x is not a number\n"
-        "ERR RANGE a level is finite\n"
-        "ERR RANGE a step is greater than 0\n"
-        "ERR RANGE more than 10000 levels\n" CONTOUR_USAGE "ERR RANGE more than 10000 levels\n");
+    converse(&d,
+             "INTERPOLATE t z 1\nINTERPOLATE t z 1 2 3\nINTERPOLATE t z METHOD linear\n"
+             "INTERPOLATE t z 1 x\nINTERPOLATE t z 1 2 METHOD\nINTERPOLATE t z 1 2 METHOD cubic\n"
+             "INTERPOLATE t z 1 2 BINARY\nINTERPOLATE t z 1 2 MAXEDGE -1\nINTERPOLATE u z 1 2\n"
+             "INTERPOLATE t y 1 2\nRASTER t z 0 0 1 1 1\nRASTER t z 0 0 1 1 1 x\n"
+             "RASTER t z 0 0 1 1 65537 1\nRASTER t z 0 0 1 1 65536 65536\n"
+             "CONTOUR t z 1 BINARY\nCONTOUR t z 1 EVERY 1\nCONTOUR t z EVERY 1 BASE\n"
+             "CONTOUR t z x\nCONTOUR t z 1e999\nCONTOUR t z EVERY -1\nCONTOUR t z EVERY 1e-300\n"
+             "CONTOUR t z\nCONTOUR t z EVERY 1e-4\nINTERPOLATE t z 1 2 OUTSIDE\n"
+             "INTERPOLATE t z 1 2 OUTSIDE far\nCONTOUR t z 1 OUTSIDE nan\n"
+             "RASTER t z 0 0 1 1 1 1 OUTSIDE nan OUTSIDE nearest\n",
+             INTERPOLATE_USAGE
+             "ERR SYNTAX odd number of coordinates\n" INTERPOLATE_USAGE
+             "ERR NUMBER x is not a number\n" INTERPOLATE_USAGE INTERPOLATE_USAGE INTERPOLATE_USAGE
+             "ERR RANGE a length is not negative\n"
+             "ERR NOSET there is no set u\n"
+             "ERR NOFIELD there is no field y\n" RASTER_USAGE
+             "ERR NUMBER x is not a number of rows\n"
+             "ERR RANGE a raster has 1 to 65536 columns and rows\n"
+             "ERR TOOBIG a raster has at most 134217728 cells\n" CONTOUR_USAGE CONTOUR_USAGE
+                 CONTOUR_USAGE "ERR NUMBER x is not a number\n"
+             "ERR RANGE a level is finite\n"
+             "ERR RANGE a step is greater than 0\n"
+             "ERR RANGE more than 10000 levels\n" CONTOUR_USAGE
+             "ERR RANGE more than 10000 levels\n" INTERPOLATE_USAGE INTERPOLATE_USAGE CONTOUR_USAGE
+                 RASTER_USAGE);
     daemon_stop(&d, SIGTERM);
+}
+
+TEST(surface_goes_on_beyond_the_hull)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z 0 0 1 4 0 2 4 4 3 0 4 4 2 2 9\nTRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0 added=5", 20) == 0);
+    CHECK(strncmp(hear_line(fd), "OK 0 points=5", 13) == 0);
+    converse(&d,
+             "INTERPOLATE t z 5 2 -1 9 2 2 OUTSIDE nearest\n"
+             "INTERPOLATE t z 5 1 METHOD nearest OUTSIDE nearest\n"
+             "INTERPOLATE t z 5 2 MAXEDGE 3 OUTSIDE nearest INSIDE\n"
+             "INTERPOLATE t z 5 2 MAXEDGE 3 OUTSIDE nearest\nINTERPOLATE t z 5 2 OUTSIDE nan\n"
+             "RASTER t z -4 0 8 4 2 2 OUTSIDE nearest\n",
+             "OK 3\n2.5\n4\n9\nOK 1\n2\nERR NOREGION the set has no borders\nOK 1\nnan\nOK 1\nnan\n"
+             "OK 2 columns=2\n3.25 2.75\n1.75 2.25\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
 TEST(surface_requests_with_extreme_numbers)
