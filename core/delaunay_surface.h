@@ -98,6 +98,43 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
 
+/* ---- profiles: the linear surface along a way of straight pieces ----
+ *
+ *     dt_profile_begin(t, &surface, place, n, &opt, &p);
+ *     do
+ *         dt_profile_read(p, row, 4096, &rows);  the set must not change until the last one
+ *     while (rows > 0);
+ *     dt_profile_free(p);
+ *
+ * Each of the n places has a row. Along each piece, in their order, so has every vertex strictly between its ends, and every edge
+ * whose inside crosses the piece there. A piece that runs along edges passes their ends. The choice of rows is exact. Outside the
+ * hull only places have rows. Rows depend on the points, their values, the constraints and the places alone. */
+struct dt_profile_row {
+    double distance; /* of the way from the first place */
+    double x, y;
+    double value; /* nan where there is no surface */
+};
+
+/* A distance errs by less than 2^-52 of itself, and is never less than the distance in the row before. Each coordinate of a crossing
+ * is rounded once to the nearest one that dt_coordinate_ok accepts, ties to even. The value at a place is the value of dt_values,
+ * and at a vertex it is exact. At a crossing it errs by less than 2^-52 of itself, 2^-68 of the range of the edge's values,
+ * and the least double.
+ *
+ * The surface is linear. Borrows it and the places, which dt_coordinate_ok accepts. opt may be NULL: its flag and its steps, of all
+ * reads together. Errors of dt_region_check. */
+struct dt_profile;
+enum dt_status dt_profile_begin(const struct dt *t, const struct dt_surface *s,
+                                const struct dt_point *place, size_t n,
+                                const struct dt_options *opt, struct dt_profile **out);
+
+/* The next rows, at most `room`; *n says how many, 0 at the end. DT_TOOLONG, DT_CANCELLED: the rows cannot be completed. Cost: a
+ * dt_locate for each place, the edges and vertices on the way, and their degrees. A place outside costs at most the
+ * edges of the hull that it sees. */
+enum dt_status dt_profile_read(struct dt_profile *p, struct dt_profile_row *row, size_t room,
+                               size_t *n);
+
+void dt_profile_free(struct dt_profile *p); /* NULL: nothing */
+
 /* ---- Voronoi cells: what is nearer to one point than to all others, clipped to a box ----
  *
  * Every corner of a cell is an exact place, a circumcentre, a point where a bisector meets a side of the box, or a corner

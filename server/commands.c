@@ -164,6 +164,10 @@ const struct command commands[] = {
      "[BASE b] [MAXEDGE e] [INSIDE [k]]",
      .help = "lines along which a field has a value, with the higher ground on their left",
      .rows = "dsid"},
+    {"PROFILE", 7, 0, SEARCHES, cmd_profile,
+     "PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [BINARY]",
+     .help = "a field along straight pieces from place to place: where they cross edges, too",
+     .rows = "d"},
     {"VOLUME", 3, 5, QUERIES, cmd_volume, "VOLUME set field [LEVEL z | MINUS field]",
      .help =
          "the volumes between a field's surface and a level, 0 unless given, or another field's",

@@ -209,6 +209,13 @@ export class Client {
     options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
   ): Promise<ContourLine[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
+  profile(set: string, field: string, places: Points, options?: { maxEdge?: number; timeout?: number }): Promise<Float64Array>;
+  profile<P>(
+    set: string,
+    field: string,
+    places: Iterable<P>,
+    options: Accessors<P> & { maxEdge?: number; timeout?: number },
+  ): Promise<Float64Array>;
   volume(
     set: string,
     field: string,

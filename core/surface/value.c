@@ -270,6 +270,32 @@ static bool value_near_ghost(struct dt_valuer *v, struct dt_point q, uint32_t *g
     return true;
 }
 
+enum dt_status dt_value_there(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                              uint32_t half, double *out)
+{
+    return value_at(v, q, where, half, out);
+}
+
+/* Values are scaled where their difference may be too large, or where products may lose bits at the least doubles. */
+static double between(double from, double to, struct dt_double2 share)
+{
+    double size = fmax(fabs(from), fabs(to));
+    double scale = size > 0x1p900 ? 0x1p-200 : size < 0x1p-700 ? 0x1p300 : 1;
+    struct dt_double2 range = dt_double2_difference(to * scale, from * scale);
+    struct dt_double2 value =
+        dt_double2_add((struct dt_double2){from * scale, 0}, dt_double2_multiply(share, range));
+    return within(value.hi / scale, fmin(from, to), fmax(from, to)) + 0.0;
+}
+
+double dt_value_along(struct dt_valuer *v, uint32_t half, struct dt_double2 share)
+{
+    const struct dt_mesh *m = &v->t->mesh;
+    double from = dt_value_of(v, dt_origin(m, half)), to = dt_value_of(v, dt_dest(m, half));
+    if (isnan(from) || isnan(to) || !edge_has_surface(v, half))
+        return (double)NAN;
+    return between(from, to, share);
+}
+
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
 {
     enum dt_status s;

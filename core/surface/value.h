@@ -7,6 +7,7 @@
 
 #include "core/control/stop.h"
 #include "core/delaunay_surface.h"
+#include "core/exact/double2.h"
 #include "core/surface/weights.h"
 
 /* The edge of the hull that is the nearest to the last places outside. */
@@ -55,6 +56,14 @@ static inline uint32_t dt_value_steps(const struct dt_valuer *v)
  * it becomes DT_NONE, and outside of a surface that goes on beyond the hull, the ghost at the nearest place. DT_NOMEM,
  * DT_CANCELLED, DT_TOOLONG. */
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out);
+
+/* The same at a place that dt_place_find has found. */
+enum dt_status dt_value_there(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                              uint32_t half, double *out);
+
+/* The linear value on an edge at this share of it, 0 to 1 from the origin of the half edge. Errs by less than 2^-52 of itself,
+ * 2^-68 of the range of both values, and the least double. */
+double dt_value_along(struct dt_valuer *v, uint32_t half, struct dt_double2 share);
 
 /* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n);

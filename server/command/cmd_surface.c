@@ -5,6 +5,7 @@
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
 #include "server/ops/limits.h"
+#include "server/replies/profile.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"
 #include "server/replies/surface.h"
@@ -216,6 +217,28 @@ void cmd_interpolateb(struct server *s, struct dataset *set, const struct reques
     surface.places.n = a->body->body.n;
     surface.places.p = (struct dt_point *)(void *)load_take(a->body, &surface.places.memory);
     surface_answer(s, a, set, &surface);
+}
+
+/* ---- PROFILE ---- */
+
+void cmd_profile(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct surface surface;
+    size_t end = 3;
+    while (end < q->n && option_of(&q->word[end]) == 0)
+        end++;
+    if (!begin(a, set, q, SURFACE_PROFILE, &surface) ||
+        !read_options(a, q, end, OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BINARY, &surface) ||
+        !is_ready(s, a, set, &surface))
+        return;
+    if (end < 7)
+        answer_usage(a);
+    else if (end % 2 == 0)
+        answer_err(a, ERR_SYNTAX, "odd number of coordinates");
+    else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
+        profile_answer(s, a, set, &surface);
+    else
+        surface_clear(&surface);
 }
 
 /* ---- RASTER ---- */

@@ -10,7 +10,7 @@
 #include "server/jobs/server.h"
 #include "server/sets/rows.h"
 
-enum surface_kind { SURFACE_PLACES, SURFACE_RASTER, SURFACE_CONTOUR };
+enum surface_kind { SURFACE_PLACES, SURFACE_RASTER, SURFACE_CONTOUR, SURFACE_PROFILE };
 
 struct surface {
     enum surface_kind kind;
@@ -21,7 +21,7 @@ struct surface {
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
     bool beyond;          /* OUTSIDE nearest */
-    struct places places; /* SURFACE_PLACES */
+    struct places places; /* SURFACE_PLACES, SURFACE_PROFILE */
     struct dt_raster raster;
     double
         *level; /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
@@ -29,7 +29,7 @@ struct surface {
     double step, base;
 };
 
-/* Answers; what *q owns moves here. The set has the field. */
+/* Answers, except SURFACE_PROFILE (profile.h); what *q owns moves here. The set has the field. */
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
 
 /* Frees what it owns. */

@@ -156,6 +156,16 @@ static void write_loop(const struct rows *r, struct buf *out, const uint32_t *wo
     reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
 }
 
+static void write_numbers(const struct rows *r, struct buf *out, const uint32_t *word)
+{
+    double v[ROW_NUMBERS_MOST];
+    memcpy(v, word, r->width * sizeof *word);
+    if (r->binary)
+        reply_words_u32(out, word, r->width);
+    else
+        reply_row_numbers(out, v, r->width / 2);
+}
+
 static void write_constraint(const struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (r->binary)
@@ -205,6 +215,8 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_counted(r, out, id);
         else if (r->form == ROW_REGION)
             write_region(out, id);
+        else if (r->form == ROW_NUMBERS)
+            write_numbers(r, out, id);
         else if (r->form == ROW_CONSTRAINT)
             write_constraint(r, out, id);
         else if (r->form == ROW_VALUE)

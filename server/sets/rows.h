@@ -27,6 +27,7 @@ enum row_form {
     ROW_CONSTRAINT, /* a b, line or border, and a number: ROW_CONSTRAINT_WORDS words, the last twice the number, plus 1 for a border */
     ROW_REGION, /* number, closed or open, triangles, and the area: ROW_REGION_WORDS words of the list */
     ROW_COUNTED,  /* k and k ids: of the list the same */
+    ROW_NUMBERS,  /* doubles: `width` words of the list, two for each */
     ROW_TRIANGLE, /* binary, of a place: the corners of its triangle, */
     ROW_NEAREST   /* and the `width` points nearest to it */
 };
@@ -44,11 +45,13 @@ enum { ROW_CONSTRAINT_WORDS = 3 };
 enum { ROW_REGION_WORDS = 5 };
 void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region);
 
+enum { ROW_NUMBERS_MOST = 4 }; /* in a row of ROW_NUMBERS */
+
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
     return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP || form == ROW_CONSTRAINT ||
-           form == ROW_REGION || form == ROW_COUNTED;
+           form == ROW_REGION || form == ROW_COUNTED || form == ROW_NUMBERS;
 }
 
 /* Places that are asked about. */

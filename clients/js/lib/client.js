@@ -362,6 +362,13 @@ class Client extends Constraints {
     return () => bordersOf(triangles, ids, coords, values[field]);
   }
 
+  /** The surface along straight pieces between places: distance, x, y and value of the places and of every edge and corner of the
+   * triangulation between them, four numbers each. */
+  async profile(set, field, places, { maxEdge, getX, getY, timeout } = {}) {
+    const line = `PROFILE ${checkSet(set)} ${checkField(field)} ${flatten(places, getX, getY).join(' ')}${methodWords({ maxEdge })} BINARY`;
+    return words(Float64Array, (await this.request(line, { timeout })).data);
+  }
+
   /** {above, below, area}: the volumes between the surface of a field and a level, or the surface of another field, `minus`; and the
    * area of the triangles whose corners have values. */
   async volume(set, field, { level, minus, timeout } = {}) {

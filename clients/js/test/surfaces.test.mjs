@@ -113,6 +113,17 @@ describe('surfaces', () => {
     await assert.rejects(client.volume('t', 'none'), Refused);
   });
 
+  test('profiles have places and the edges between', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 2] } });
+    await client.triangulate('t');
+    const want = Float64Array.of(0, 0, 1, 0, 1, 1, 1, 1, 2, 2, 1, 1, 3, 2, 2, 2, 5, 2, 4, 0, 6, 2, 5, NaN);
+    assert.deepEqual(await client.profile('t', 'z', [[0, 1], [2, 1], [2, 5]]), want);
+    const places = [{ x: 1, y: 1 }, { x: 3, y: 1 }];
+    const options = { getX: (p) => p.x, getY: (p) => p.y, maxEdge: 4 };
+    assert.deepEqual([...(await client.profile('t', 'z', places, options))].filter((_, i) => i % 4 === 3), [1, 1]);
+    await assert.rejects(client.profile('t', 'z', [[0, 1]]), Refused);
+  });
+
   test('contours leave out the triangles of missing values', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [9, 9, NaN, 9, 1] } });
     await client.triangulate('t');

@@ -238,6 +238,15 @@ class Commands(ConstraintCommands):
             words += ("MAXEDGE", float(max_edge))
         return self._ask(protocol.contours, *words, *option("INSIDE", inside))
 
+    def profile(self, name: str, field: str, places: Any, max_edge: Optional[float] = None) -> Floats:
+        """The surface of a field along straight pieces between places of shape (n, 2): rows `distance, x, y, value` of shape
+        (rows, 4), for the places and for every edge and corner of the triangulation between them."""
+        data, _ = protocol.pairs(places)
+        words: Tuple[Word, ...] = ("PROFILE", set_name(name), field_name(field), *map(float, protocol.doubles(bytes(data))))
+        if max_edge is not None:
+            words += ("MAXEDGE", float(max_edge))
+        return self._ask(_grid(4), *words, "BINARY")
+
     def volume(self, name: str, field: str, level: Optional[float] = None, minus: Optional[str] = None) -> Dict[str, float]:
         """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
         field, `minus`; and the `area` of the triangles whose corners have values."""

@@ -106,6 +106,19 @@ class Shapes(WithDaemon):
         with self.assertRaises(Refused):
             self.client.volume("t", "none")
 
+    def test_profiles_have_places_and_the_edges_between(self):
+        self.client.set_field("t", "z", [0, 0, 0, 0, 2])
+        got = self.client.profile("t", "z", [(0, 1), (2, 1), (2, 5)])
+        want = [0, 0, 1, 0, 1, 1, 1, 1, 2, 2, 1, 1, 3, 2, 2, 2, 5, 2, 4, 0, 6, 2, 5, float("nan")]
+        self.assertEqual(list(map(str, _flat(got))), list(map(str, map(float, want))))
+        with without_numpy():
+            self.assertEqual(list(self.client.profile("t", "z", [(0, 1), (1, 1)])), [0, 0, 1, 0, 1, 1, 1, 1])
+        self.assertEqual(list(_flat(self.client.profile("t", "z", [(1, 1), (3, 1)], max_edge=4)))[3::4], [1, 1])
+        with self.assertRaises(Refused):
+            self.client.profile("t", "z", [(0, 1)])
+        with self.assertRaises(ValueError):
+            self.client.profile("t", "z", [(1, 2, 3)])
+
     def test_lists_and_triangles_of_a_box(self):
         everything = self.client.lists("t")
         some = self.client.lists("t", within=(0, 0, 2, 2))

@@ -76,6 +76,40 @@ static double measure(const triangulation &t, size_t k, Value value, Place place
     return live_ns(start, k);
 }
 
+/* Walks along a line and computes its place on each edge that it crosses, in doubles. */
+static double profile(const triangulation &t, double begin)
+{
+    point p(0, begin), q(1, 1 - begin);
+    auto walk = t.line_walk(p, q), done = walk;
+    double sum = 0;
+    if (walk == nullptr)
+        return 0;
+    do {
+        face f = walk;
+        for (int i = 0; i < 3 && !t.is_infinite(f); i++) {
+            vertex a = f->vertex(t.ccw(i)), b = f->vertex(t.cw(i));
+            double right = twice_area(p, q, a->point()), left = twice_area(p, q, b->point());
+            if (right >= 0 || left < 0)
+                continue;
+            double share = right / (right - left);
+            double x = a->point().x() + share * (b->point().x() - a->point().x());
+            double y = a->point().y() + share * (b->point().y() - a->point().y());
+            double z = a->info() + share * (b->info() - a->info());
+            sum += z + std::sqrt((x - p.x()) * (x - p.x()) + (y - p.y()) * (y - p.y()));
+        }
+    } while (++walk != done);
+    return sum;
+}
+
+static double profiles(const triangulation &t)
+{
+    double sum = 0, start = measure_cpu();
+    for (int i = 0; i < SURFACE_PROFILES; i++)
+        sum += profile(t, surface_begin(i));
+    live_keep(static_cast<uint32_t>(std::fabs(sum)));
+    return live_ns(start, SURFACE_PROFILES);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 3)
@@ -102,6 +136,7 @@ int main(int argc, char **argv)
     ns[SURFACE_NATURAL] = measure(t, side * side, sibson, cell, from_the_last);
     ns[SURFACE_LINEAR_ANYWHERE] = measure(t, plan.k, linear, anywhere, from_above);
     ns[SURFACE_NATURAL_ANYWHERE] = measure(t, plan.k, sibson, anywhere, from_above);
+    ns[SURFACE_PROFILE] = profiles(t);
     for (double x : ns)
         std::printf("%.1f\n", x);
     live_plan_free(&plan);

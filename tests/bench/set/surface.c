@@ -28,6 +28,7 @@ static const char *const name[SURFACE_KINDS] = {
     [SURFACE_AREAS] = "areas of the cells, per cell",
     [SURFACE_CONTOURS] = "contours of 20 levels, per point of the set",
     [SURFACE_VOLUME] = "the volume above a level, per point of the set",
+    [SURFACE_PROFILE] = "a profile from side to side, each",
 };
 
 struct surface {
@@ -173,6 +174,27 @@ static void volume(struct surface *s)
     s->ns[SURFACE_VOLUME] = live_ns(start, s->plan.n);
 }
 
+static void profiles(struct surface *s)
+{
+    enum { SOME = 1024 };
+    static struct dt_profile_row row[SOME];
+    double start = measure_cpu(), length = 0;
+    s->surface.how = DT_LINEAR;
+    for (int i = 0; i < SURFACE_PROFILES; i++) {
+        struct dt_point way[] = {{0, surface_begin(i)}, {1, 1 - surface_begin(i)}};
+        struct dt_profile *p;
+        size_t n;
+        must(dt_profile_begin(s->set, &s->surface, way, 2, NULL, &p) == DT_OK);
+        do {
+            must(dt_profile_read(p, row, SOME, &n) == DT_OK);
+            length = n > 0 ? row[n - 1].distance : length;
+        } while (n > 0);
+        dt_profile_free(p);
+        must(length >= 1);
+    }
+    s->ns[SURFACE_PROFILE] = live_ns(start, SURFACE_PROFILES);
+}
+
 static void begin(struct surface *s)
 {
     struct dt_added added;
@@ -215,6 +237,7 @@ static void measure(struct surface *s)
     all_cells(s);
     contours(s);
     volume(s);
+    profiles(s);
 }
 
 /* The peer prints one number for each kind, 0 for what it does not measure. */

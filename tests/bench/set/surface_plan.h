@@ -16,10 +16,17 @@ enum surface_kind {
     SURFACE_AREAS, /* and their areas */
     SURFACE_CONTOURS,
     SURFACE_VOLUME,
+    SURFACE_PROFILE, /* from side to side of the unit square */
     SURFACE_KINDS
 };
 
-enum { SURFACE_LEVELS = 20 };
+enum { SURFACE_LEVELS = 20, SURFACE_PROFILES = 20 };
+
+/* The height at which profile i begins; it ends at 1 less that. */
+static inline double surface_begin(int i)
+{
+    return (i + 0.3) / SURFACE_PROFILES;
+}
 
 /* A smooth field over the unit square, from -1 to 1. */
 static inline double surface_height(double x, double y)

@@ -1,0 +1,134 @@
+/* profile.c - see profile.h. */
+#include "server/replies/profile.h"
+
+#include "server/jobs/job.h"
+#include "server/ops/cost.h"
+#include "server/replies/answer_rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS_A_VISIT = 1024, ROW_WORDS = sizeof(struct dt_profile_row) / sizeof(uint32_t) };
+
+_Static_assert(sizeof(struct dt_profile_row) == 4 * sizeof(double), "a row is four numbers");
+
+struct profile_job {
+    struct job job;
+    struct dataset *set; /* borrows until the job is submitted to a worker */
+    struct surface q;    /* owns its places */
+    struct dt_ids words; /* owns: of the rows */
+};
+
+/* Makes room for the rows of the next visit. */
+static enum dt_status make_room(struct profile_job *j)
+{
+    struct dt_ids *w = &j->words;
+    size_t n = ROWS_A_VISIT * ROW_WORDS;
+    if (n <= w->cap - w->n)
+        return DT_OK;
+    size_t cap = w->cap + w->cap / 2 + n;
+    enum dt_status status = job_reserve(&j->job, (w->cap + cap) * sizeof *w->v);
+    uint32_t *v = status == DT_OK ? realloc(w->v, cap * sizeof *v) : NULL;
+    if (v == NULL)
+        return DT_NOMEM;
+    w->v = v;
+    w->cap = cap;
+    return DT_OK;
+}
+
+/* The worker is a visitor of the set on entry and on return. */
+static enum dt_status follow(struct profile_job *j, struct dt_profile *p)
+{
+    struct dt_profile_row row[ROWS_A_VISIT];
+    enum dt_status status = DT_OK;
+    for (size_t n = 1; status == DT_OK && n > 0;) {
+        status = make_room(j);
+        if (status == DT_OK)
+            status = dt_profile_read(p, row, ROWS_A_VISIT, &n);
+        if (status == DT_OK) {
+            memcpy(j->words.v + j->words.n, row, n * sizeof *row);
+            j->words.n += n * ROW_WORDS;
+            status = job_pause(&j->job);
+        }
+    }
+    return status;
+}
+
+static void run_job(struct job *job)
+{
+    struct profile_job *j = (struct profile_job *)job;
+    const struct dt *t = job->dt;
+    const struct dt_field *field = dt_field_find(t, j->q.field, j->q.field_len);
+    struct dt_surface s = {.how = DT_LINEAR,
+                           .max_edge = j->q.max_edge,
+                           .inside = j->q.inside.asked,
+                           .number = j->q.inside.number};
+    struct dt_profile *p = NULL;
+    job->status = field == NULL ? DT_NOFIELD : dt_surface_begin(&s, field, NULL);
+    if (job->status != DT_OK)
+        return;
+    job->status = dt_profile_begin(t, &s, j->q.places.p, j->q.places.n, &job->options, &p);
+    if (job->status == DT_OK)
+        job->status = follow(j, p);
+    dt_profile_free(p);
+    dt_surface_end(&s);
+}
+
+static void answer(struct server *s, struct answer *a, struct profile_job *j)
+{
+    struct rows rows = {.version = j->job.base,
+                        .form = ROW_NUMBERS,
+                        .width = ROW_WORDS,
+                        .heavy = j->job.queued_ns > 0,
+                        .binary = j->q.binary};
+    size_t n = j->words.n / ROW_WORDS;
+    reply_ok(a->out, j->q.binary ? 0 : n);
+    if (j->q.binary) {
+        reply_key_u64(a->out, "rows", n);
+        reply_key_u64(a->out, "bytes", j->words.n * sizeof *j->words.v);
+    }
+    reply_end(a->out);
+    answer_rows(s, a, &rows, &j->words);
+}
+
+static void submit(struct server *s, struct answer *a, struct dataset *set, struct surface *q,
+                   bool light);
+
+static void end_job(struct server *s, struct job *job, struct answer *a)
+{
+    struct profile_job *j = (struct profile_job *)job;
+    if (a != NULL && job->status == DT_TOOLONG && job->options.steps > 0)
+        submit(s, a, j->set, &j->q, false);
+    else if (job_succeeded(job, a))
+        answer(s, a, j);
+    surface_clear(&j->q);
+    free(j->words.v);
+}
+
+/* A light job that exceeds its steps is submitted again, to a worker: edits of the set wait for its end. */
+static void submit(struct server *s, struct answer *a, struct dataset *set, struct surface *q,
+                   bool light)
+{
+    bool alone = world_alone(a), admitted = alone && (light || dataset_admits(set, true, a->turn));
+    struct profile_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
+    if (alone && !admitted)
+        answer_wait(a, &set->queue, true);
+    else if (admitted && j == NULL)
+        answer_out_of_memory(a);
+    if (j == NULL)
+        return;
+    j->job.what = "following a profile";
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
+    j->job.set = light ? NULL : set;
+    j->job.options.steps = light && s->workers != NULL ? COST_STEPS_AT_ONCE : 0;
+    j->set = set;
+    j->q = *q;
+    q->places = (struct places){0};
+    job_read(s, a, &j->job, set->current, light ? JOB_LIGHT : JOB_LONG);
+}
+
+void profile_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+{
+    submit(s, a, set, q, true);
+    surface_clear(q);
+}
