@@ -27,7 +27,7 @@ void say(int fd, const char *text)
     say_bytes(fd, text, strlen(text));
 }
 
-/* What comes next is a set's version, where `want` ends a line: takes it. */
+/* Skips a set's version if the reply has one where `want` ends the line. */
 static bool skip_version(int fd, char got, char want)
 {
     static const char mark[] = " version=";

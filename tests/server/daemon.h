@@ -32,7 +32,7 @@ void expect_end(int fd);
  * comes back. */
 void converse(const struct daemon *d, const char *request, const char *want);
 
-/* A connection to a Unix socket; -1: nobody listens there. */
+/* A connection to a Unix socket; -1: no process listens at the path. */
 int connect_unix(const char *path);
 
 /* The value of an INFO key. */

@@ -4,10 +4,10 @@
 
 #include "server/sets/dataset.h"
 
-/* What DIGEST answers. */
+/* Returns the digest that DIGEST answers. */
 uint64_t digest_now(const struct dataset *set);
 
-/* The same, whatever the version is; never 0. */
+/* The digest without the version; never 0. */
 uint64_t digest_set(const struct dataset *set);
 
 /* The same for a triangulation that is not a set of a server. */

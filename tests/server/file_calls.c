@@ -241,7 +241,7 @@ static void use_reserve(void)
     pthread_mutex_unlock(&mutex);
 }
 
-/* How many of n bytes fit on the disk. */
+/* Returns how many of n bytes fit on the disk. */
 static size_t take_space(size_t n)
 {
     pthread_mutex_lock(&mutex);

@@ -31,7 +31,7 @@ void calls_watch(const char *directory);
 /* The lines so far, valid until the next call of this file. */
 const char *calls_text(void);
 
-/* How many of them are this one. */
+/* Returns how many of them equal this line. */
 unsigned calls_count(const char *line);
 
 /* Whether these lines are the last ones. */
@@ -41,7 +41,7 @@ bool calls_end(const char *lines);
  * fail with this error. The line "*": of all calls; if all from the n-th on fail, the files are those after a kill. */
 void calls_fail(const char *line, unsigned n, unsigned times, int error);
 
-/* How many have failed so far. */
+/* Returns how many calls have failed so far. */
 unsigned calls_failed(void);
 
 /* From now on `bytes` bytes can be written; a write beyond that writes what fits, the next one fails

@@ -81,7 +81,7 @@ static void wait_for_job(struct local *l, struct answer *a)
         collect(l, a);
 }
 
-/* Takes what there is of the answer's stream, or waits for a piece of it. */
+/* Takes the available bytes of the answer's stream, or waits for the next piece. */
 static void refill(struct local *l, struct answer *a)
 {
     size_t before = buf_len(a->out);

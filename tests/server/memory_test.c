@@ -85,7 +85,7 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
         CHECK(tries < 500); /* workers free the versions that have been replaced */
 }
 
-/* Numbers of 2,500 bits need ten times as much memory, but no point of a circle needs them. */
+/* Numbers of 2,500 bits need ten times the memory, but no point of a circle needs such numbers. */
 TEST_TIMEOUT(weights_of_many_neighbours_reserve_the_memory_of_their_numbers, 60)
 {
     enum { POINTS = 20000 };
@@ -177,7 +177,7 @@ static size_t await_queue(const struct daemon *d, size_t bytes)
     return daemon_info(d, "memory_log");
 }
 
-/* A daemon whose disk stalls while the file `gate` is there. */
+/* A daemon whose disk stalls while the file `gate` exists. */
 static struct daemon daemon_with_gate(const struct directory *dir, const char *const *arguments,
                                       char gate[100])
 {

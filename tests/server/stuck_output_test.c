@@ -1,5 +1,5 @@
 /* stuck_output_test.c - standard output or standard error take nothing: a full pipe, a stopped terminal, a full disk, a
- * closed descriptor. The daemon starts, serves its clients and ends all the same. */
+ * closed descriptor. The daemon still starts, serves its clients and ends. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -79,7 +79,7 @@ static void check_serves(const struct place *p, pid_t pid)
     CHECK_MSG(WIFEXITED(status) && WEXITSTATUS(status) == 0, "status %x", (unsigned)status);
 }
 
-/* What the daemon has written is a directory that it can read. */
+/* The daemon can read the directory that it has written. */
 static void check_data(const struct place *p)
 {
     char command[256];

@@ -1,4 +1,4 @@
-/* parser_test.c - text that workers parse in blocks: the body is the same as one that has been fed all of it. */
+/* parser_test.c - text that workers parse in blocks: the body equals a body that was fed all of the text at once. */
 #include "server/bodies/parser.h"
 
 #include "tests/server/local.h"

@@ -17,7 +17,7 @@ static struct record about(enum record_type type, uint32_t first, uint32_t n, co
     return r;
 }
 
-/* What the last one of these records is. */
+/* Returns what the last of these records completes. */
 static enum assembled join(struct assembly *s, const struct record *r, size_t n, struct change *c)
 {
     for (size_t i = 0; i + 1 < n; i++)

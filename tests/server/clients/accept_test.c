@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* What the shim and the test share: system calls so far, and the errno of accept4. */
+/* The shim and the test share the number of system calls so far and the errno of accept4. */
 struct shared {
     volatile uint64_t calls, accept_errno;
 };

@@ -74,7 +74,7 @@ static void send_some(size_t n)
     CHECK(n <= sizeof zeros && send(b.client, zeros, n, 0) == (ssize_t)n);
 }
 
-/* Appends to the output until the client's side accepts no more. */
+/* Appends to the output until the client's side accepts no further byte. */
 static void stall(void)
 {
     while (conn_sendable(&b.conn) == 0) {

@@ -12,7 +12,7 @@
 
 enum { REQUESTS = 400, ROOM = 1 << 16 };
 
-/* Requests in lines, or in RESP now and then. */
+/* Requests in lines, and a few in RESP. */
 struct script {
     char text[ROOM];
     size_t start[REQUESTS + 1], n; /* request i: start[i] .. start[i + 1] - 1 */

@@ -221,7 +221,7 @@ static void constrain_many(int fd, unsigned n)
         CHECK(strncmp(hear_line(fd), "OK ", 3) == 0);
 }
 
-/* Hears the rows of an id, of so many lines. */
+/* Hears the n rows of an id. */
 static void hear_rows(int fd, unsigned id, unsigned n, unsigned first, unsigned end)
 {
     char want[80];

@@ -278,7 +278,7 @@ TEST(rows_of_points_have_the_values_of_the_moment_when_they_were_asked_for)
 
 /* ---- what survives ---- */
 
-/* What clients see of the fields of t. */
+/* Returns all that clients see of the fields of t. */
 static char *state(const struct daemon *d, const char *requests)
 {
     size_t n;

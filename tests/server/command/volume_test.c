@@ -82,7 +82,7 @@ static void send_values(int fd, double value)
     say_bytes(fd, z, sizeof z);
 }
 
-/* The volume of a set that a worker reads in pieces is that of 1 or that of 2, whatever happens between the pieces. */
+/* A worker reads a large set in pieces: the volume is that of z = 1 or of z = 2, never a mixture. */
 TEST(volumes_of_large_sets_are_of_one_moment_while_others_edit)
 {
     enum { ROUNDS = 20 };

@@ -11,7 +11,7 @@ struct bench {
     struct daemon d;
 };
 
-/* Eleven changes, and the sets that there are then. */
+/* Eleven changes, and the sets that exist after them. */
 extern const char backup_history[];
 extern const char *const backup_names[];
 

@@ -1,5 +1,5 @@
-/* backup_test.c - BACKUP: a backup has the sets as they were, and stays as it is whatever happens later; what is
- * refused. */
+/* backup_test.c - BACKUP: a backup has the sets of its moment, and later changes do not alter it; refused
+ * requests. */
 #include "server/disk/backup.h"
 #include "tests/faults/tree.h"
 #include "tests/server/disk/backup_bench.h"
@@ -208,7 +208,7 @@ TEST(one_backup_at_a_time_in_a_directory)
     end(&b);
 }
 
-/* A repair changes files in place; those of a backup are the same ones. */
+/* A repair changes files in place; a backup shares these files. */
 TEST(repair_changes_no_backup)
 {
     struct bench b;

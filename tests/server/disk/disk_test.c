@@ -87,7 +87,7 @@ static void edit(const struct daemon *d, int *fd, struct ledger *l, int k)
         CHECK(sscanf(reply, "OK 0 first=%" SCNu32, &l->first[k]) == 1);
 }
 
-/* All of the group exists with the reported ids, or none of it. */
+/* Either all points of the group exist with the reported ids, or no point of the group exists. */
 static void check_group(const struct ledger *l, int k, const char *points)
 {
     int there = 0;
@@ -375,7 +375,7 @@ TEST(full_disk_takes_no_change_that_needs_space)
     expect_refusals(&d, &dir, "MOVE t 0 5 5\n");
 }
 
-/* Waits until somebody listens there. */
+/* Waits until a process listens at the path. */
 static int await_unix(const char *path)
 {
     int fd;

@@ -23,7 +23,7 @@ static void on_not_saved(struct hold *h)
 
 static struct holders all = {.released = on_released, .not_saved = on_not_saved};
 
-/* How many of the bytes 0..99 may be sent. */
+/* Returns how many of the bytes 0..99 may be sent. */
 static size_t free_of(const struct hold *h)
 {
     return hold_free(h, 0, 100);
@@ -121,7 +121,7 @@ TEST(reply_waits_for_the_latest_change_that_it_shows_or_acknowledges)
     CHECK(free_of(&hold[0]) == 100);
 }
 
-/* What another set shows may be older than what the connection waits for. */
+/* The connection waits for a change; another set may show it an older change. */
 TEST(older_change_takes_nothing_from_the_wait_for_a_later_one)
 {
     hold_acknowledgement(&all, &hold[0], 7, 10);

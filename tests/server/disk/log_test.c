@@ -258,7 +258,7 @@ TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
     end(&b);
 }
 
-/* What is left of the record is not the beginning of one. */
+/* The rest of the record does not look like the beginning of a record. */
 TEST(large_load_whose_record_is_written_in_part_is_a_failed_log)
 {
     struct record r = {.type = RECORD_CHUNK, .name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
@@ -514,7 +514,7 @@ static uint64_t append_nothing(struct bench *b)
     return log_append(b->log, &r);
 }
 
-/* What the directory says about the log. */
+/* Reads the log of the directory again. */
 static void read_again(struct bench *b, struct recovery *r)
 {
     recovery_init(r, &b->dir);

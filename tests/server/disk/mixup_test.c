@@ -138,7 +138,7 @@ static void make_sample(struct sample *s, bool snapshot)
     note_history(s);
 }
 
-/* What was done, for a test that fails. */
+/* Describes the damage, for the message of a test that fails. */
 static char said[600];
 
 static void damage(struct file *f, unsigned n)
@@ -212,8 +212,8 @@ static void lay_out(const struct sample *s, const struct file *f)
     }
 }
 
-/* Whether what is there is right: all of it at that lsn, or, if sets may be lost, each that is
- * there. */
+/* Checks each recovered set against its digest at the recovered lsn. With `all` no set may be missing;
+ * without it, sets may be lost. */
 static enum recovery_result look(const struct sample *s, bool all, unsigned round)
 {
     struct datadir dir;

@@ -85,7 +85,7 @@ TEST(set_is_created_once_with_a_name_and_a_tolerance_that_it_may_have)
     replay_clear(&p);
 }
 
-/* Whatever the time is: only a RECORD_DROP drops it. */
+/* Replay does not look at the clock: only a RECORD_DROP drops a set. */
 TEST(time_of_a_set_is_restored_and_nothing_is_dropped)
 {
     static const double bad[] = {-1, 1e17, (double)NAN, HUGE_VAL};

@@ -71,8 +71,8 @@ TEST(snapshot_that_is_not_needed_has_its_second_name_on_the_disk_before_it_loses
     end(&b);
 }
 
-/* Which of the calls above it is, and which of several that are alike. `remove snapshot.5` is done
- * by the snapshot that replaces it, for which that is no failure: it is newer. */
+/* The n-th call of the sequence above that is equal to `line` fails. `remove snapshot.5` is missing: the snapshot that
+ * replaces it removes it, and a failure of that removal is harmless, because the new snapshot is newer. */
 TEST(repair_of_a_snapshot_that_fails_anywhere_says_so)
 {
     static const struct {

@@ -160,7 +160,7 @@ TEST_TIMEOUT(repair_of_a_snapshot_with_any_byte_flipped_keeps_the_other_sets, 12
         s.bytes[i] ^= (char)(1 << bit);
         CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "byte %zu: %s", i, text);
         unsigned lost = check_kept(&s, text, "byte", i);
-        /* The name of a set of the snapshot, and possibly a name that could be it. */
+        /* One name of a set of the snapshot, and possibly a second name that the damaged bytes spell. */
         CHECK_MSG(lost <= 2, "byte %zu: %u sets lost: %s", i, lost, text);
         CHECK_MSG(i >= SEGMENT_HEADER || lost == 0, "byte %zu: %s", i, text);
         CHECK_MSG(i < s.n - RECORD_HEADER || lost == 0, "byte %zu: %s", i, text);
@@ -185,7 +185,7 @@ TEST_TIMEOUT(repair_of_a_snapshot_cut_anywhere_keeps_what_is_before, 120)
     free_sample(&s);
 }
 
-/* Where the snapshot's record of that set begins. */
+/* Returns the offset of the snapshot's record of that set. */
 static size_t record_of(const struct sample *s, const char *name)
 {
     struct record r;

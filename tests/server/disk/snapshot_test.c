@@ -291,7 +291,7 @@ TEST(snapshot_reports_its_end_through_a_descriptor_of_its_own)
 
 /* ---- without memory ---- */
 
-/* What was written can be read again, and is the two sets. */
+/* The written file can be read again, and contains the two sets. */
 static void check_readable(struct bench *b)
 {
     struct recovery r;

@@ -239,7 +239,7 @@ TEST(change_that_is_only_to_be_written_is_shown_when_it_is_written)
 
 /* ---- a disk that stays broken ---- */
 
-/* After the first ADD, syncs of this daemon fail so many times. */
+/* After the first ADD, the next `times` syncs of this daemon fail. */
 static void begin_badly(struct bench *b, const char *times)
 {
     setenv("DISK_OP", "sync", 1);

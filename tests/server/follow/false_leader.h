@@ -26,8 +26,8 @@ int false_leader_dial(const struct false_leader *l);
  * "yes", or not. */
 void false_leader_accept(struct false_leader *l, const char *continues);
 
-/* Appends to what is to be sent: a header, of the next record; a record with the next lsn; the header of a snapshot
- * up to the last record; a snapshot without sets up to lsn, and a header. */
+/* Each function appends to the output. In this order: the header of the next record; a record with the next lsn; the
+ * header of a snapshot up to the last record. The last one: a snapshot without sets up to lsn, and a header. */
 void false_leader_header(struct false_leader *l);
 void false_leader_record(struct false_leader *l, struct record r);
 void false_leader_snapshot_header(struct false_leader *l);

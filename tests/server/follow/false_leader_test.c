@@ -12,7 +12,7 @@ static struct node follower_of(const struct false_leader *l)
     return node_new((const char *const[]){"--follow", l->address, NULL});
 }
 
-/* A LOAD of so many points into the set. */
+/* A LOAD of `points` points into the set. */
 static void add_load(struct false_leader *l, const char *name, uint32_t points)
 {
     double *xy = malloc(2 * RECORD_POINTS * sizeof *xy);

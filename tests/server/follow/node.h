@@ -37,7 +37,7 @@ void node_fact(const struct node *n, const char *key, char value[FACT]);
 bool node_is(const struct node *n, const char *key, const char *want);
 void node_await(const struct node *n, const char *key, const char *want);
 
-/* How often a test looks for something that is to come, 10 ms apart. */
+/* Returns how often a test looks for an expected state, 10 ms apart. */
 unsigned node_tries(void);
 
 /* Waits until the follower has everything durable, up to the same position. */

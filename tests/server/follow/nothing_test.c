@@ -1,5 +1,5 @@
-/* nothing_test.c - changes of no points and of no values, in the log, in replay and at a follower. They have no arrays, so
- * only the undefined behaviour sanitizer notices what is done with them all the same (make asan). */
+/* nothing_test.c - changes of no points and of no values, in the log, in replay and at a follower. They have no
+ * arrays: only the undefined behaviour sanitizer detects a use of the missing arrays (make asan). */
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 

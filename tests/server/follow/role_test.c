@@ -51,7 +51,7 @@ static bool follows(struct remembered_role r, const char *host, unsigned port)
     return r.kind == ROLE_FOLLOWS && r.port == port && strcmp(r.host, host) == 0;
 }
 
-/* What is written is read back, and the file has that text. */
+/* A written role is read back, and the file has that text. */
 static void expect_text(const struct bench *b, const struct remembered_role *r, const char *want)
 {
     char path[100], text[400];

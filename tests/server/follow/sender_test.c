@@ -34,7 +34,7 @@ struct stand {
 
 static const struct history first_history = {.origin = 7, .generation = 1, .nonce = 5};
 
-/* A log of so many records. */
+/* Starts a sender with a log of `records` records. */
 static void begin(struct stand *t, unsigned records)
 {
     *t = (struct stand){.directory = directory_quick(), .event = eventfd(0, EFD_CLOEXEC), .fd = -1};
@@ -129,7 +129,7 @@ static void expect_answer(struct stand *t, const char *continues)
     CHECK_STR(line, want);
 }
 
-/* What comes is a header, which is returned. */
+/* Expects a header, and returns it. */
 static struct segment expect_header(struct stand *t)
 {
     char bytes[SEGMENT_HEADER];
@@ -139,7 +139,7 @@ static struct segment expect_header(struct stand *t)
     return h;
 }
 
-/* What comes is the DROP of that lsn. */
+/* Expects the DROP of that lsn. */
 static void expect_drop(struct stand *t, uint64_t lsn)
 {
     char bytes[RECORD_HEADER + 100];
@@ -282,7 +282,7 @@ TEST(acknowledgement_must_be_of_a_change_that_was_sent)
     CHECK(!takes("ACK 0000000000000000000000000000000000000000000000000000000000003"));
 }
 
-/* What the system does then cannot be tested without taking the network away. */
+/* The test checks only the timeout that the sender sets: a test cannot take the network away. */
 TEST(system_disconnects_a_follower_whose_machine_is_gone)
 {
     struct stand t;

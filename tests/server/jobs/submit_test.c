@@ -1,4 +1,4 @@
-/* submit_test.c - what changes write to the log is what a restart restores, in whatever order requests
+/* submit_test.c - a restart restores what changes wrote to the log, in each order in which requests
  * wait. A server with a data directory, in this process. */
 #include "server/jobs/submit.h"
 
@@ -66,7 +66,7 @@ static void await_snapshot(struct bench *b)
     } while (facts.snapshots == 0);
 }
 
-/* What a restart would find, after the server has stopped. */
+/* Recovers what a restart would find, after the server has stopped. */
 static void recover(struct bench *b, struct datadir *dir, struct recovery *r)
 {
     CHECK(datadir_open(dir, b->dir.path, false));

@@ -1,4 +1,4 @@
-/* auth_delay_test.c - clients that guess tokens are slowed down, whatever they try, and others are not. */
+/* auth_delay_test.c - clients that guess tokens are slowed down on every path, and other clients are not. */
 #include "server/ops/auth_delay.h"
 #include "tests/server/daemon.h"
 #include "tests/server/said.h"
@@ -31,7 +31,7 @@ static struct sock_peer v6(const char *text)
     return p;
 }
 
-/* How long a token of a new connection from that address waits. */
+/* Returns how long a token of a new connection from that address waits. */
 static int64_t line_of(struct sock_peer from, int64_t now)
 {
     return auth_delay_charge(&delay, &from, 0, now) - now;

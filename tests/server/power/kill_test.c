@@ -36,8 +36,8 @@ static unsigned place(void)
     return test_below(9);
 }
 
-/* An id to delete, usually an existing one, but none of this burst: a set whose new points were deleted
- * again would look like a set that never had them, but would give other ids to the next points. */
+/* An id to delete, usually an existing id, but not an id of this burst. A set whose new points were deleted again would
+ * look like a set that never had them, but would give other ids to the next points. */
 static unsigned victim(const struct client *c)
 {
     enum { NOBODY = 1000000 };

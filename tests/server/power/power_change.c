@@ -302,7 +302,7 @@ static void change_constraints(struct model *m, const struct request_change *c,
         snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
 }
 
-/* Where constraints may cross, the model has the triangulation, too. False: they do, and cannot have one. */
+/* Gives the model the triangulation, too, where constraints may cross. False: they cross, so there is none. */
 static bool make_live(struct model *m, const struct request_change *c)
 {
     bool live = m->triangulated || c->kind == REQUEST_TRIANGULATE;

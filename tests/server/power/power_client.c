@@ -60,7 +60,7 @@ static struct request_change change_of_values(struct client *c, const struct str
     return change;
 }
 
-/* Short lines, which seldom cross, but for those that are to be split; many are refused. */
+/* Short lines, which seldom cross, except lines that are to be split; many are refused. */
 static struct request_change change_of_constraints(struct client *c, const struct stream *s)
 {
     static const enum request_kind kinds[] = {

@@ -2,13 +2,13 @@
  * which states a power cut may leave.
  *
  * A stream is the sequence of changes that one client has requested of one set. However the daemon
- * ends, a prefix of it survives: at least the acknowledged changes, at most those that were sent. Either
- * the set is the stream's own, and is exactly the result of that prefix; or clients share the set, and
- * each stream's points, whose x is the stream's number, are the result of its prefix.
+ * ends, a prefix of it survives: at least the acknowledged changes, at most those that were sent. If
+ * one stream owns the set, the set is exactly the result of that prefix. If clients share the set, each
+ * stream's points, whose x is the stream's number, are the result of its prefix.
  *
  * A full disk is an exception. The daemon then refuses changes that need space and carries out those that
- * free some. Its replies come in order, each when the change is on the disk, so a client whose daemon ends
- * does not know which of its last changes were refused: any of those that need space may be missing.
+ * free some. Its replies come in order, each when the change is on the disk. A client whose daemon ends
+ * cannot know which of its last changes were refused: each one that needs space may be missing.
  *
  * When a client does not know the outcome of a change although the daemon is running (the disk has
  * failed), it continues with another stream. */
@@ -49,8 +49,8 @@ struct stream {
     uint32_t known; /* how many of them, from the first, are in id */
 };
 
-/* A reply that a connection has received, up to its byte `end`: to a change, or a reply that shows a
- * point, and so that the change that added it has been made. */
+/* A reply that a connection has received, up to its byte `end`. It answers a change, or it shows a
+ * point and so proves that the change that added the point has been made. */
 struct heard {
     struct stream *stream; /* borrows; NULL: it shows a point */
     int index;

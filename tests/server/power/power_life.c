@@ -230,8 +230,8 @@ static const char *newest_segment(const struct moment *m, size_t n)
     return newest;
 }
 
-/* The operations that had been done when the last sync of the log began: what was acknowledged until
- * then is on the disk, whatever the policy. */
+/* The operations that had been done when the last sync of the log began: a change that was acknowledged
+ * before that sync is on the disk under every policy. */
 static size_t synced_at(const struct moment *m)
 {
     for (size_t i = m->cut; i > 0; i--) {

@@ -1,6 +1,6 @@
-/* power_life.h - a daemon whose power is cut repeatedly: a life is one run with clients; after it, many
- * of the directories that a power cut may leave are examined, each of which must hold what was promised
- * to the clients. The next life begins with one of them. A story is a sequence of lives. */
+/* power_life.h - a daemon whose power is cut repeatedly. A life is one run with clients. After it, the test
+ * examines many of the directories that a power cut may leave: each must hold what was promised to the
+ * clients. The next life begins with one of them. A story is a sequence of lives. */
 #ifndef TESTS_SERVER_POWER_LIFE_H
 #define TESTS_SERVER_POWER_LIFE_H
 

@@ -1,7 +1,7 @@
 /* power_repair_test.c - power cuts while --repair runs. A directory is damaged at random, and an
- * uninterrupted repair determines what can be kept. Then the power is cut during the repair, and again
- * during the repair of what is left; the last repair must keep as much, and all earlier content must
- * still exist, in damaged.* if not under its own name. */
+ * uninterrupted repair determines what can be kept. The power is cut during the repair, and again during
+ * the repair of the result. The last repair must keep as much as the uninterrupted one. All earlier
+ * content must still exist, in damaged.* if not under its own name. */
 #include "proto/records/record.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"

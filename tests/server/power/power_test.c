@@ -48,7 +48,7 @@ TEST_TIMEOUT(power_cut_leaves_every_acknowledged_change, 300)
     run_lives(kind, 3, lives(20));
 }
 
-/* Of the acknowledged changes only the synced ones are promised; of the rest, a prefix is there. */
+/* Of the acknowledged changes only the synced ones are promised; of the others, a prefix survives. */
 TEST_TIMEOUT(power_cut_leaves_what_was_synced_whatever_the_policy, 300)
 {
     static const struct circumstances kind[] = {
@@ -71,7 +71,7 @@ TEST_TIMEOUT(power_cut_of_a_disk_that_stalls, 300)
     run_lives(kind, 3, lives(5));
 }
 
-/* What a failed sync should have made durable may be lost for good; no later sync makes it durable. */
+/* A failed sync may lose its data for good; no later sync makes that data durable. */
 TEST_TIMEOUT(power_cut_of_a_disk_that_fails, 300)
 {
     static const struct circumstances kind[] = {

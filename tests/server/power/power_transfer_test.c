@@ -1,5 +1,5 @@
-/* power_transfer_test.c - power cuts while a follower receives a snapshot and replaces everything by it: whenever that happens and
- * whatever is lost, its directory has the old state or the new one, and the new one after it has been acknowledged. */
+/* power_transfer_test.c - power cuts while a follower receives a snapshot that replaces its whole state. After each cut
+ * the directory has the old state or the new one, and the new one if the follower had acknowledged it. */
 #include "server/disk/aside.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
@@ -62,7 +62,7 @@ static bool has_set(struct recovery *r, const char *name)
     return registry_find(&r->replay.sets, &word) != NULL;
 }
 
-/* What a start finds: the lsn of the last change; the sets are those of it. */
+/* Returns the lsn of the last change that a start finds; the sets must be those of this lsn. */
 static uint64_t state_of(const struct bench *b, const struct random_fate *fate, size_t cut)
 {
     struct datadir dir;

@@ -236,7 +236,7 @@ TEST(keys_scan_and_keys_find_every_set_once)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* A set that exists from the first SCAN to the last is found, whatever is created meanwhile. */
+/* SCAN finds each set that exists from the first SCAN to the last, while other sets are created. */
 TEST(keys_scan_misses_no_set_while_others_are_created)
 {
     enum { N = 100, ALL = 1000 };

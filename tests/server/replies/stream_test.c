@@ -12,8 +12,8 @@
 
 enum { SCATTERED = 13000, ON_CIRCLE = 12000 };
 
-/* Points of a small lattice, many of them more than once, and a large circle around its centre, so that
- * the centre is joined to all of the circle; then some points of the lattice are deleted. The caller
+/* Points of a small lattice, many of them more than once, and a large circle around its centre: the
+ * centre is joined to all of the circle. Then some points of the lattice are deleted. The caller
  * frees it. */
 static char *set_of_many(void)
 {
@@ -313,7 +313,7 @@ static void load_wheel(struct local *l, int rim)
     free(text);
 }
 
-/* Reads the reply with so much memory; whether it is complete. Never more than that is reserved. */
+/* Reads the reply with this memory limit; whether it is complete. Never reserves more than the limit. */
 static bool read_within(struct local *l, const char *request, size_t memory)
 {
     size_t used = budget_used(&l->server.budget), all = l->config.max_memory;

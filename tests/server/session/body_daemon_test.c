@@ -151,7 +151,7 @@ TEST(large_body_beyond_the_limit_of_points_is_refused_at_that_point)
                "loaded\nOK 0\n");
 }
 
-/* How the input of a client ends in the middle of its body. */
+/* Ends the input of a client in the middle of its body: the connection closes, or (half) only its output. */
 static void end_in_the_middle(bool half)
 {
     struct daemon d = daemon_start(NULL);

@@ -122,7 +122,7 @@ TEST(many_points_are_added_to_an_empty_set_that_is_queried)
     daemon_end(&d);
 }
 
-/* How many ADD requests have waited. */
+/* Returns how many ADD requests have waited. */
 static unsigned adds_that_waited(int fd)
 {
     unsigned rows, waits = 0;
@@ -482,7 +482,7 @@ TEST(client_that_sends_and_never_reads_costs_little_memory)
 static const struct daemon *stressed;
 static atomic_bool stress_over;
 
-/* Reads the replies to `n` requests; each must be well formed, whatever it says. */
+/* Reads the replies to `n` requests; each must be well formed, an error or not. */
 static void frame_replies(int fd, int n)
 {
     static _Thread_local char bytes[1 << 16];

@@ -314,7 +314,7 @@ static void need_descriptors(rlim_t n)
     CHECK(setrlimit(RLIMIT_NOFILE, &limit) == 0);
 }
 
-/* What is resident without the free pages that are kept, which may be given back at any time. */
+/* The resident memory without the page cache, which the daemon may give back at any time. */
 static size_t resident_in_use(const struct daemon *d)
 {
     uint64_t kept = daemon_info(d, "memory_kept");

@@ -114,8 +114,8 @@ static int by_first_end(const void *a, const void *b)
     return (x->first_end > y->first_end) - (x->first_end < y->first_end);
 }
 
-/* Values that are written once each: the history is linearizable if and only if no read ends before its write begins, no two
- * forward zones overlap, and no backward zone is inside a forward one. A zone is forward if it ends after it begins.
+/* Each value is written once. The history is linearizable if and only if (1) no read ends before its write begins, (2) no two
+ * forward zones overlap, (3) no backward zone is inside a forward one. A zone is forward if it ends after it begins.
  * [Gibbons & Korach 1997, "Testing shared memories"] */
 static const char *contradiction(struct zone *zone, size_t n)
 {

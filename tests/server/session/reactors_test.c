@@ -55,8 +55,8 @@ static void *ask(void *arg)
     return NULL;
 }
 
-/* The sessions of a reactor use one buffer for replies in RESP. The first reactor uses it, too, when a job of such a session ends: while the
- * other reactor is between two requests, and never while it answers one, even if that request has to be noted as a slow one. */
+/* The sessions of a reactor use one buffer for replies in RESP. The first reactor uses it, too, when a job of such a session
+ * ends: while the other reactor is between two requests, never while it answers one or notes one as slow. */
 TEST_TIMEOUT(slow_requests_get_their_own_replies_while_jobs_end_on_another_reactor, 60)
 {
     static const char *const arguments[] = {"--reactors", "3", "--slowlog-us", "1", NULL};

@@ -1,4 +1,4 @@
-/* refused_body_test.c - whatever is wrong with a request, its body is never carried out as requests. */
+/* refused_body_test.c - the body of a refused request is never carried out as requests. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -127,7 +127,7 @@ TEST(resp_takes_a_body_as_last_word_behind_timeout)
              "-UNTRIANGULATED TRIANGULATE the set first\r\nOK 0\n");
 }
 
-/* A row of so many fields is longer than the buffer of a connection. */
+/* A row of NAMES fields is longer than the buffer of a connection. */
 TEST(body_with_too_many_fields_is_skipped)
 {
     enum { NAMES = 32000 };

@@ -31,7 +31,7 @@ static void say_text(int fd, size_t from, size_t to)
     say_bytes(fd, text + from, to - from);
 }
 
-/* The set has the points of the text, so many times, under the ids in their order. */
+/* The set has the points of the text `times` times, under the ids in their order. */
 static void check_points(int fd, int times)
 {
     enum { ROW = 20 };

@@ -213,7 +213,7 @@ TEST(digests_of_equal_sets_are_equal_whatever_their_history)
     }
 }
 
-/* What a client can see of the set with this name; the caller frees it. */
+/* Returns all that a client can see of the set with this name; the caller frees it. */
 static char *replies_about(struct local *l, const char *set)
 {
     char request[200], next[64];

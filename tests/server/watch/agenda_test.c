@@ -59,7 +59,7 @@ static void ask(const char *lines)
         turn();
 }
 
-/* What the client has been sent since the last call. */
+/* Returns the bytes that the client has been sent since the last call. */
 static const char *heard(void)
 {
     static char text[ROOM + 1];

@@ -322,7 +322,7 @@ TEST(watcher_of_a_set_whose_triangulation_was_left_for_later_is_sent_the_rings)
     daemon_end(&d);
 }
 
-/* Its output is full; what it gets when it reads again is the state of then. */
+/* The output of the watcher is full; when it reads again, it gets the state of that later moment. */
 TEST_TIMEOUT(watcher_that_does_not_read_is_sent_one_state_later, 60)
 {
     enum { POINTS = 3000, EDITS = 8000, BURST = 200 };

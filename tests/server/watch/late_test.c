@@ -1,5 +1,5 @@
-/* late_test.c - watchers that cannot take events for a while, because a long reply is being sent to them or a reset takes
- * several turns: what they get later is all they need. */
+/* late_test.c - watchers that cannot take events for a while: a long reply is being sent to them, or a reset takes
+ * several turns. The events that they get later are complete. */
 #include "tests/server/watch/mirror.h"
 #include "tests/test.h"
 
@@ -203,7 +203,7 @@ TEST(watcher_that_has_missed_very_many_edits_is_sent_the_points_that_they_have_t
     daemon_end(&d);
 }
 
-/* So many more watch what the mirror watches. They are sent events before the mirror. */
+/* This number of other watchers watch what the mirror watches. They are sent events before the mirror. */
 enum { OTHERS = 200 };
 
 static void connect_others(int *other, const struct daemon *d, const struct mirror *m)

@@ -44,7 +44,7 @@ static void name_once(unsigned *last, unsigned event)
     *last = event;
 }
 
-/* Where the row of that constraint is, or could be; of the row `a b kind k` counts. */
+/* Returns the place of the constraint of `row`, or a free place; the words `a b kind k` identify it. */
 static char **place_of(char **rows, const char *row)
 {
     char **free_place = NULL;

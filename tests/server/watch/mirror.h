@@ -6,7 +6,7 @@
 
 enum { MIRROR_IDS = 8192, MIRROR_CONSTRAINTS = 4096 };
 
-/* What it watches: set `t`. */
+/* The options of a watch of set `t`. */
 struct mirror_options {
     const char *fields; /* names, separated by commas; NULL: none */
     const char *box;    /* x0 y0 x1 y1; NULL: all points */
@@ -36,7 +36,7 @@ uint64_t version_in(const char *line);
 /* Sends a request whose reply is one line with a version. */
 uint64_t ask_version(int fd, const char *line);
 
-/* Connects, and watches; with `since`, what it has is of its version. */
+/* Connects, and watches; with `since`, the mirror already has the state of its version. */
 void mirror_watch(struct mirror *m, const struct daemon *d, bool since);
 
 /* Reads the next event, or events up to the one that shows the version. */

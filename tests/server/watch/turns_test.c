@@ -1,4 +1,4 @@
-/* turns_test.c - how much of the work for many watchers is done in a turn of the loop: with many sessions, each at one end of a
+/* turns_test.c - the amount of work for many watchers that one turn of the loop does. Many sessions, each at one end of a
  * pair of sockets, and a server that has no threads. */
 #include "server/clients/clients.h"
 #include "server/session/session.h"
@@ -84,7 +84,7 @@ static uint64_t first_turn(void)
     return n;
 }
 
-/* Turns until so many events have been sent. */
+/* Turns until `events` events have been sent. */
 static void settle(uint64_t events)
 {
     for (int i = 0; i < 1000000 && events > 0; i++) {
@@ -96,7 +96,7 @@ static void settle(uint64_t events)
     CHECK(turn() == 0);
 }
 
-/* What the client has been sent since the last call. */
+/* Returns the bytes that the client has been sent since the last call. */
 static const char *heard(int i)
 {
     static char text[1 << 16];
@@ -192,7 +192,7 @@ TEST(client_that_comes_back_is_told_that_a_point_is_gone_which_was_new_in_its_ve
     end();
 }
 
-/* So many points are in the box that the whole set is swept, and the first ones are outside. */
+/* The box holds enough points that the whole set is swept, and the first points are outside. */
 TEST(first_event_of_a_sweep_that_finds_something_is_the_reset)
 {
     enum { OUTSIDE = 25, ALL = 60, ADDED = 1000 };
