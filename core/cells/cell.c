@@ -91,7 +91,7 @@ static struct dt_point far_end(double dx, double dy, struct dt_point m)
     return (struct dt_point){far_along(dx, m.x), far_along(dy, m.y)};
 }
 
-/* That of the bisector of p and q to the right of the way from p to q. */
+/* The far end of the bisector of p and q to the right of the way from p to q. */
 static struct dt_point far_right(struct dt_point p, struct dt_point q)
 {
     struct dt_point middle = {(p.x + q.x) / 2 + 0.0, (p.y + q.y) / 2 + 0.0};
@@ -134,15 +134,15 @@ struct side {
     double at;
 };
 
-/* How far it is on the kept side: 0 on it. */
+/* 1 on the kept side, 0 on the border, -1 on the other side. */
 static int place_of(const struct side *s, struct dt_point p)
 {
     double v = s->vertical ? p.x : p.y;
     return v == s->at ? 0 : (v > s->at) == s->low ? 1 : -1;
 }
 
-/* Where the edge from a to b crosses the side. Far edges turn counterclockwise around everything: from right to left
- * they pass the top, and from the top to the bottom the left. */
+/* The point at which the edge from a to b crosses the side. Far edges turn counterclockwise around everything: from right
+ * to left they pass the top, and from the top to the bottom the left. */
 static struct dt_point crossing(const struct side *s, const struct dt_cell_work *w,
                                 struct dt_point site, const struct dt_cell_corner *a,
                                 struct dt_point b)
@@ -231,7 +231,7 @@ static int compare_turns(const struct dt_cell_work *w, uint32_t i, uint32_t k)
     return order;
 }
 
-/* The least corner. Where rounding has made two of them equal, what follows decides. */
+/* The least corner. If rounding has made two corners equal, the corners after them decide. */
 static uint32_t least_corner(const struct dt_cell_work *w)
 {
     uint32_t least = 0;

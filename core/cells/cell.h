@@ -1,8 +1,8 @@
 /* cell.h - one Voronoi cell, clipped to a box, as a polygon.
  *
- * The polygon begins with all of the cell, its corners far away included. Those are at infinity in the direction of a
- * hull edge's normal: a coordinate that grows along a ray is infinite then. Four half planes, the sides of the box,
- * cut it. Every corner has the edge that begins there: what is beyond it.
+ * The polygon begins as the whole cell with its far corners. A far corner is at infinity in the direction of a hull edge's
+ * normal: a coordinate that grows along the ray is infinite. Four half planes, the sides of the box, cut the polygon.
+ * Every corner has the edge that begins at it, and what is beyond that edge.
  *
  *              n1         corner      edge that begins there
  *            \    /       c0          bisector of the site and n1
@@ -25,7 +25,7 @@ enum dt_cell_kind {
     DT_CELL_ON_LINE  /* all points are on one line: one or two neighbours, or none */
 };
 
-/* A corner, and the edge that begins there: the number of a neighbour of the ring, or one of these. */
+/* A corner, and the edge that begins at it: the number of a neighbour of the ring, or one of these. */
 #define DT_EDGE_SIDE (DT_NONE - 1) /* of the box */
 #define DT_EDGE_FAR DT_NONE        /* at infinity */
 
@@ -34,7 +34,7 @@ struct dt_cell_corner {
     uint32_t edge;
 };
 
-/* What one cell after the other is computed in. Start with {0}. */
+/* The work space in which cells are computed one after the other. Start with {0}. */
 struct dt_cell_work {
     struct dt_point *ring;         /* owns ring_cap: the neighbours, for the caller to fill in */
     struct dt_point *centre;       /* owns ring_cap: circumcentres */
@@ -57,13 +57,13 @@ size_t dt_cell_memory(const struct dt_cell_work *w);
 bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree);
 
 /* Makes w->polygon the cell of the site with the neighbours w->ring[degree], counterclockwise, without equal corners in a
- * row: at least three, or none if it has fewer or all are on one side of the box. It begins with the least corner, by x,
- * then y. Cost: O(degree). */
+ * row. The polygon has at least three corners. It has none if the cell has fewer, or if all are on one side of the box.
+ * It begins with the least corner, by x, then y. Cost: O(degree). */
 void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                   enum dt_cell_kind kind, const struct dt_box *box);
 
-/* The same for an interior point, when w->centre[degree] is already what it computes first: the corner between neighbours i and
- * i + 1. */
+/* The same for an interior point whose circumcentres are already in w->centre[degree]: centre i is the corner between
+ * neighbours i and i + 1. */
 void dt_cell_make_around(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                          const struct dt_box *box);
 

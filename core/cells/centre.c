@@ -1,10 +1,12 @@
 /* centre.c - see centre.h.
  *
- * A value is computed with a bound of its error. If every number within the bound rounds to the same double, that is
- * the result. Otherwise the next of three stages decides: doubles with the first-order errors of each operation, for
- * circumcentres of points whose differences are doubles; double words; and exact signs, in numbers of 2,500 bits, which
- * hold all that occurs: the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at
- * most 1,210 bits. */
+ * A value is computed with a bound of its error. If every number within the bound rounds to the same double, that double is
+ * the result. Otherwise the next of three stages decides:
+ *
+ * 1. Doubles with the first-order errors of each operation, for circumcentres of points whose differences are doubles.
+ * 2. Double words.
+ * 3. Exact signs, in numbers of 2,500 bits. The points are multiples of 2^-195 below 2^204. So numerators, polynomials
+ *    of degree 3, have at most 1,210 bits. */
 #include "core/cells/centre.h"
 
 #include "core/exact/bignum.h"
@@ -14,8 +16,8 @@
 #include <math.h>
 #include <string.h>
 
-/* More than the relative error of each numerator and denominator below with respect to the sum of the magnitudes of its
- * terms, and of their quotient: at most 21 u^2, u = 2^-53, by the bounds of double2.h. */
+/* Every numerator and denominator below errs by less than UNIT of the sum of the magnitudes of its terms; a quotient errs
+ * by less than UNIT of itself. These errors are at most 21 u^2, u = 2^-53, by the bounds of double2.h. */
 #define UNIT 0x1p-100
 
 static struct dt_double2 minus(struct dt_double2 a, struct dt_double2 b)
@@ -193,16 +195,17 @@ static inline dt_lanes_holds round_lanes(dt_lanes from, struct dt_lanes2 offset,
     return (near.hi + (near.lo + error) == near.hi) & (near.hi + (near.lo - error) == near.hi);
 }
 
-/* False, too, if a difference of b and c from a is not a double. Let u = 2^-53, `terms` the sum of the magnitudes of a
- * numerator's two terms, `size` that of the area's, k = size / |area| and q the quotient in doubles. hi + lo is off by
- *     3.1 u^2 of itself       squares: lo, at most 2.1 u of hi, is rounded by its two sums
- *     3.1 u^2 size            the area, likewise
- *     16 u^2 terms            numerators: 3.1 by squares, 2.1 by squares.lo c', 2.1 by their difference, 1 by that of
- *                             errors, and the two sums 3.2 and 4.3
- *     (35 terms + 19 |q| size) u^2    the remainder of the division, with all of the above; n.hi - r.hi is exact, as one is
- *                             within few units of the other, and at most 5 u terms
- * and the correction of q, the remainder of at most (9.5 terms + 4.3 |q| size) u times `scale`, by 4.3 k u of itself
- * more. Together that is less than 80 k u^2 (terms + |q| size) |scale|; k is 2 size |scale|. */
+/* False, too, if a difference of b and c from a is not a double. The names: u = 2^-53; `terms` is the sum of the magnitudes
+ * of a numerator's two terms, `size` that sum for the area; k = size / |area|; q is the quotient in doubles. The errors:
+ *
+ * 1. squares: 3.1 u^2 of itself. Its lo, at most 2.1 u of hi, is rounded by two sums.
+ * 2. area: 3.1 u^2 size, by the same two sums.
+ * 3. numerators: 16 u^2 terms. Step 1 gives 3.1; squares.lo c' 2.1; the difference of these products 2.1; the difference of
+ *    the products' errors 1; the two last sums 3.2 and 4.3.
+ * 4. rest: (35 terms + 19 |q| size) u^2, with steps 2 and 3 and the roundings. The difference n.hi - r.hi is exact, because
+ *    both are few units apart. It is at most 5 u terms. So rest is at most (9.5 terms + 4.3 |q| size) u.
+ * 5. rest * scale: step 4 times |scale|, and 4.3 k u of itself, by scale and the product.
+ * 6. Together that is less than 80 k u^2 (terms + |q| size) |scale|. k is 2 flat, and 160 u^2 < 2^-98. */
 static bool centre_corrected(struct dt_point at, struct dt_point to, struct dt_point on,
                              struct dt_point *out)
 {
@@ -274,10 +277,14 @@ static inline struct pair pair_of(struct dt_point p, struct dt_point q)
     return (struct pair){{p.x, q.x}, {p.y, q.y}};
 }
 
-/* One coordinate: `from` and the offset (p - q) scale. Let u = 2^-53. Differences of places are off by u of themselves at
- * most, squares by 4u, the area by 4u of `size`, the numerator p - q by 7u of the sum of its terms' magnitudes, and the
- * quotient by 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the
- * rounding of the bound itself. False: the rounded sum may be another double than the exact one. flat: size |scale|. */
+/* One coordinate: `from` and the offset (p - q) scale. The errors, with u = 2^-53:
+ *
+ * 1. Differences of places err by u of themselves, squares by 4 u, the area by 4 u of `size`.
+ * 2. The numerator p - q errs by 7 u of |p| + |q|, and the quotient by 2 u more.
+ * 3. The factors below are larger by an eighth. That covers the second order, as 4 u size / area < 2^-8, and the rounding
+ *    of the bound itself.
+ *
+ * False: the rounded sum may be another double than the exact one. flat: size |scale|. */
 static inline dt_lanes_holds round_pair(dt_lanes from, dt_lanes p, dt_lanes q, dt_lanes scale,
                                         dt_lanes flat, dt_lanes *out)
 {

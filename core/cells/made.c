@@ -172,7 +172,7 @@ static void find_block(struct circumcentres *c, const struct dt *t, uint32_t blo
         dt_centre_two(corner[i], corner[i + 1], &at[i], &at[i + 1]);
 }
 
-/* That of the triangle of the half edge, which has three corners; valid until the next call. */
+/* The circumcentre of the triangle of the half edge, which has three corners; valid until the next call. */
 static inline const struct dt_point *circumcentre(struct circumcentres *c, const struct dt *t,
                                                   uint32_t half)
 {

@@ -1,7 +1,7 @@
 /* voronoi.c - the cells of a set one after the other, now or at the moment of a view.
  *
- * Each cell is computed from its star alone (cell.h), which needs neither memory nor an order of the cells; but circumcentres
- * are computed three times, once for each corner of their triangle. made.c makes all cells at once. */
+ * Each cell is computed from its star alone (cell.h), which needs neither memory nor an order of the cells. But a
+ * circumcentre is computed three times, once for each corner of its triangle. made.c makes all cells at once. */
 #include "core/cells/cell.h"
 #include "core/cells/made.h"
 #include "core/mesh/hull.h"
@@ -152,7 +152,7 @@ static struct dt_point place(const struct reading *r, uint32_t at, bool is_id)
     return dt_view_place(r->t, r->v, is_id ? at : r->t->points.id[at]);
 }
 
-/* Where cells go. */
+/* The target of cells. */
 struct sink {
     struct dt_cell *cell;
     struct dt_point *corner;

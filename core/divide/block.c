@@ -65,7 +65,7 @@ INLINE uint32_t base_of(const struct dt_merging *w, uint32_t lo, const uint32_t 
     return n == 2 ? base_of_two(w, lo) : n == 3 ? base_of_three(w, lo) : 0;
 }
 
-/* Sorted points: their triangulation, a ghost of it. */
+/* Triangulates sorted points; returns a ghost of their triangulation. */
 INLINE uint32_t triangulate(const struct dt_merging *w, uint32_t lo, const uint32_t n, bool *close)
 {
     const uint32_t half = n / 2, mid = lo + half;

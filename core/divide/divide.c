@@ -7,34 +7,36 @@
  *                                                                                               blocks
  *     mesh  <--- the halves of ever larger boxes joined along alternating cuts (merge.c) ---  (block.c)
  *
- *           the keys of one grid        +-----+-----+     A join sees two neighbours on either side
- *           and what its bits cut:      | 010 | 011 |     of a cut, knits them from the lower to the
- *                                       +-----+-----+     upper tangent, and turns ghosts into
- *           1xx | 11x | 111 ...         | 000 | 001 |     triangles and back in their own records.
+ *           the keys of one grid        +-----+-----+
+ *           and what its bits cut:      | 010 | 011 |
  *                                       +-----+-----+
+ *           1xx | 11x | 111 ...         | 000 | 001 |
+ *                                       +-----+-----+
+ *
+ * A merge sees two vertices on either side of a cut. It knits the sides from the lower tangent to the upper one, and
+ * turns ghosts into triangles and back in their own records.
  *
  * The way down, in this file, sorts the points and records the blocks and merges (plan.h); the way up carries these
  * out (divide_sorted.c). A load does the way down, because that makes coincident points neighbours; its build then
  * only does the way up.
  *
- * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi -
- * 1 of the mesh, so parts need no allocator and no locks (part.h). Until blocks fill it, the mesh is the
- * scratch memory for points: fresh memory is too expensive to be used once.
+ * A range [lo, hi) of the sorted points owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi - 1 of the mesh.
+ * So parts need no allocator and no locks (part.h). Until blocks fill the mesh, it is the scratch memory for points:
+ * fresh memory is too expensive to be used once.
  *
- * With several threads, all of them sort a range of a large share of the points together; what has no more than a
- * small share becomes a task. Then threads take tasks, from left to right. The ranges are disjoint, so no two threads ever
+ * With several threads, all of them sort a range of a large share of the points together; a range of a small share
+ * becomes a task. Then threads take tasks, from left to right. The ranges are disjoint, so no two threads ever
  * touch the same place, and the result is the same as on one thread.
  *
- * The recursion goes down the bits of the key; where one grid ends, the next one begins: a tile gets
- * its own cells, a crowded cell a grid on its own tight box (a zoom), or, if it holds a dozen points
- * at most, one cut between two blocks (few.c). Along a curve, a grid is a row of strips (order.c).
+ * The recursion goes down the bits of the key; where one grid ends, the next one begins. A tile gets its own cells. A
+ * crowded cell gets a grid on its own tight box (a zoom). A cell of at most a dozen points gets one cut between two
+ * blocks (few.c). Along a curve, a grid is a row of strips (order.c).
  * If there are a few outliers, the grid fits the other points, and its outermost cells contain the outliers. If
- * three zooms in a row leave more than half of the points in one cell, the range is cut at its median, and its
- * halves get grids again: so the depth is bounded by about four grids for every halving.
+ * three zooms in a row leave more than half of the points in one cell, the range is cut at its median. Its halves
+ * get grids again, so the depth is at most about four grids for every halving.
  *
- * The gain of each technique: ns per point with all techniques except that one, on sets of 1e4 uniform points,
- * where all of them together need 138 (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which differ by some per
- * cent).
+ * The gain of each technique: ns per point without it, on sets of 1e4 uniform points. All of them together need 138.
+ * (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which differ by some per cent.)
  *
  *     two products a candidate, not a new in-circle test         196
  *     blocks of up to 6 points instead of 3                      175
@@ -48,7 +50,7 @@
  *     points stored temporarily in the mesh: at 1e6 points 171 instead of 185
  *     tiles: at 1e7 points 237 instead of 213 (before the lanes), at 1e6 no difference
  *
- * On other sets, of 2e5 points, one after the other:
+ * On other sets, of 2e5 points, with the techniques added one after the other:
  *
  *                                             circle   near_collinear   lattice
  *     none of the following                     191         186           101
@@ -57,11 +59,11 @@
  *     zero seen before it is computed           167         150            79
  *     two filters, of which a merge has one     150         144            79
  *
- * Later, for 3e4 uniform points, the least of many alternating runs: 120 before, 117 with candidates and apexes looked
- * up when a ghost changes and not at every step, 114 with deletions inlined, 111 with signs taken from sign bits.
- * Without gain: both sides of a merge as one function with an index instead of a branch (2 % slower); the ghost
- * after the next one looked up, too; the sight of an apex kept when the apex becomes the candidate (5 % slower); the
- * search for the tangent without a branch.
+ * Later, for 3e4 uniform points, the least of many alternating runs was 120. It became 117 when candidates and apexes
+ * were looked up at a change of a ghost and not at every step, 114 with deletions inlined, 111 with signs from sign bits.
+ * Two experiments brought no gain: the lookup of the ghost after the next one, and a search for the tangent without a
+ * branch. One function for both sides of a merge, with an index instead of a branch, was 2 % slower. Keeping the sight of
+ * an apex when the apex became the candidate was 5 % slower.
  */
 #include "core/divide/divide.h"
 

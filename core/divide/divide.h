@@ -6,21 +6,21 @@
 #include "core/divide/plan.h"
 #include "core/mesh/mesh.h"
 
-/* Brings n points, with names below DT_COINCIDENT unless all are distinct, into grid order, so that neighbours in the plane
- * are neighbours in memory, and records in the plan (plan.h) which of them coincide and what a build has to do. spare
+/* Brings n points into grid order, so that neighbours in the plane are neighbours in memory. Records in the plan (plan.h)
+ * which points coincide and what a build has to do. Names are below DT_COINCIDENT unless all points are distinct. spare
  * has room for n points; in may be the same. -0 becomes 0. opt may be NULL. DT_NOMEM, DT_CANCELLED: the arrays
- * are then undefined. The result is the same whatever the number of threads.
+ * are then undefined. The result does not depend on the number of threads.
  *
- * Cost: O(n log n), about linear in practice; 2 bytes a point of scratch memory where points are spread evenly, up to
- * 24 where they are not, however many threads there are. */
+ * Cost: O(n log n), about linear in practice. Scratch memory: 2 bytes a point if points are spread evenly, at most 24
+ * otherwise, with any number of threads. */
 enum dt_status dt_divide_sort(struct dt_source in, uint32_t n, struct dt_named out,
                               struct dt_named spare, struct dt_plan plan, struct dt_pages *pages,
                               const struct dt_options *opt);
 
-/* Triangulates n points that are sorted, with the steps of their plan: vertex v of the mesh is p[v]. *m must be zeroed
- * or cleared; it is complete on return, and cleared on failure (DT_NOMEM, DT_CANCELLED). It is settled (hull.h), and
- * the same whatever the number of threads. opt may be NULL. Cost: O(n log n), about linear in practice; no memory but that of
- * the mesh. */
+/* Triangulates n sorted points by the steps of their plan: vertex v of the mesh is p[v]. The mesh must be zeroed or
+ * cleared; it is complete on return, and cleared on failure (DT_NOMEM, DT_CANCELLED). It is settled (hull.h), and does not
+ * depend on the number of threads. opt may be NULL. Cost: O(n log n), about linear in practice; no memory besides the
+ * mesh. */
 enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint16_t *step,
                                 struct dt_mesh *m, const struct dt_options *opt);
 

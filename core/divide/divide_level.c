@@ -83,8 +83,8 @@ static void sort_numbers(double *a, uint32_t n)
     }
 }
 
-/* The interval [*lo, *hi] becomes the middle three quarters of the sample, and `margin` times as much on
- * either side, if that is much less. */
+/* The interval [*lo, *hi] becomes the middle three quarters of the sample with a margin on either side, `margin` times
+ * their width, if that is much less than the interval. */
 static void leave_outskirts(double *sample, uint32_t n, double margin, double *lo, double *hi)
 {
     sort_numbers(sample, n);
@@ -138,8 +138,8 @@ static void plan_grid(const struct sort *s, struct dt_box box, struct dt_order *
     dt_order_plan(order, box, cells, s->src.p, s->n);
 }
 
-/* Tables, keys unless they have their place already, and counts for each slice. After the scatter, the next place of the last
- * slice in cell c is the end of c, which is the start of c + 1: so its counts are in start[] from the beginning. */
+/* Allocates the tables, the keys if they have no place yet, and the counts of each slice. The last slice counts in start[]:
+ * after the scatter, its next place in cell c is the end of c, which is the start of c + 1. */
 static bool take_scratch(struct sort *s, struct dt_arena *arena, struct dt_level *level)
 {
     uint32_t cells = 1u << level->order.bits,
@@ -184,7 +184,7 @@ uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo
 
 /* ---- opening ---- */
 
-/* Chooses where the points go: not where they are. Where nothing is and nothing goes, there is room for keys. */
+/* Chooses the target: the arrays that do not hold the source. If neither holds it, the other ones have room for keys. */
 static void choose_arrays(struct sort *s, uint32_t lo, struct dt_level *level)
 {
     struct dt_division *d = s->d;

@@ -50,9 +50,9 @@ enum dt_opening {
     DT_LEVEL_DONE    /* all are at one place, and sorted; or division.stop says why not */
 };
 
-/* Sorts the points src[0 .. n-1], n > 0, to the places lo .. lo + n - 1 by a new grid. src may be at lo in p or in
- * the spare arrays, or anything that overlaps with neither. Up to `threads`
- * threads of the pool share the work. The level lives in the arena. */
+/* Sorts the points src[0 .. n-1], n > 0, to the places lo .. lo + n - 1 by a new grid. The source may be at lo in p or
+ * in the spare arrays, or in memory that overlaps with neither. Up to `threads` threads of the pool share the work. The
+ * level lives in the arena. */
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level);
@@ -61,8 +61,8 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
 void dt_level_bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n);
 
 /* Brings the points, which are not all at one place, to p[lo ..] and parts them at their median, or beside it so that
- * points at one place stay together: the first ones precede the others by (x, y) or (y, -x), depending on the axis, which
- * it returns. Returns how many are the first ones: neither 0 nor n unless it has to stop. Cost: O(n). */
+ * points at one place stay together. The first points precede the others by (x, y) if the returned axis is 0, by (y, -x)
+ * if it is 1. Returns the number of first points: neither 0 nor n unless it has to stop. Cost: O(n). */
 uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
                         unsigned *axis);
 

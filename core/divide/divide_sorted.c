@@ -1,5 +1,5 @@
-/* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h): blocks are made from left to
- * right, and each is joined with parts on its left as often as the plan says.
+/* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h). It makes the blocks from left
+ * to right, and merges each with parts on its left as often as the plan says.
  *
  *     points    3     2     4      1
  *     merges    0     1     0      2
@@ -8,9 +8,10 @@
  * A part is stored at its end, in the two records that it does not need (part.h), so the part on the left of any vertex is
  * known by its place.
  *
- * Several threads make the parts of slices of the vertices, as far as they can be joined inside of the slice. Then each part
- * meets its neighbours: one that is to be joined with the part on its left where it begins, any other one where it ends. The
- * thread that comes second joins the two and continues with the result. So the merges are the same as on one thread. */
+ * Several threads make the parts of slices of the vertices, and merge inside of each slice as far as possible. Then each part
+ * meets a neighbour. A part that is to be merged with the part on its left meets it where it begins, any other part meets its
+ * neighbour where it ends. The second thread at that place merges the two and continues with the result. So the merges are
+ * the same as on one thread. */
 #include "core/control/parallel.h"
 #include "core/divide/divide.h"
 #include "core/divide/part.h"
@@ -29,7 +30,7 @@ struct build {
     unsigned slices;
 };
 
-/* Where a part ends. */
+/* The end of a part. */
 struct end {
     struct dt_part part;
     uint32_t merges;     /* that join it with parts on its left, still to be done */
@@ -146,7 +147,7 @@ static struct dt_part run(struct build *b)
     return end_at(b, b->n)->part;
 }
 
-/* The records of the whole mesh are there. Joins keep leaving[] of every vertex right, so only the hull is left to be
+/* The records of the whole mesh are complete. Merges keep leaving[] of every vertex right, so only the hull has to be
  * settled. */
 static void finish(struct build *b, struct dt_mesh *m, const struct dt_part *all)
 {

@@ -88,7 +88,7 @@ static void swap(struct selection *s, uint32_t i, uint32_t j)
     s->from[j] = f;
 }
 
-/* Points of smaller digits come first, those of greater ones last; those in between are in question. */
+/* Points of smaller digits come first, points of greater digits last; the points between them remain in question. */
 static void part(struct selection *s, uint32_t digit)
 {
     uint32_t smaller = s->lo, greater = s->hi, steps = 0;

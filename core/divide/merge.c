@@ -9,11 +9,19 @@
  *      .           .         u = the next hull vertex above l in L, by the ghost lc (u, l, none)
  *      u    gap    v         v = the next one above r in R, by the ghost rc (r, v, none)
  *     /|           |\
- *    x | lc     rc | x       Each of u and v is wanted only above the base l-r; and while the
- *     \|           |/        triangle beyond its edge has its apex x inside the circle l r u (or
- *      l --------- r         l r v), that edge has to go: it is DELETED. Then the better one of u
- *          base              and v is KNITTED to the base.
+ *    x | lc     rc | x       l-r = the base; x = the apex of the triangle beyond l-u, or beyond r-v
+ *     \|           |/
+ *      l --------- r
+ *          base
  *        bot ghost
+ *
+ * The steps of a merge:
+ *
+ * 1. u and v are candidates as long as they lie above the line l-r. If neither does, l-r is the upper tangent: the end.
+ * 2. If u is a candidate and x lies inside the circle l r u, the edge l-u is DELETED. x becomes u, and step 1 follows.
+ *    The same for v: if x lies inside the circle l r v, the edge r-v is DELETED.
+ * 3. The better candidate is KNITTED to the base: u if v is no candidate or lies outside the circle l r u, else v. The
+ *    new edge u-r, or l-v, is the next base, and step 1 follows.
  *
  * Both moves happen in place. Deleting the edge l-u between the ghost lc and the triangle
  * t = (l, u, x) leaves two ghosts in the same two records:
@@ -28,9 +36,9 @@
  * (u, l, r), whose new edge u-r is the next base. At the upper tangent, a last ghost closes the
  * hull. So exactly two records are added: bot and top.
  *
- * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
- * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). A step corrects
- * one edge and begins again: so it has few branches, because unpredictable ones are expensive. */
+ * Predicates. Step 1 examines u and v together in two lanes, and step 2 the apexes x of both sides (sight.h, which has
+ * the filters, too). A step corrects at most one edge of a side and begins again: so it has few branches, because
+ * unpredictable ones are expensive. */
 #include "core/divide/part.h"
 
 #include "core/divide/sight.h"
@@ -56,8 +64,8 @@ struct seam {
     struct sight_filter filter;
 };
 
-/* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
- * where it ends. */
+/* The ghosts of the hull form a ring. ghost_before returns the ghost that ends where g starts, ghost_after the ghost
+ * that starts where g ends. */
 INLINE size_t ghost_before(const struct dt_merging *w, size_t g)
 {
     return knit_twin(w, g + 2) - 1;

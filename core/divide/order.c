@@ -10,7 +10,7 @@
 #define SAMPLE 16  /* points, of a range of */
 #define SAMPLED 64 /* points at least */
 
-/* How many of `bits` bits go to x so that cells are nearly square. */
+/* Returns how many of `bits` bits go to x so that cells are nearly square. */
 static uint32_t bits_of_x(uint32_t bits, double width, double height)
 {
     if (width == 0)
@@ -79,9 +79,9 @@ static double roughness(const struct dt_point *p, uint32_t n, bool along_x)
     return jumps > SAMPLE / 4 ? HUGE_VAL : sum / (SAMPLE - 2);
 }
 
-/* Points along a curve leave most cells of a grid empty and crowd the others. Into how many strips
- * across the longer side of the box they can be cut instead, so that strips are no narrower than the
- * curve is thick; 0 if that gains little. */
+/* Points along a curve leave most cells of a grid empty and crowd the others. Returns the number of strips across the
+ * longer side of the box that can replace the cells; 0 if that gains little. Strips are no narrower than the curve is
+ * thick. */
 static double strips_of(struct dt_box box, double cells, const struct dt_point *p, uint32_t n)
 {
     if (n < SAMPLED)

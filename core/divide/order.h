@@ -43,8 +43,8 @@ struct dt_order {
     uint32_t *column, *row; /* borrow from the arena: a column's and a row's part of the key */
 };
 
-/* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points; or as many
- * strips, if the points, of which it looks at a few, lie along a curve. */
+/* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points. If a sample of the points
+ * lies along a curve, it plans a row of about that many strips instead. */
 void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,
                    uint32_t n);
 

@@ -1,9 +1,9 @@
 /* part.h - the triangulation of a range of points, which is a part of a larger one: made of a few points (block.c), or of two
  * neighbouring parts (merge.c).
  *
- * Merges allocate nothing: n points always have 2n - 2 triangles, ghosts included (mesh.h), so a range
- * [lo, hi) of the points owns the records 2 lo .. 2 hi - 3 when it is triangulated, and a merge of
- * [lo, mid) and [mid, hi) adds the two records 2 mid - 2 and 2 mid - 1. */
+ * Merges allocate nothing. n points always have 2n - 2 triangles, ghosts included (mesh.h). So a triangulated range
+ * [lo, hi) of the points owns the records 2 lo .. 2 hi - 3. A merge of [lo, mid) and [mid, hi) adds the two records
+ * 2 mid - 2 and 2 mid - 1. */
 #ifndef DT_PART_H
 #define DT_PART_H
 
@@ -15,10 +15,10 @@
 
 #define DT_BLOCK 6u /* points of the largest block */
 
-/* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to the thread that
- * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
- * time. leaving[v] is always a half edge that leaves v; of a hull vertex it is mostly the ghost that
- * starts there, on a line possibly a former triangle. */
+/* The arrays that merges work on. The records 2 lo .. 2 hi - 1 of the mesh and leaving[lo .. hi) belong to the thread
+ * that works on the range [lo, hi). So threads may work on disjoint ranges at the same time. leaving[v] is always a half
+ * edge that leaves v. For a hull vertex it is usually the ghost that starts at v; if all points lie on one line, it may
+ * be a half edge of a former triangle. */
 struct dt_merging {
     const struct dt_point *p;    /* borrowed, by vertex */
     uint32_t *half, *leaving;    /* borrowed: those of the mesh */
@@ -39,16 +39,15 @@ struct dt_part {
 struct dt_part dt_block(const struct dt_merging *w, uint32_t lo, uint32_t n);
 
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
- * by (x, y) if axis is 0, by (y, -x) if it is 1. A merge that is stopped returns no points, and leaves
- * what is no triangulation. */
+ * by (x, y) if axis is 0, by (y, -x) if it is 1. If the merge is stopped, it returns a part of no points, and the mesh
+ * of the range is undefined. */
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
                               const struct dt_part *b, unsigned axis, uint32_t mid);
 
-/* Joins the nl vertices before mid, of which l is the last one along the cut, with the nr vertices
- * from mid on, of which r is the first one. some_l and some_r are ghosts of theirs; one vertex
- * alone has none. The ghosts of the two new hull edges are the records 2 mid - 2 and 2 mid - 1.
- * `close`: use the close filter. Returns whether the next merge of these should use it. A merge of
- * many points polls, and ends early if it is stopped. */
+/* Joins the nl vertices before mid, of which l is the last one along the cut, with the nr vertices from mid on, of
+ * which r is the first one. The parts have the ghosts some_l and some_r; a part of one vertex has none. The ghosts of
+ * the two new hull edges are the records 2 mid - 2 and 2 mid - 1. `close`: use the close filter. Returns whether the
+ * next merge of the result should use it. A merge of many points polls, and ends early if it is stopped. */
 bool dt_knit(const struct dt_merging *w, bool close, uint32_t l, uint32_t r, uint32_t nl,
              uint32_t nr, uint32_t some_l, uint32_t some_r, uint32_t mid);
 

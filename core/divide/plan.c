@@ -48,7 +48,7 @@ static void sort_block(const struct dt_plan *w, struct dt_point *p, uint32_t *fr
     make_block(w, from, lo, n);
 }
 
-/* How many of n sorted points are before a cut that is near the middle and beside points at one place; n: all are there. */
+/* Returns how many of n sorted points precede a cut near the middle that parts no coincident points; n: all coincide. */
 static uint32_t cut_of(const struct dt_point *p, uint32_t n)
 {
     uint32_t mid = n / 2;

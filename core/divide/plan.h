@@ -16,9 +16,9 @@
 /* In the name of a point: there is another one at its place, with a smaller name. */
 #define DT_COINCIDENT (1u << 31)
 
-/* step[]: by place in the order, 0 at first. Where a block begins, its points and the axis of the cut before it << 3; where one
- * ends, at its last point, the merges after it << 4. same[]: by name, of points that get DT_COINCIDENT, the smallest
- * name at their place. */
+/* step[]: by place in the order, 0 at first. At the first point of a block: the number of its points, and the axis of the
+ * cut before it << 3. At the last point of a block: the number of merges after it << 4. same[]: by name, for each point
+ * that gets DT_COINCIDENT, the smallest name at its place. */
 struct dt_plan {
     uint16_t *step;
     uint32_t *same;
@@ -38,8 +38,8 @@ static inline void dt_plan_cut(const struct dt_plan *w, uint32_t lo, uint32_t mi
     w->step[hi - 1] = (uint16_t)(w->step[hi - 1] + (1u << 4));
 }
 
-/* The point at `from` moves to the place `to`, those between having moved or been left out; or it is left out itself, and
- * those after it move there. */
+/* Moves the steps of the point at `from` to the place `to`, after points before it were left out. If it is left out itself,
+ * the next point moves to `to`: a block then begins with that point, or ends with the point before `to`. */
 static inline void dt_plan_move(uint16_t *step, uint32_t from, uint32_t to, bool left_out)
 {
     uint32_t s = step[from];

@@ -1,5 +1,5 @@
-/* sight.h - what the base l-r of a merge (merge.c) sees of two points at once: a candidate of the
- * left part in one lane, one of the right part in the other.
+/* sight.h - predicates of a merge (merge.c) on its base l-r and two points at once. One lane has a candidate of the left
+ * part, the other lane a candidate of the right part.
  *
  * The candidates of one base are compared by the in-circle test of (l, r, c, x), whose determinant
  * in coordinates relative to l and r is
@@ -28,7 +28,7 @@
  * the close filter has given. */
 enum { SIGHT_LEFT = 1, SIGHT_RIGHT = 2, SIGHT_BOTH = 3, SIGHT_SETTLED = 4 };
 
-/* What a merge asks, and what it has learnt. */
+/* The state of a merge's filters. */
 struct sight_filter {
     bool close;       /* known when compiled */
     uint32_t settled; /* how often sight.c was asked what the close filter knows */
@@ -86,7 +86,7 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
     return c;
 }
 
-/* Which of the points in view lie strictly above the line from l to r, that is, to the left of it; or below. */
+/* Returns the lanes whose point lies strictly above the line from l to r, that is, to its left; or strictly below. */
 INLINE int sight_side(const struct dt_merging *w, bool above, uint32_t l, uint32_t r, uint32_t u,
                       uint32_t v, const struct sight *c)
 {
@@ -103,13 +103,13 @@ INLINE dt_lanes sight_close(const struct sight *c, const struct sight *x)
     return dt_lanes_both(DT_CLOSE_DET_BOUND) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
 }
 
-/* The same of det(u, v) for the two points that *c has in view. */
+/* The close filter's bound of det(u, v) for the two points that *c has in view. */
 INLINE double sight_close_of_pair(const struct sight *c)
 {
     return DT_CLOSE_DET_BOUND * (c->dt_size[0] * c->cr_size[1] + c->dt_size[1] * c->cr_size[0]);
 }
 
-/* What sight.c answers, and the filter takes notice. */
+/* Takes an answer of sight.c, and counts it if the close filter has settled it. */
 INLINE int sight_learn(struct sight_filter *f, int answer)
 {
     f->settled += (answer & SIGHT_SETTLED) != 0;

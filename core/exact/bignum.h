@@ -3,8 +3,8 @@
  *
  *     value = sign * sum limb[i] 2^(64 (exponent + i)), 0 <= i < n       zero: sign = 0, n = 0
  *
- * The exponent counts limbs, so nothing is shifted by bits. A number has only the limbs from its first to its last one
- * that is not 0, and multiplication skips zeros: the cost is proportional to the bits that are present.
+ * The exponent counts limbs, so no number is shifted by bits. A number stores only the limbs from its first to its last
+ * limb other than 0. Multiplication skips zeros: the cost is proportional to the bits that are present.
  *
  * Every result but that of a division is exact, or truncated to DT_BIG_LIMBS limbs: a relative error below 2^-2496,
  * since the top limb may have a single bit. Division: below 2^4 times that. Exponents never overflow for what is

@@ -9,16 +9,16 @@
  * exceeds the rounded side of the box.
  *
  * The range. The model holds as long as nothing overflows or underflows. A coordinate that
- * dt_coordinate_ok accepts is 0 or of magnitude 2^-142 to 2^201, so it is a multiple of 2^-194, and
- * so is a difference of two, rounded or not. A product or sum of multiples of 2^-a and 2^-b is a
+ * dt_coordinate_ok accepts is 0 or of magnitude 2^-142 to 2^201. So it is a multiple of 2^-194, and
+ * a difference of two is one, too, rounded or not. A product or sum of multiples of 2^-a and 2^-b is a
  * multiple of 2^-(a + b), or of the smaller unit, also as it is rounded. So a value of degree k in
  * the coordinates is 0 or at least 2^(-194 k), and below 2^(203 k + 4); for k = 4 that is 2^-776 to
  * 2^816. The bounds below are such values times 2^-102 or more, and quotients of two values of
  * degree 2 lie between 2^-800 and 2^800: all of them are normal doubles.
  *
  * Reading. "8 u of S" means 8 u times S, and |left| the magnitude of a product as it is rounded.
- * Errors are given to first order in u. What is neglected is below 100 u of them, and the rounding
- * of the bound itself takes less than 10 u of it; the factors leave room for both.
+ * Errors are given to first order in u. The neglected terms are below 100 u of these errors. The
+ * rounding of the bound itself takes less than 10 u of the bound. The factors leave room for both.
  * tests/core/exact/bounds_test.c measures the errors against exact integers. */
 #ifndef DT_BOUNDS_H
 #define DT_BOUNDS_H
@@ -72,12 +72,12 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  *     |err det| <= 9 u S + u S = 10 u S. */
 #define DT_CLOSE_DET_BOUND 1.2e-15 /* of S: > 10.8 u */
 
-/* The same two determinants in double words (double2.h): a difference is exact, a product errs by 7
- * u^2 of itself, a sum by 3.1 u^2 of its own result. So orient2d, and cr, err by 7 + 3.1 < 10.2 u^2
- * of CR, and dt of DT. A product of both errs by 10.2 + 10.2 + 7 = 27.4 u^2 of DT CR, their
- * difference by 27.4 + 3.1 = 30.5 u^2 of S. S in doubles, from the higher halves, is right to 1
- * part in 2^49, and the higher half of a double word has the sign of the whole and is right to 1
- * part in 2^53. */
+/* The same two determinants in double words (double2.h):
+ * 1. A difference is exact, a product errs by 7 u^2 of itself, a sum by 3.1 u^2 of its own result.
+ * 2. So orient2d, and cr, err by 7 + 3.1 < 10.2 u^2 of CR; dt errs by 10.2 u^2 of DT.
+ * 3. A product of both errs by 10.2 + 10.2 + 7 = 27.4 u^2 of DT CR, their difference by 30.5 u^2 of S.
+ * 4. S in doubles, from the higher halves, is right to 1 part in 2^49. The higher half of a double
+ *    word has the sign of the whole and is right to 1 part in 2^53. */
 #define DT_ORIENT_BOUND_2 0x1p-102   /* of |left| + |right|: 16 u^2 */
 #define DT_INCIRCLE_BOUND_2 0x1p-100 /* of S: 64 u^2 */
 
@@ -99,7 +99,7 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
 #define DT_DISTANCE_BOUND 0x1p-50 /* 8 u */
 
 /* R = |ab| |bc| |ca| / (2 D) for twice the area D. The root of the product of two rounded squares errs by 5.5 u of itself,
- * that of the third one by 3 u, their product by 9.5 u, and 2 r D by 4 u of 2 r (|left| + |right|) and 2 u of itself. */
+ * the root of the third square by 3 u, their product by 9.5 u. 2 r D errs by 4 u of 2 r (|left| + |right|) and 2 u of itself. */
 #define DT_SIDES_BOUND 0x1p-49        /* of the product of the sides: 16 u */
 #define DT_CIRCUMRADIUS_BOUND 0x1p-50 /* of 2 r (|left| + |right|): 8 u */
 
@@ -114,9 +114,13 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  *
  *     cross = d x (p - a)             4 u (|d.x y| + |d.y x|) < 4.1 u K R
  *     dot = (p - a).(p - b)           4 u (R^2 + R^2) < 8.1 u R^2
- *     det = dot cross' - dot' cross   with dot <= 2 R^2 and cross <= K R, each product
- *                                     2 R^2 * 4.1 u K R + K R * 8.1 u R^2 + 2 u K R^3 < 18.5 u K R^3;
- *                                     with the rounding of the difference 41 u K R^3 */
+ *     det = dot cross' - dot' cross   each product: 18.5 u K R^3; the difference: 41 u K R^3
+ *
+ * For det, dot <= 2 R^2 and cross <= K R. So each product errs by
+ *
+ *     2 R^2 * 4.1 u K R + K R * 8.1 u R^2 + 2 u K R^3 < 18.5 u K R^3
+ *
+ * and the difference of both, which is rounded, by 41 u K R^3. */
 #define DT_SCAN_CROSS_BOUND (8 * DT_U) /* of K R */
 #define DT_SCAN_DOT_BOUND (12 * DT_U)  /* of R^2 */
 #define DT_SCAN_DET_BOUND (48 * DT_U)  /* of K R^3 */
@@ -126,15 +130,17 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  * smaller one, are in the right order. */
 #define DT_SCAN_SURE 0x1p-24
 
-/* A sum, a difference and a quotient: what is left of an upper bound of s when dot and cross have
- * had theirs. */
+/* The remaining error of an upper bound of s, after the errors of dot and cross: a sum, a difference
+ * and a quotient. */
 #define DT_SCAN_COTANGENT_BOUND 0x1p-50 /* of |s|: 8 u > 4 u */
 
 /* A circle segment over an edge of length L: size = L sqrt(1 + s^2), the diameter of its circle, is
- * no less than L and |s| L. Its centre, relative to a, and its radius err by less than 16 u of
- * that: u in d, 4 u in L, which is a square root, 4 u in sqrt(1 + s^2) or, where it comes from a
- * height, in each of the two terms that add up to it, and 3 u in products and sums. The last sum,
- * with a coordinate of a, takes up to 2 u of that besides. */
+ * no less than L and |s| L. Its centre, relative to a, and its radius err by less than 16 u of size:
+ *
+ *     d 1 u; L, a square root, 4 u; products and sums 3 u; sqrt(1 + s^2) 4 u, or 4 u in each of the
+ *     two terms whose sum it is if it comes from a height
+ *
+ * The last sum, with a coordinate of a, adds up to 2 u of that coordinate. */
 #define DT_SEGMENT_PAD 0x1p-47 /* of size: 64 u */
 
 /* Whether the segment reaches as far as its circle in a direction is asked with more room than

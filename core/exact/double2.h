@@ -9,9 +9,9 @@
  * error bounds for basic building blocks of double-word arithmetic", ACM TOMS 44(2), 2017; u =
  * 2^-53.
  *
- * All this needs IEEE doubles, rounding to nearest even, and no contraction of a*b + c into a fused
- * operation: the compiler gets -ffp-contract=off, and a test (two_product_is_exact...) fails where
- * it did not. Nothing overflows or underflows for what the predicates compute from coordinates that
+ * All this needs IEEE doubles, rounding to nearest even, and no contraction of a*b + c into a fused operation. The
+ * compiler gets -ffp-contract=off, and a test (two_product_is_exact...) fails if it contracts. Nothing
+ * overflows or underflows for what the predicates compute from coordinates that
  * are 0 or of magnitude 2^-142 to 2^201. */
 #ifndef DT_DOUBLE2_H
 #define DT_DOUBLE2_H

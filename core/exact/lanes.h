@@ -79,7 +79,7 @@ static inline dt_lanes dt_lanes_choose(dt_lanes_holds holds, dt_lanes a, dt_lane
     return (dt_lanes)((holds & (dt_lanes_holds)a) | (~holds & (dt_lanes_holds)b));
 }
 
-/* Where a is not nan. */
+/* Returns the lanes in which a is not nan. */
 static inline dt_lanes_holds dt_lanes_known(dt_lanes a)
 {
     dt_lanes same = a;

@@ -1,5 +1,5 @@
 /* lanes2.h - rounding errors and double words, two side by side: double2.h in lanes. Every operation gives the same
- * bits in each lane as there. */
+ * bits in each lane as its original in double2.h. */
 #ifndef DT_LANES2_H
 #define DT_LANES2_H
 

@@ -9,21 +9,23 @@
  *     bignums                    exact whatever the input
  *
  * The near base. A determinant is the same, up to its sign, from any base point, but rounding errors of a
- * difference to a far point cannot be recovered. In
+ * difference to a far point cannot be recovered.
  *
  *     orient2d  (q - p) x (s - p)
  *     incircle  dt(q) cr(t) - dt(t) cr(q),  cr(v) = (s - p) x (v - p) = (s - p) x (v - s),
  *                                           dt(v) = (v - p) . (v - s)              (see sight.h)
  *
- * p and q are the two points closest to each other, s and t the others, and v - p or v - s is taken in
- * cr, whichever is smaller:
+ * Here p and q are the two points closest to each other, s and t the others. cr takes the smaller one of
+ * v - p and v - s:
  *
- *      q                     t         No two large values that nearly cancel are subtracted: with d the
- *       p - - - - - - - - - s          distance of p and q and e that of t to the nearer one of p and s,
- *                                      each term is of the order of d e |s - p| max(|t - p|, |t - s|).
+ *      q                     t
+ *       p - - - - - - - - - s
  *
- * Relative to a point far away from the others, which the inline filters may use, all differences are large,
- * and terms are larger by up to the square of that ratio: precision that is soon lost in double words.
+ * 1. Let d be the distance of p and q, and e the distance of t to the nearer one of p and s.
+ * 2. Each term has the order of magnitude of d e |s - p| max(|t - p|, |t - s|). So no two large values that
+ *    nearly cancel are subtracted.
+ * 3. The inline filters may use a base far away from the other points. Then all differences are large, and
+ *    terms are larger by up to the square of that ratio: double words soon lack that precision.
  *
  * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
  * underflows, are in bounds.h. */
@@ -46,7 +48,7 @@ static int sign_of(double v)
     return v > 0 ? 1 : v < 0 ? -1 : 0;
 }
 
-/* How far apart they are, for orders of magnitude. */
+/* The distance of a and b, to an order of magnitude. */
 static double spread(struct dt_point a, struct dt_point b)
 {
     return fabs(a.x - b.x) + fabs(a.y - b.y);
@@ -252,8 +254,8 @@ static int incircle_integers(const int64_t v[6])
 
 /* ---- incircle: from a near base ---- */
 
-/* The pairs of four points, p and q, and the two others, s and t; whether p, s, q, t, the order of base and
- * candidates, is an even permutation of all or an odd one. */
+/* The pairs of four points: p and q, and the two others, s and t. The sign is that of the permutation p, s, q, t, the order
+ * of base and candidates. */
 static const struct {
     unsigned char p, q, s, t;
     signed char sign;

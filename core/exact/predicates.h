@@ -69,9 +69,9 @@ static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_po
     return dt_incircle_exact(a, b, c, d);
 }
 
-/* The same with ties broken: never 0 for four distinct points of which a, b, c are
- * counterclockwise. On a tie, the lifted height x^2 + y^2 of each point is raised by an
- * infinitesimal that is larger, by orders of magnitude, for the lexicographically greater point
+/* The same with ties broken: never 0 for four distinct points of which a, b, c are counterclockwise.
+ * On a tie, the lifted height x^2 + y^2 of each point is raised by an infinitesimal. The infinitesimal is
+ * larger, by orders of magnitude, for the lexicographically greater point
  * [Devillers & Teillaud 2003; PROTOCOL.md, section 3]. */
 static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,
                                         struct dt_point d)

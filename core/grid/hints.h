@@ -1,8 +1,8 @@
 /* hints.h - the uniform grid: maps every place of the plane to a half edge near it.
  *
  * The paper keeps points in its cells; a half edge serves the same search and leads straight into
- * the mesh. A cell in which points gather holds a grid of its own instead, fitted to the box of
- * those points, and so on: a search costs the same on clusters, outliers and nested scales.
+ * the mesh. A crowded cell holds a grid of its own instead, fitted to the box of its points, and so on.
+ * So a search costs the same on clusters, outliers and nested scales.
  *
  *      grid 0    +---+---+---+
  *                | h | h | h |     h: of the triangle at the centre of this cell, or of one near it
@@ -13,7 +13,7 @@
  * When it is made: core/set/renew.c.
  *
  * A cell in which no small triangle has its centroid, and which has no vertex, is empty. It borrows the content of the
- * nearest one that is not, marked by 3 in the two lowest bits. Of a half edge only the triangle counts. */
+ * nearest cell that is not empty, marked by 3 in the two lowest bits. Of a half edge only the triangle counts. */
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 

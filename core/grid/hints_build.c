@@ -80,8 +80,8 @@ static inline uint32_t *cell_at(const struct frame *f, column_and_row at)
     return &f->cell[(size_t)at[1] * f->nx + (size_t)at[0]];
 }
 
-/* The cell, which has the centroid of the triangle a b c and no grid, gets the triangle's half edge h if the triangle contains
- * the centre of the cell, or if the cell is empty; but not if a corner is far away. */
+/* The cell has no grid and contains the centroid of the triangle a b c. It gets the triangle's half edge h if the triangle
+ * contains the centre of the cell, or if the cell is empty; but not if a corner is far away. */
 static inline void claim_cell(const struct frame *f, column_and_row at, uint32_t h, dt_lanes a,
                               dt_lanes b, dt_lanes c)
 {
@@ -158,7 +158,7 @@ static void claim_slice(void *arg, unsigned i)
 
 /* ---- filling empty cells ---- */
 
-/* What a cell has, and how many cells away that comes from: 0 its own, FARTHEST + 1 nothing yet. */
+/* A cell's content, and its distance in cells to the cell it comes from: 0 its own, FARTHEST + 1 no content yet. */
 struct content {
     uint32_t h;
     unsigned far;
@@ -214,7 +214,7 @@ struct fill {
     atomic_bool bare; /* some band has no content at all */
 };
 
-/* Polls after each so many cells: rows may be long, or many and short. False: it is stopped. */
+/* Polls after every DT_POLL cells: rows may be long, or many and short. False: it is stopped. */
 static bool next_part_of_row(const struct fill *f, struct dt_piece *at, uint32_t *cells)
 {
     if (!dt_next_piece(NULL, at))
@@ -275,8 +275,8 @@ static void fill_part(void *arg, unsigned i)
         (void)fill_rows(f, &grid[k + 1], 0, grid[k + 1].ny);
 }
 
-/* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
- * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of it
+/* Every empty cell takes the content of a cell that is not empty and nearly the nearest: a distance
+ * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of grid 0
  * is filled again, in one piece. */
 static void fill_empty(struct fill *f, const struct dt_pool *pool)
 {

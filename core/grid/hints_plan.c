@@ -47,7 +47,7 @@ struct planner {
     uint32_t span_cap;
 };
 
-/* Square cells, about `cells` of them; at least one row and one column whatever the box. */
+/* Square cells, about `cells` of them; at least one row and one column for any box. */
 static void grid_shape(struct dt_hint_grid *g, const struct dt_box *b, double cells)
 {
     double w = dt_box_width(b), h = dt_box_height(b);
@@ -176,7 +176,7 @@ static enum dt_status divide_crowd(struct planner *p, uint32_t k, uint32_t n)
     return DT_OK;
 }
 
-/* The box of the samples of grid k, and as much around it as other points are likely to reach. */
+/* The box of the samples of grid k, with a margin that other points are likely to reach. */
 static struct dt_box box_of_samples(const struct planner *p, uint32_t k)
 {
     uint32_t from = p->span[k].from, n = p->span[k].to - from;

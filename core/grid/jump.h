@@ -1,24 +1,24 @@
 /* jump.h - where a search that has walked too far should continue.
  *
- * Walks are short where the grid of hints leads close to the place, but not where thin triangles lie
- * across the way: inside a circle or between two far lines of points with nothing in between, a
- * search passes a good part of all triangles. Both kinds of walk come ever closer in some measure:
+ * Walks are short where the grid of hints leads close to the place. They are long where thin triangles lie across the
+ * way: inside a circle, or between two far lines of points, a search passes a large share of all triangles. Both kinds
+ * of walk approach q in some measure:
  *
  *     to a triangle    its circumcircle has q ever deeper inside (the triangles, lifted to the
  *                      paraboloid, are a convex surface, and the walk climbs above q)
  *     to a vertex      its distance to q becomes ever smaller
  *
- * so a walk that begins at the best of a sample passes only better ones: of n, with a
- * sample of the root of n, about the root of n, however the points lie. (Devroye, Muecke & Zhu, "A
- * note on point location in Delaunay triangulations of random points", 1998, jump to the nearest
- * sampled vertex also to find a triangle, which needs points that are spread evenly.) Where all are equally
- * good, as the triangles of one circle, a sample does not help. */
+ * A walk that begins at the best of a sample passes only better ones. If the sample has about the root of n of n
+ * triangles, the walk passes about the root of n triangles, for any distribution of the points.
+ * [Devroye, Muecke & Zhu, "A note on point location in Delaunay triangulations of random points", 1998] jump to the
+ * nearest sampled vertex also to find a triangle, which needs evenly spread points. If all triangles are equally good,
+ * as the triangles of one circle, a sample does not help. */
 #ifndef DT_JUMP_H
 #define DT_JUMP_H
 
 #include "core/mesh/mesh.h"
 
-/* How many of n a sample has, and a walk may pass before it pays to take one: the root of n. */
+/* The root of n: the size of a sample of n, and the length of a walk from which a sample pays. */
 uint32_t dt_jump_samples(uint32_t n);
 
 /* Of a sample of triangles and `from`, the base half edge of one, the one in whose circumcircle q lies

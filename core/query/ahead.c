@@ -4,8 +4,8 @@
  * previous wait has delivered: cell, triangle, corners, next triangle. Different queries wait independently. So
  * all go through the same stages side by side, and the processor loads a dozen cache lines at a time where a
  * single query loads one or two. Cache lines determine the time, so only those that are certain or likely to be
- * read are fetched. What is computed here is rounded and only a hint: the queries run afterwards as usual, and
- * find their data in the caches. */
+ * read are fetched. Values here are rounded and serve only as hints: the queries run afterwards as usual, and find
+ * their data in the caches. */
 #include "core/query/ahead.h"
 
 #include "core/exact/predicates.h"

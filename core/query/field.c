@@ -28,7 +28,7 @@ static bool is_of(const struct dt_field *c, uint64_t serial)
     return c->born < serial && serial <= c->gone;
 }
 
-/* The moment of the view; that of now is after all of them. */
+/* The serial of the view. The present has a serial after all views. */
 static uint64_t serial_of(const struct dt_view *v)
 {
     return v == NULL ? UINT64_MAX : v->serial;

@@ -70,8 +70,8 @@ static int compare(const void *a, const void *b)
 
 enum { FEW = 16 };
 
-/* How many of n entries come before e, which is number i. Triangles on both sides of an edge differ in which of its
- * ends comes first; so the second ids of one point's triangles differ. Few are compared with each other, because a sort's
+/* Returns how many of n entries come before e, which is number i. Triangles on both sides of an edge differ in the end
+ * that comes first; so the second ids of one point's triangles differ. Few are compared with each other, because a sort's
  * branches would be unpredictable; many are sorted. */
 static uint32_t rank_of(const struct entry *e, uint32_t i, uint32_t n)
 {
@@ -128,8 +128,8 @@ enum dt_status dt_flat_rows(const struct dt *t, bool cw, uint32_t *triangles, ui
     return s;
 }
 
-/* Where a triangle's half edges are in its row, by the corner that comes first and by the half edge of the mesh. Clockwise,
- * they are in the opposite order. */
+/* turns[cw][corner that comes first][half edge of the mesh]: the place of the half edge in its triangle's row. Clockwise,
+ * the half edges are in the opposite order. */
 static const uint8_t turns[2][3][4] = {{{0, 1, 2}, {2, 0, 1}, {1, 2, 0}},
                                        {{2, 1, 0}, {0, 2, 1}, {1, 0, 2}}};
 

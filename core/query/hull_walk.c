@@ -1,5 +1,6 @@
 /* hull_walk.c - see hull_walk.h. A walk goes from ghost to ghost. At points whose star has an image since the moment of
- * the view, and on a line that has changed since, it goes by the ring, which runs from the successor to the predecessor. */
+ * the view, it goes by the ring, which runs from the successor to the predecessor. It also does so on a line that has
+ * changed since that moment. */
 #include "core/query/hull_walk.h"
 
 #include "core/mesh/hull.h"

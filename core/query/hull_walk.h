@@ -1,6 +1,6 @@
 /* hull_walk.h - the hull now or at the moment of a view, from point to point.
  *
- * The position of a walk is a point, given by its id, so that the walk can be resumed there after edits; on a
+ * The position of a walk is a point, given by its id, so that the walk can be resumed at that point after edits. On a
  * line, which has two directions, the previous point is needed as well. */
 #ifndef DT_HULL_WALK_H
 #define DT_HULL_WALK_H
@@ -17,8 +17,8 @@ struct dt_hull_walk {
     uint32_t ghost;      /* its ghost; DT_NONE: the walk goes on by the star */
 };
 
-/* Where the hull begins in canonical order, cw or not: as dt_hull_first. DT_NONE if there is no point. v
- * may be NULL: now. Cost: O(hull). */
+/* Returns the id at which the hull begins in canonical order, cw or not: as dt_hull_first. DT_NONE if there is no point.
+ * v may be NULL: now. Cost: O(hull). */
 uint32_t dt_hull_start(const struct dt *t, const struct dt_view *v, bool cw);
 
 /* A walk, clockwise or not (on a line away from `before`), at the point of this id. */

@@ -6,14 +6,16 @@
 
 #include <math.h>
 
-/* Where q->at lies in the mesh of a set of at least two vertices. *half becomes
+/* Finds where q->at lies in the mesh of a set of at least two vertices. *half becomes
+ *
  *   DT_INSIDE     a half edge of the triangle around it
- *   DT_ON_EDGE    the half edge that it is on (all points on one line: that of a ghost)
- *   DT_ON_VERTEX  a half edge that leaves the vertex there
- *   DT_OUTSIDE    a ghost beyond whose edge it lies; all points on one line: any ghost if it is not
- * on that line, else one whose corner 0 is the end of the line next to it. Exact. Prefetches the ids that a caller will
- * probably read then. A half edge q->near saves most of the way; whatever it is, the answer is the same. Cost: constant
- * expected. */
+ *   DT_ON_EDGE    the half edge that it is on (all points on one line: the half edge of a ghost)
+ *   DT_ON_VERTEX  a half edge that leaves the vertex
+ *   DT_OUTSIDE    a ghost beyond whose edge it lies
+ *
+ * If all points are on one line and the place is outside, *half is a ghost. A place on that line gets a ghost whose
+ * corner 0 is the next end of the line, any other place gets any ghost. Exact. Prefetches the ids that a caller will
+ * probably read. A half edge q->near saves most of the way; the answer does not depend on it. Cost: constant expected. */
 enum dt_where dt_find(const struct dt *t, const struct dt_place *q, uint32_t *half);
 
 /* The same for a place near which no half edge is known, without prefetching ids; *steps: about how many triangles the walk

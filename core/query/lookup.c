@@ -1,10 +1,10 @@
 /* lookup.c - many places at once: their triangles, and their nearest points; now, or at the moment of a
  * view.
  *
- * Places are walked to side by side (ahead.h). With a view, the answer of the present is right as long as
- * what it follows from has no image since the view began; else the search is repeated among the rings
- * of that moment: what a view keeps are rows and rings, by id, so it goes from ring to ring. That is slower, by the
- * reading of a ring for each step. */
+ * Places are walked to side by side (ahead.h). With a view, the answer of the present is right as long as the rows and
+ * rings it follows from have no image since the view began. Otherwise the search is repeated in the rings of that moment.
+ * A view keeps rows and rings by id, so the search goes from ring to ring; each step costs the reading of a
+ * ring. */
 #include "core/memory/sort.h"
 #include "core/query/ahead.h"
 #include "core/query/locate.h"
@@ -34,7 +34,7 @@ static bool row_has_changed(const struct lookup *l, uint32_t id)
     return id >= l->then->next_id || dt_view_has(&l->t->views, l->then, DT_IMAGE_ROW, id);
 }
 
-/* Whether the vertex was where it is, joined to those to which it is. */
+/* Whether the place or the neighbours of the vertex have changed since the view began. */
 static bool has_changed(const struct lookup *l, uint32_t v)
 {
     uint32_t id = l->t->points.id[v];
@@ -221,7 +221,7 @@ static enum dt_status locate(struct lookup *l, const struct dt_place *p, uint32_
 
 /* ---- the nearest ---- */
 
-/* Whether the neighbours of v were where they are, and, with `alone`, v is nearer to q than they are. */
+/* Whether no neighbour of v has moved since then, and, with `alone`, v is nearer to q than all neighbours. */
 static enum dt_status look_round(struct lookup *l, struct dt_point q, uint32_t v, bool alone,
                                  bool *same)
 {

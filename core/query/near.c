@@ -49,8 +49,8 @@ struct dt_seen dt_near_pop(struct dt_near *h)
 }
 
 /* Brings the nearest k points, 0 < k <= n, to the front, the last of them to k - 1 [Hoare, "Algorithm 65: find", CACM
- * 4(7), 1961]. Which pivots are taken does not change the result; they depend on where the points are in memory, so that no order
- * of points can be made for them. Cost: linear expected. */
+ * 4(7), 1961]. The choice of pivots does not change the result. It depends on addresses in memory, so that no order of
+ * points can be made to slow it down. Cost: linear expected. */
 static void select_nearest(struct dt_near *h, size_t k)
 {
     struct dt_seen *v = h->heap;

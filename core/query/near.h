@@ -1,8 +1,8 @@
 /* near.h - of the points that a search has seen, those nearest to a place: a heap with the nearest on top, ties by id.
  *
- * If k results are still wanted, only the nearest k points matter: now and then the heap is cut down to these, and from
- * then on points farther than the last of them are not wanted. So a heap has at most twice as many points as are
- * wanted, and some. */
+ * If k results are still wanted, only the nearest k points matter. Now and then the heap is cut down to these; from then
+ * on points farther than the last of them are not wanted. So a heap has at most about twice as many points as are
+ * wanted. */
 #ifndef DT_NEAR_H
 #define DT_NEAR_H
 
@@ -27,7 +27,7 @@ struct dt_near {
 struct dt_near dt_near_of(struct dt_point q, const uint32_t *id, size_t wanted);
 void dt_near_clear(struct dt_near *h);
 
-/* How much room it takes at most when `more` points have been pushed. */
+/* The bytes that it takes at most when `more` points have been pushed. */
 size_t dt_near_room(const struct dt_near *h, size_t more);
 
 static inline struct dt_seen dt_near_see(const struct dt_near *h, struct dt_point at, uint32_t key)

@@ -1,12 +1,15 @@
 /* nearest.c - a nearest vertex: from the triangle that the place is in, on to nearer neighbours.
  *
- * The search does not visit all neighbours of a vertex. Let v be at the origin, and let every neighbour w stand for
- * the point w* = w / |w|^2, infinity for the origin: by inversion these are the corners of a convex polygon, in the
- * order of the ring. A neighbour is as near to q as v, or nearer, if q.w* >= 1/2; and along a convex polygon q.w*
- * rises to its maximum from both sides. So an ascent finds the maximum, and neighbours beyond a descent on either side
- * of it need not be visited. At v, the nearest corner of the triangle that q is in, it begins at the top or beside it,
- * and two or three neighbours are enough; at a vertex of high degree it goes on from the best of a sample if the way is
- * long. */
+ * The search does not visit all neighbours of a vertex v:
+ *
+ * 1. Put v at the origin. A neighbour w stands for the point w* = w / |w|^2, infinity for the origin. By inversion these
+ *    points are the corners of a convex polygon, in the order of the ring.
+ * 2. A neighbour w is at least as near to q as v if and only if q.w* >= 1/2.
+ * 3. Along a convex polygon q.w* rises to its maximum from both sides. So an ascent finds the maximum. Neighbours beyond
+ *    a descent on either side of the maximum need not be visited.
+ *
+ * At v, the nearest corner of the triangle that q is in, the ascent begins at the top or beside it, and two or three
+ * neighbours are enough. At a vertex of high degree it continues from the best of a sample if the way is long. */
 #include "core/query/nearest.h"
 
 #include "core/control/stop.h"

@@ -1,12 +1,15 @@
 /* nearest.h - what searches by distance share: a nearest vertex, and the comparison of distances.
  *
  * They rely on two facts about Delaunay triangulations, which do not hold with constraints (nearest_fixed.c). Let q be
- * any place. (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi cell,
- * whose sides all belong to neighbours. So going to a nearer neighbour while there is one finds a nearest vertex. (2)
- * Every vertex p that is not a nearest one has a neighbour strictly nearer to q: let a disc grow from p, its centre
- * moving from p to q, until its circle meets another vertex; it lies in the disc around q through p. So the nearest k,
- * and all within a radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
- * circle around q, which its triangulation connects. */
+ * any place.
+ *
+ * 1. A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi cell, whose sides all
+ *    belong to neighbours. So going to a nearer neighbour as long as one exists finds a nearest vertex.
+ * 2. Every vertex p that is not a nearest one has a neighbour strictly nearer to q. Let a disc grow from p, its centre
+ *    moving from p to q, until its circle meets another vertex. This vertex is a neighbour, and lies in the disc around
+ *    q through p. So the nearest k vertices, and all within a radius, are connected by edges.
+ *
+ * If several vertices tie as nearest, they are the corners of one empty circle around q, which its triangulation connects. */
 #ifndef DT_NEAREST_H
 #define DT_NEAREST_H
 
@@ -48,9 +51,9 @@ static inline double dt_edge_least(struct dt_point q, struct dt_point p, struct 
     return least > 0 ? least * least * (1 - 0x1p-46) : 0;
 }
 
-/* *nearest: a vertex of which none is nearer to the place; *tie: there are others as near. At least
- * one vertex must exist. Exact. What it looks at is taken off the work. Cost: constant expected; at a
- * vertex of high degree, the root of the number of triangles. */
+/* *nearest: a vertex such that no other is nearer to the place; *tie: other vertices are as near. At least one vertex
+ * must exist. Exact. The cost of the search is taken off the work. Cost: constant expected; at a vertex of high degree,
+ * the root of the number of triangles. */
 enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_stop *work,
                                  uint32_t *nearest, bool *tie);
 

@@ -149,8 +149,8 @@ static bool meets_disc(struct dt_point q, struct dt_point p, struct dt_point r, 
            dt_edge_least(q, p, r) <= square * (1 + 4 * DT_DISTANCE_BOUND);
 }
 
-/* The nearest vertex if q is inside of the triangle of h and few triangles meet the disc up to it, which are visited: edges that meet
- * an open disc without vertices divide it into a tree. DT_NONE: unknown. */
+/* Returns the nearest vertex if q is inside of the triangle of h and at most MOST triangles meet the disc up to it.
+ * Edges that meet an open disc without vertices divide it into a tree. DT_NONE: unknown. */
 static uint32_t nearest_at_once(const struct dt *t, struct dt_point q, uint32_t h)
 {
     enum { MOST = 32 };

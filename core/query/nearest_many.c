@@ -200,7 +200,7 @@ static enum dt_status descend(struct search *s, uint32_t *id)
     return st;
 }
 
-/* Where rings do not lead to the nearest points: a look at every row. */
+/* Looks at every row: for moments at which rings do not lead to the nearest points. */
 static enum dt_status nearest_of_rows(struct search *s, struct dt_ids *out)
 {
     struct dt_view_ids ids = dt_view_ids_begin(s->t, s->then, 0);

@@ -101,7 +101,7 @@ enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, 
     return DT_OK;
 }
 
-/* A half edge of the triangle with these corners, in whatever order; DT_NONE if there is none. */
+/* A half edge of the triangle with these corners, in any order; DT_NONE if there is none. */
 static uint32_t half_of_triangle(const struct dt_mesh *m, const uint32_t v[3])
 {
     uint32_t h = dt_half_between(m, v[0], v[1]);

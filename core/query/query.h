@@ -11,8 +11,8 @@ uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
 /* dt_find, also for sets of one point, whose half edge is DT_NONE, or none. */
 enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half);
 
-/* What is inside the border of the number, or inside any if that is DT_NONE: asked about the faces of triangles
- * (core/mesh/fixed.h). Errors of dt_region_check. */
+/* The inside of the border of this number, or of any border if the number is DT_NONE, for questions about the faces of
+ * triangles (core/mesh/fixed.h). Errors of dt_region_check. */
 enum dt_status dt_enclosure_of(const struct dt *t, uint32_t number, struct dt_enclosure *out);
 
 /* ---- rows of DT_TRIANGLES ---- */

@@ -4,8 +4,8 @@
  * small part of its star. A cursor is before the row (id, sub): rows of lower ids are written, and of id itself
  * those whose second word is below sub. It ends before the id `end`; rows along the hull follow after that.
  *
- * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
- * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
+ * `left` and `hull_left` are the rows still to come of either kind; 0 marks the end.
+ * The number of rows of a part that was cut off is unknown: `left` is then an upper bound. */
 #include "core/memory/sort.h"
 #include "core/query/hull_walk.h"
 #include "core/set/view_rows.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where rows go. */
+/* The target of rows. */
 struct sink {
     uint32_t *out;
     size_t cap, max_rows;  /* room: words and rows */
@@ -236,7 +236,7 @@ static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sin
     return true;
 }
 
-/* How many stars to read ahead for a sink that takes about `words` words for each. */
+/* Returns the number of stars to read ahead for a sink that takes about `words` words for each. */
 static uint32_t stars_ahead(const struct sink *k, size_t words)
 {
     size_t n = (k->cap - k->words) / words + 1;

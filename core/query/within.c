@@ -1,15 +1,18 @@
 /* within.c - the points in a closed box or disc, and the triangles that meet a box.
  *
  * A flood goes from triangle to triangle, ghosts included, across every edge that meets the region. It names a vertex
- * at the triangle around it that leaving[] has, so it needs to know of triangles only which ones it has reached. The
- * vertices in a disc are connected by edges (nearest.h), unless there are fixed edges; it starts at one that is
- * nearest to the centre. Those in a box need not be. But box and hull are convex, so what they share is connected, and
- * so are, across edges that meet the box, the triangles that meet it; whether an edge does with no end in it is
- * decided exactly. A first triangle: one that holds a corner of the box; if all four corners are outside, the box
- * meets the hull only if it meets a hull edge. Where all points are on one line, a walk along it finds the first edge
- * that meets the box.
+ * at the triangle around it that leaving[] has, so it only has to remember which triangles it has reached.
  *
- * Where the region turns out to hold a large share of the set, a scan of all vertices replaces the flood. */
+ * A disc. The vertices in a disc are connected by edges (nearest.h), unless there are fixed edges. The flood starts at a
+ * vertex that is nearest to the centre.
+ *
+ * A box. The vertices in a box need not be connected. But box and hull are convex, so their intersection is connected:
+ * the triangles that meet the box are connected across edges that meet the box. Whether an edge without an end in the
+ * box meets it is decided exactly. The flood starts at a triangle that holds a corner of the box. If all four corners
+ * are outside, the box meets the hull only if it meets a hull edge. If all points are on one line, a walk along the line
+ * finds the first edge that meets the box.
+ *
+ * If the region holds a large share of the set, a scan of all vertices replaces the flood. */
 #include "core/control/stop.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
@@ -169,7 +172,7 @@ static int sign(double d)
     return (d > 0) - (d < 0);
 }
 
-/* How `at` lies to the box along the direction from p to q: < 0 before it, 0 inside, > 0 past it. A walk
+/* The position of `at` relative to the box along the direction from p to q: < 0 before it, 0 inside, > 0 past it. A walk
  * that does not reach the box is past it. */
 static int along(const struct dt_box *b, struct dt_point at, struct dt_point p, struct dt_point q)
 {

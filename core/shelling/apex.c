@@ -28,8 +28,8 @@
 /* A segment of a larger cotangent counts as the half plane. */
 #define FLAT 0x1p60
 
-/* Steps (grid.h) for cells within a cell, a line of cells and a trial; how many of them are added before the
- * limit is checked; and the points that take about as many. */
+/* Steps (grid.h) for cells within a cell, for a line of cells and for a trial. After MANY_STEPS steps the limit is checked;
+ * PIECE points take about that many steps. */
 enum { CELLS_STEPS = 64, LINE_STEPS = 8, TRIAL_STEPS = 64, MANY_STEPS = 4096, PIECE = 1024 };
 
 struct search {
@@ -74,8 +74,8 @@ static bool scan_crowded(struct search *q, double reach, const struct dt_cells *
     return scan_places(q, reach, i, c->start[last + 1]);
 }
 
-/* Where there is much left to scan, continues in the segment of the best point. False if that leaves
- * nothing of c. */
+/* Continues in the segment of the best point if many cells remain. False: the new segment touches no more
+ * cells of c. */
 static bool narrow(struct search *q, const struct dt_cells *c, struct dt_window *w,
                    uint32_t lines_left)
 {

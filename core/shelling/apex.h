@@ -4,11 +4,11 @@
 
 #include "core/shelling/grid.h"
 
-/* The place of the apex of the directed edge a->b (places): the point left of it such that the
- * circle through a, b and it contains no other point that is left of it, ties broken as
- * dt_incircle_perturbed does. DT_NONE if no point lies left of it. Points collinear with a and b
- * are never an apex. Depends only on the edge and the points that are not removed; undefined if it has to
- * stop. Cost: constant expected on evenly spread points, counted by g->stop. */
+/* The place of the apex of the directed edge a->b (places). The apex lies left of the edge; the circle through a, b and
+ * the apex contains no other point that lies left of the edge. Ties are broken as dt_incircle_perturbed does. DT_NONE if
+ * no point lies left of the edge: points collinear with a and b are never an apex. The result depends only on the edge
+ * and the points that are not removed; it is undefined if the search has to stop. Cost: constant expected on evenly
+ * spread points, counted by g->stop. */
 uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b);
 
 #endif

@@ -1,9 +1,9 @@
 /* front.c - the circular edge list and the three ways in which a triangle changes it.
  *
  * Source: the paper, "Putting triangles together" and fig. 19. Deviations: the open side is the
- * left, and a right touch is one at the right end of the edge as seen from the disc, looking out,
- * which is what the paper's mirror image has, too; an edge without a touch, which the paper moves to the end of
- * its queue and searches again, sleeps here, with its apex, until a neighbour on the front changes.
+ * left. A right touch is one at the right end of the edge as seen from the disc, looking out, as in
+ * the paper's mirror image. The paper moves an edge without a touch to the end of its queue and searches
+ * it again; here it sleeps, with its apex, until a neighbour on the front changes.
  *
  * The case of no touch: the apex c of edge a is on the front already, but not next to a or b. The
  * triangle a b c would close the mouth of a cave (dotted) and leave a hole in the disc. So the other edges of

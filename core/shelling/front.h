@@ -1,8 +1,8 @@
 /* front.h - the paper's circular edge list: the border of what is triangulated so far.
  *
- * The triangulated part is a disc, and its border passes through each of its vertices once; so an
- * edge of the front is known by the vertex it starts at, and the list is the paper's pair of
- * pointers, next and previous, at every point. The front runs clockwise around the disc: every edge
+ * The triangulated part is a disc, and its border passes through each of its vertices once. So the start
+ * vertex identifies an edge of the front, and the list is the paper's pair of pointers, next and previous,
+ * at every point. The front runs clockwise around the disc: every edge
  * has the open part of the plane on its left.
  *
  *                        open
@@ -32,8 +32,8 @@ struct dt_front {
     uint32_t current;           /* the awake edge to be looked at; DT_NONE when all sleep */
 };
 
-/* What the triangle of edge a, from a to b, and its apex c does to the front; seen from the disc,
- * looking out. */
+/* The change that the triangle of edge a, from a to b, and its apex c makes to the front; seen from the
+ * disc, looking out. */
 enum dt_touch {
     DT_NEW_POINT,   /* c was not used yet */
     DT_RIGHT_TOUCH, /* c follows b on the front: b becomes an inner point */

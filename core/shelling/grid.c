@@ -1,10 +1,10 @@
 /* grid.c - building the uniform grid and its two searches for points: see grid.h for the structure.
  *
  * Source: the paper, "Preprocessing the data" and "Finding a start point and the first edge".
- * Deviations: cells are runs of one array instead of linked lists; the box needs no offset by TOL,
- * because points on its border cannot fall out of a clamped cell number; coincident points were
- * recognised before; the side of a cell is at least 1/n of the box, so that there are at most 3n +
- * 1 cells whatever its shape; crowded cells have cells of their own. */
+ * Deviations: (1) Cells are runs of one array instead of linked lists. (2) The box needs no offset by TOL,
+ * because points on its border cannot fall out of a clamped cell number. (3) Coincident points were
+ * recognised before. (4) The side of a cell is at least 1/n of the box, so there are at most 3n + 1 cells
+ * for any shape of the box. (5) Crowded cells have cells of their own. */
 #include "core/shelling/grid.h"
 
 #include <math.h>
@@ -18,10 +18,9 @@
  * in a cell on average, that never happens. */
 #define CROWD 32
 
-/* A grid of which one cell holds more than half of the points is of little use, so it is made
- * again, with the side of cells that so few points would have: a mere zoom that costs no memory. A
- * zoom makes the box smaller by a factor of at least 4, and other grids halve the number of points,
- * so cells are nested less than 28 + 400/2 deep, there being 2^400 places along an axis. */
+/* If one cell of a grid holds more than half of the points, the grid is made again as a zoom, in the same memory. Its
+ * cells have the side that a grid for ZOOM points would have. A zoom makes the box smaller by a factor of at least 4; other
+ * grids halve the number of points. An axis has 2^400 places, so cells are nested less than 28 + 400/2 deep. */
 #define ZOOM 64
 
 /* Steps for each point or cell of a pass, and for a point that is compared by distance. */
@@ -29,7 +28,7 @@
 #define COMPARE_STEPS 16u
 #define BETWEEN_POLLS (1u << 19) /* steps: a millisecond, or ten where they are slow */
 
-/* What building needs besides the grid itself. */
+/* The state of building, besides the grid itself. */
 struct builder {
     struct dt_grid *grid;
     uint32_t *cell;      /* room for a cell number of each point */
@@ -282,9 +281,8 @@ static void visit_window(const struct dt_cells *c, struct window w,
     }
 }
 
-/* Calls visit for the ring of cells at distance k around cell (i, j): side 0 and 1 the lines above
- * and below, sides 2 and 3 the cells left and right; only those sides whose bit is set in
- * `sides`. */
+/* Calls visit for the ring of cells at distance k around cell (i, j), on the sides whose bit is set in `sides`.
+ * Sides 0 and 1 are the lines above and below, sides 2 and 3 the cells left and right. */
 static void visit_ring(const struct dt_cells *c, int64_t i, int64_t j, int64_t k, unsigned sides,
                        void (*visit)(void *arg, uint32_t i, uint32_t end), void *arg)
 {
@@ -305,7 +303,7 @@ static void take_first(void *arg, uint32_t i, uint32_t end)
         *place = i;
 }
 
-/* The steps that a ring at distance k costs, but for what is visited. */
+/* The steps that a ring at distance k costs, without the steps of the visits. */
 static uint64_t ring_steps(int64_t k)
 {
     return 16 + 8 * (uint64_t)k;

@@ -1,15 +1,15 @@
 /* grid.h - the paper's uniform grid: the points of a set in the order of the cells they fall into.
  *
- * The cells are squares of side sqrt(area / n) * 4/3 over the min-max box. A line of cells is a
- * row, or a column where the box is higher than wide, so that there are few lines; the points of a
- * line, and so of any cells next to each other in it, are one contiguous run of places. A point's
- * place is its index in that order.
+ * The cells are squares of side sqrt(area / n) * 4/3 over the min-max box. A line of cells is a row, or a
+ * column if the box is higher than wide, so that there are few lines. The points of a line, and the points
+ * of adjacent cells in a line, are one contiguous run of places. A point's place is its
+ * index in that order.
  *
  *        line 1  | 5 |   | 6 7 | 8 |         start[] of line 1:  5 6 6 8 9
  *        line 0  | 0 | 1 2 3 | 4 |   |       places 0..8 hold xy[0..8]
  *
- * Where points crowd, a cell has cells of its own: the same grid again over the box of its points,
- * which stay within the cell's run of places. Evenly spread points have no such cells. The paper has none, and
+ * A crowded cell has cells of its own: the same grid again over the box of its points, which stay within
+ * the cell's run of places. Evenly spread points have no such cells. The paper has none, and
  * slows down on crowded points.
  *
  * A point that is removed leaves a NaN at its place: it lies on no side of any line and is at no
@@ -41,10 +41,9 @@ struct dt_grid {
         *observer; /* borrows; searches are reported to it, in places; may be NULL */
 };
 
-/* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, but for stop; xy[n] and
- * from[n] are the caller's, filled here and borrowed until dt_grid_clear. DT_NOMEM, or the reason to stop,
- * leave it cleared. Cost: O(n log n) at worst, linear on all but very skewed sets; 24 bytes of
- * memory a point. */
+/* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, except stop. xy[n] and from[n] are the
+ * caller's, filled here and borrowed until dt_grid_clear. DT_NOMEM, or the reason to stop, leave *g cleared. Cost:
+ * O(n log n) at worst, linear on all but very skewed sets; 24 bytes of memory a point. */
 enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint32_t n,
                              struct dt_point *xy, uint32_t *from);
 void dt_grid_clear(struct dt_grid *g);
@@ -57,7 +56,7 @@ uint32_t dt_grid_middle(struct dt_grid *g);
  * it has to stop. Cost: constant expected on evenly spread points. */
 uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place);
 
-/* Subtracts steps, of about a nanosecond each, from stop->left; polls not after so many rounds but after so many steps, because
+/* Subtracts steps, of about a nanosecond each, from stop->left. It polls after a number of steps, not of rounds, because
  * one round may be very long. True: the computation must stop, with DT_TOOBIG if no steps are left; stays true. */
 bool dt_grid_spend(struct dt_stop *stop, uint64_t steps);
 
@@ -74,7 +73,7 @@ static inline bool dt_grid_removed(const struct dt_grid *g, uint32_t place)
     return g->xy[place].x != g->xy[place].x;
 }
 
-/* The side of the smallest cell that p falls into: about the distance between points there. */
+/* The side of the smallest cell that p falls into: about the distance between the points around p. */
 double dt_grid_spacing(const struct dt_grid *g, struct dt_point p);
 
 /* ---- coordinates in cells: monotone, as dt_cell is ---- */

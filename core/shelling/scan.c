@@ -22,7 +22,7 @@ void dt_scan_begin(struct dt_scan *q, bool exact)
     q->cross = 0;
 }
 
-/* Whether a point near the edge's line is left of it. */
+/* Whether a point near the edge's line is left of the edge. */
 static bool is_left(struct dt_scan *q, uint32_t i)
 {
     q->looked += PREDICATE;
@@ -78,13 +78,13 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
         q->doubt |= has_doubtful(q, sure[0], i, end);
 }
 
-/* Which lane has the least cotangent. */
+/* Returns the lane that has the least cotangent. */
 static int least_lane(const struct dt_scan *q)
 {
     return q->least[1] < q->least[0];
 }
 
-/* How far another cotangent must be from the least one to be greater with certainty. */
+/* The difference from the least cotangent beyond which another cotangent is certainly greater. */
 static double margin(const struct dt_scan *q)
 {
     return DT_SCAN_SURE * (2 * q->reach / q->edge.span + fabs(q->least[least_lane(q)]));

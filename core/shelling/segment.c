@@ -19,10 +19,10 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
-/* The segment of cotangent s, where root = sqrt(1 + s^2). With the circle's centre c and radius r,
- * the box reaches to c + r e in a direction e along an axis if that point is left of the edge,
- * which d x (c + r e - a) > 0 says; else to an end of the edge. All is padded by more than
- * rounding can take: relative to a first, then for the sum with a. */
+/* The segment of cotangent s, where root = sqrt(1 + s^2). Let c be the circle's centre, r its radius, and e a direction
+ * along an axis. The box reaches to the point c + r e if that point is left of the edge: d x (c + r e - a) > 0.
+ * Otherwise the box reaches to an end of the edge. The pads exceed the rounding errors: first those relative to a,
+ * then those of the sum with a. */
 static struct dt_segment segment(const struct dt_edge *edge, double s, double root, double height)
 {
     struct dt_point d = edge->d, a = edge->a;

@@ -28,10 +28,10 @@ struct dt_segment dt_segment_of_cotangent(const struct dt_edge *e, double s);
 /* The half plane left of the edge: s = HUGE_VAL. */
 struct dt_segment dt_segment_all(const struct dt_edge *e);
 
-/* What a segment touches of a grid of cells: the lines and cells of its box, and of those on line j
- * what lies between lo + j slope and hi + j slope. That is the strip between the edge's line and
- * its parallel at the segment's height, and following it takes one addition for each border of
- * lines [the paper, p. 38]:
+/* The part of a grid of cells that a segment touches: the lines and cells of its box. On line j it is only the cells
+ * between lo + j slope and hi + j slope: the strip between the edge's line and its parallel at the
+ * segment's height. Following the strip takes one addition for each border of lines [the paper, p. 38]:
+ *
  *
  *                lo               hi
  *     j + 1  ------/--------------/----

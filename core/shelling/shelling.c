@@ -12,18 +12,19 @@
  *         take a point that this encloses out of the grid
  *     what remains in the grid is the convex hull
  *
- * Why it is right. The first edge is Delaunay, since the disc whose diameter it is holds no other
- * point: such a point would be nearer. If an edge is Delaunay, then the triangle that it makes with
- * its apex is, and so are the triangle's other edges. And the apex depends on nothing but the
- * directed edge (ties follow one rule, that of heights on a paraboloid each of which is perturbed), so all
- * triangles belong to one triangulation, whatever the order.
+ * Why it is right.
+ * 1. The first edge is Delaunay: the disc whose diameter it is holds no other point, because such a point would be
+ *    nearer.
+ * 2. If an edge is Delaunay, its triangle with its apex is Delaunay, and the other two edges of that triangle are, too.
+ * 3. The apex depends only on the directed edge: ties follow the rule of heights on a paraboloid that are perturbed one
+ *    by one. So all triangles belong to one triangulation, in any order.
  *
- * Why it always terminates. A triangle is added only if what it shares with the disc is one edge, or
- * two edges: so the triangulated part stays a disc, with a front that passes each point once.
- * Otherwise its edge waits until the front there changes. All edges can never wait for one another, around
- * caves: every partial shelling of a triangulated disc extends to a whole one [Danaraj & Klee, "Which spheres
- * are shellable?", Annals of Discrete Mathematics 2, 1978]: as long as there are triangles left, one of them
- * touches the disc properly. The paper does not prove this. */
+ * Why it always terminates.
+ * 1. A triangle is added only if it shares one edge or two edges with the disc. So the triangulated part stays a disc,
+ *    with a front that passes each point once. Otherwise the edge waits until the front next to it changes.
+ * 2. Every partial shelling of a triangulated disc extends to a whole one [Danaraj & Klee, "Which spheres are
+ *    shellable?", Annals of Discrete Mathematics 2, 1978]. So as long as triangles are left, one of them touches the
+ *    disc properly, and not all edges can wait for one another around caves. The paper does not prove this. */
 #include "core/shelling/shelling.h"
 
 #include "core/divide/divide.h"

@@ -7,14 +7,14 @@
 #include "core/shelling/front.h"
 #include "core/shelling/grid.h"
 
-/* Triangulates n >= 0 distinct points. p[n] and from[n] are the caller's and are filled: vertex v
- * of the mesh is p[v] = in[from[v]], in the order of the grid. *m comes zeroed, cleared or with
- * reserved room, and is complete on return: 2n - 2 records, ghosts included (none for n < 2). opt
- * may be NULL; its pool is not used. DT_NOMEM, DT_CANCELLED and DT_TOOBIG leave *m cleared.
+/* Triangulates n >= 0 distinct points. The caller's arrays p[n] and from[n] are filled: vertex v of the mesh is
+ * p[v] = in[from[v]], in the order of the grid. The mesh must be zeroed, cleared or have reserved room. It is complete on
+ * return: 2n - 2 records, ghosts included (none for n < 2). opt may be NULL; its pool is not used. DT_NOMEM,
+ * DT_CANCELLED and DT_TOOBIG leave *m cleared.
  *
- * Cost: linear expected on evenly spread points, 40 bytes a point besides the mesh. Where very many
- * points are nearly on one line or circle, or on very many scales, the grid does not help and searches look at
- * most of them: it returns DT_TOOBIG when that has cost about 30 ms and 8 us a point. */
+ * Cost: linear expected on evenly spread points, 40 bytes a point besides the mesh. If very many points are nearly on
+ * one line or circle, or on very many scales, the grid does not help and searches look at most points. It returns
+ * DT_TOOBIG when the searches have cost about 30 ms and 8 us a point. */
 enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
                            uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 
@@ -34,9 +34,9 @@ struct dt_shell {
     const struct dt_observer *observer; /* borrows; NULL: none */
 };
 
-/* All of the above but the links between ghosts, for n >= 2 points; in p[], those that no longer
- * remain in the grid are NaN. *line: all points are on one line, in which case the mesh
- * has no records yet. *s must be zeroed; dt_shell_clear it in any case. */
+/* Does all of the above, except the links between ghosts, for n >= 2 points. In p[], points that have left the grid are
+ * NaN. If *line, all points are on one line, and the mesh has no records yet. *s must be zeroed. Call dt_shell_clear in
+ * any case. */
 enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                              struct dt_point *p, uint32_t *from, struct dt_mesh *m,
                              const struct dt_options *opt, bool *line);

@@ -514,7 +514,7 @@ static uint64_t append_nothing(struct bench *b)
     return log_append(b->log, &r);
 }
 
-/* Reads the log of the directory again. */
+/* Recovers from the files of the directory. */
 static void read_again(struct bench *b, struct recovery *r)
 {
     recovery_init(r, &b->dir);

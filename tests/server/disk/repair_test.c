@@ -376,7 +376,7 @@ TEST(repair_stops_at_a_later_segment_that_cannot_be_put_aside)
     directory_remove(&d);
 }
 
-/* The repair first writes a copy of the bytes that it has read. */
+/* The repair first writes the bytes that it has read to the same file again. */
 TEST(repair_leaves_a_header_of_which_there_is_no_copy)
 {
     char text[4000];

@@ -151,7 +151,7 @@ TEST(large_body_beyond_the_limit_of_points_is_refused_at_that_point)
                "loaded\nOK 0\n");
 }
 
-/* Ends the input of a client in the middle of its body: the connection closes, or (half) only its output. */
+/* A client stops in the middle of its body: it disconnects, or (half) it first shuts its sending side down. */
 static void end_in_the_middle(bool half)
 {
     struct daemon d = daemon_start(NULL);
