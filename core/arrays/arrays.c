@@ -98,7 +98,7 @@ static void measure(struct dt_arrays *a)
     a->size = box.hi.x - box.lo.x + (box.hi.y - box.lo.y);
 }
 
-/* What the triangulation is made of. */
+/* The input of a triangulation. */
 struct input {
     const struct dt_point *p;
     size_t n;

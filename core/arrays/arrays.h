@@ -32,9 +32,9 @@ static inline bool dt_place_ok(struct dt_point *q)
     return true;
 }
 
-/* Where a place lies that the caller found outside the hull, beyond the edge of the ghost at `half`: the half edge, within
- * the hull, of the edge that it would be on but for rounding (delaunay_arrays.h). DT_NONE: it is outside. *along: where on that
- * edge, from 0 at its origin to 1. */
+/* For a place that the caller found outside the hull, beyond the edge of the ghost at `half`. Returns the half edge, within
+ * the hull, of the edge that the place would be on without rounding (delaunay_arrays.h). DT_NONE: it is outside. *along:
+ * its position on that edge, from 0 at the origin to 1. */
 uint32_t dt_beside_hull(const struct dt_arrays *a, struct dt_point q, uint32_t half, double tol,
                         double *along);
 

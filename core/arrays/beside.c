@@ -1,8 +1,8 @@
 /* beside.c - places that rounding has put outside the hull. A place on an edge of the hull can rarely be expressed in doubles, so
  * half of those that a caller computes there are outside.
  *
- * The distance of a place from the hull is at least its distance from the line of any hull edge that it sees, so most places
- * outside are recognised by the first edge. From that edge the search goes along the hull towards the place. */
+ * The distance of a place from the hull is at least its distance from the line of any hull edge that it sees. So the first
+ * edge identifies most places that are outside. From that edge the search goes along the hull towards the place. */
 #include "core/arrays/arrays.h"
 
 #include <math.h>

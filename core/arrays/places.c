@@ -100,7 +100,7 @@ enum dt_status dt_arrays_locate(const struct dt_arrays *a, const struct dt_point
 
 /* ---- values ---- */
 
-/* The surface of an array: its pages are parts of the array, but for the last one, which is a copy. */
+/* The surface of an array: its pages are parts of the array, except the last one, which is a copy. */
 static enum dt_status surface_of(struct dt_surface *s, const double *value, size_t n)
 {
     size_t full = n / DT_FIELD_PAGE, left = n % DT_FIELD_PAGE;
@@ -132,7 +132,7 @@ static bool is_short(const struct places *p, uint32_t half)
     return all;
 }
 
-/* The value at a place that is on an edge of the hull but for rounding: linear between its ends, by any method. */
+/* The value at a place that would be on an edge of the hull without rounding: linear between its ends, by any method. */
 static double value_beside(const struct places *p, struct dt_point at, uint32_t ghost)
 {
     const struct dt *t = p->a->t;
@@ -145,7 +145,7 @@ static double value_beside(const struct places *p, struct dt_point at, uint32_t 
     return along == 0 ? from : along == 1 ? to : from * (1 - along) + to * along;
 }
 
-/* What stands for a value that dt_value_find does not give. */
+/* Returns the value of a place for which dt_value_find gives none. */
 static double no_value(const struct places *p, struct dt_point at, uint32_t half)
 {
     const struct dt *t = p->a->t;

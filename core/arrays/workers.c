@@ -37,7 +37,7 @@ static void *work(void *arg)
     return NULL;
 }
 
-/* Where no thread can be started, the caller's does everything. */
+/* If no thread can be started, the caller's thread does everything. */
 static void run_jobs(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg)
 {
     struct run r = {.job = job, .arg = arg, .n = n};

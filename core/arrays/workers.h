@@ -18,7 +18,7 @@ struct dt_workers {
 /* pool.ctx points into *w. */
 void dt_workers_init(struct dt_workers *w, unsigned workers);
 
-/* What answers n questions in pieces: answer(ctx, from, n) those of from .. from + n - 1. */
+/* Answers to n questions in pieces: answer(ctx, from, n) gives the answers from .. from + n - 1. */
 struct dt_pieces {
     enum dt_status (*answer)(void *ctx, size_t from, size_t n);
     void *ctx;

@@ -4,8 +4,8 @@
 
 #include "core/set/set.h"
 
-/* Makes the mesh of t, which has just been built, that of its constraints. DT_CROSSES: dt_crossed names the first, in
- * their order, that crosses one before it, and the least of these. After a failure the mesh is to be built again. */
+/* Enforces the constraints of t in its mesh, which has just been built. DT_CROSSES: dt_crossed names the first constraint,
+ * in their order, that crosses an earlier one, and the least of these. After a failure the mesh must be built again. */
 enum dt_status dt_constrain_all(struct dt *t, struct dt_stop *stop);
 
 /* The constraint of the row, between vertices a and b, becomes a chain of edges, or is released; the mesh is current.
@@ -14,17 +14,17 @@ enum dt_status dt_constrain_row(struct dt *t, uint32_t row, uint32_t a, uint32_t
                                 struct dt_stop *work);
 void dt_release_row(struct dt *t, uint32_t row);
 
-/* The constraints of all live rows from `from` on become chains of edges. done: NULL, or gets the rows that have become
- * so, *made of them, also if it fails, as dt_constrain_row does. */
+/* The constraints of all live rows from `from` on become chains of edges. done, unless NULL, gets the *made rows that have
+ * become chains, also on a failure. Fails as dt_constrain_row does. */
 enum dt_status dt_constrain_in_order(struct dt *t, uint32_t from, uint32_t *done, size_t *made,
                                      struct dt_stop *stop);
 
-/* Returns DT_CROSSES, and dt_crossed will name, of the constraints at id and those that they would cross as the mesh is, the
- * first in their order that crosses one before it, and the least of these; or fails. Cost: the constraints, for each one
- * at id. */
+/* Looks at the constraints at id, and at those that they would cross as the mesh is. Returns DT_CROSSES, or fails. dt_crossed
+ * will name the first of them, in their order, that crosses an earlier one, and the least of these. Cost: the
+ * constraints, for each one at id. */
 enum dt_status dt_name_crossed(struct dt *t, uint32_t id, struct dt_stop *work);
 
-/* Whether the constraints can be declared, as dt_constrain says, whatever they cross. */
+/* Whether the constraints can be declared, as dt_constrain says, even if they cross others. */
 enum dt_status dt_constrainable(const struct dt *t, const struct dt_constraint *c, size_t n,
                                 uint32_t *missing);
 

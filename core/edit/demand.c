@@ -38,7 +38,7 @@ static size_t slack(size_t n)
     return n < 4096 ? 1024 + n * 256 : (size_t)1 << 20;
 }
 
-/* How many threads other than the caller's work on n points. */
+/* Returns how many threads besides the caller's work on n points. */
 static size_t more_threads(const struct dt_options *opt, size_t n)
 {
     return dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;

@@ -8,7 +8,7 @@
 #include "core/control/stop.h"
 #include "core/edit/update.h"
 
-/* What is set. */
+/* The values to be set. */
 struct setting {
     struct dt *t;
     struct dt_field *field;

@@ -20,9 +20,9 @@ struct dt_flips {
     uint32_t suspect[4 * DT_FLIPS], flip[DT_FLIPS]; /* half edges */
 };
 
-/* *allowed: whether the star of vertex v allows it to move from xy[v] to `to`; false for vertices on the
- * hull, and where very many edges would have to be flipped; also for those with fixed edges, unless these are `bound` to the
- * vertex and move along. Lists in *f the edges of the star that are not Delaunay then. Nothing is changed. Cost: the degree
+/* *allowed: whether the star of vertex v allows it to move from xy[v] to `to`. False for vertices on the hull, and if very
+ * many edges would have to be flipped. False for vertices with fixed edges, unless these are `bound` to the vertex and
+ * move along. *f gets the edges of the star that are not Delaunay after the move. Nothing is changed. Cost: the degree
  * of v, taken off the work. */
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                               struct dt_point to, bool bound, struct dt_stop *work,

@@ -11,9 +11,9 @@
  *       \  /  \   /              \  . . .  /        it between its ends
  *        +------+                 +-------+
  *
- * In the lifted, perturbed picture the conflicts are the faces of a convex surface that q sees, so
- * they are a disc, and the star is again the canonical triangulation, on the hull and for points on
- * one line, too. */
+ * In the lifted, perturbed picture the conflicts are the faces of a convex surface that q sees. So
+ * they are a disc, and the star is again the canonical triangulation. This also holds on the hull and for
+ * points on one line. */
 #include "core/edit/insert.h"
 
 #include "core/exact/predicates.h"
@@ -195,7 +195,7 @@ static void carry_fixed(struct dt_mesh *m, const struct dt_cavity *c)
     dt_keep_rim_fixed(m, c);
 }
 
-/* The spoke of v to a corner u of the rim becomes fixed, and the triangles from there to the corner w are of the face. */
+/* The spoke of v to a corner u of the rim becomes fixed. The triangles from that spoke to the corner w get the face. */
 static void fix_spoke(struct dt_mesh *m, const struct dt_cavity *c, uint32_t u, uint32_t covers,
                       uint32_t w, uint32_t face)
 {

@@ -12,8 +12,8 @@
 enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                          enum dt_where where, uint32_t half, struct dt_cavity *scratch);
 
-/* Whether q is certainly inside the circle of the triangle of half edge h: then q is not at a vertex, and the triangle is in
- * conflict with a new one at q. */
+/* Whether q is certainly inside the circle of the triangle of half edge h. If so, q is not at a vertex, and the triangle is
+ * in conflict with a new vertex at q. */
 bool dt_is_certain_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                             struct dt_point q);
 

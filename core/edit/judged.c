@@ -1,9 +1,9 @@
 /* judged.c - edits of points of a set with constraints.
  *
  * Usually the mesh is edited as without constraints: a vertex moves within its star, and its constraints with it; or these
- * are released, and return when it has moved. Where that fails because constraints would cross on the way, or where a tolerance makes the edit more than
- * one of a vertex, the edit is judged as a whole: a copy of the points is edited and built. If that succeeds, the set
- * is edited and built, too. */
+ * are released, and return when it has moved. That fails if constraints would cross on the way, or if a tolerance makes
+ * the edit concern more than one vertex. Then the edit is judged as a whole: a copy of the points is edited and built. If
+ * that succeeds, the set is edited and built, too. */
 #include "core/edit/constrain.h"
 
 #include <stdlib.h>

@@ -113,8 +113,8 @@ static inline uint32_t closing(struct hole *w, uint32_t lo, uint32_t hi)
     return hi == lo + 1 ? w->rim[lo].beyond : fill_pocket(w, lo, hi);
 }
 
-/* Fills the pocket P[lo], ..., P[hi] of at least three; returns the half edge P[hi]->P[lo] that closes it: the second one
- * of its triangle, so that vertices of the rim leave by others, which dt_hull_keep need not look at later. */
+/* Fills the pocket P[lo], ..., P[hi] of at least three. Returns the half edge P[hi]->P[lo] that closes the pocket. This is the
+ * second half edge of its triangle, so rim vertices leave by other half edges, which dt_hull_keep need not look at later. */
 static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi)
 {
     uint32_t mid = hi == lo + 2 ? lo + 1 : find_apex(w, lo, hi);
@@ -258,8 +258,8 @@ static uint32_t release_edges(struct dt_mesh *m, uint32_t in, uint32_t out)
     return covers;
 }
 
-/* A line loses an edge. v lies between a and b: (a, v) and (v, b) become (a, b), on both sides; or
- * it is an end next to e: the two ghosts of v-e go. */
+/* Removes an edge from a line. If v lies between a and b, (a, v) and (v, b) become (a, b), on both sides. If v
+ * is an end next to e, the two ghosts of v-e go. */
 static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
 {
     uint32_t in = m->leaving[v] - 1,

@@ -24,7 +24,8 @@ struct dt_through {
 };
 
 /* Fills the hole left by the star of v, whose records and rim are in the cavity, by the triangulation of its rim
- * vertices; none or both of the edges to v that are hull edges were fixed, no others. Real triangles get the face. */
+ * vertices. Either none or both of the edges from v along the hull were fixed, and no others. Real triangles get the
+ * face. */
 enum dt_status dt_remove_large(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                                struct dt_cavity *c, uint32_t face);
 
@@ -33,7 +34,7 @@ enum dt_status dt_remove_between(struct dt_mesh *m, const struct dt_point *xy, s
                                  const struct dt_through *t);
 
 /* Looks at the star of v, whose records and rim are in the cavity. False: constraints that run through v would cross,
- * or one ends there. */
+ * or a constraint ends at v. */
 bool dt_find_through(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                      const struct dt_cavity *c, struct dt_through *t);
 

@@ -2,11 +2,16 @@
  * into two polygons, with an edge between them that they cover from now on:
  *
  *        +-------+                  +-------+
- *       / \     / \                / '.   .' \         The apex rule of remove.c holds for the hole, and for each of the two:
- *      a === v === b       ->     a ========= b        v sees every corner, so no corner is in the circle of v and an edge of
- *       \ /     \ /                \ .'   '. /         the rim. So the edges of the rim are Delaunay among the corners, and
- *        +-------+                  +-------+          a-b is a hull edge of those on either side of it. No edge that is
- * fixed hides a corner of the hole from another one whose triangles are to be there. */
+ *       / \     / \                / '.   .' \
+ *      a === v === b       ->     a ========= b
+ *       \ /     \ /                \ .'   '. /
+ *        +-------+                  +-------+
+ *
+ * The apex rule of remove.c holds for the hole, and for each of the two polygons:
+ *
+ * 1. v sees every corner, so no corner is in the circle of v and an edge of the rim.
+ * 2. So the edges of the rim are Delaunay among the corners, and a-b is a hull edge of the corners on each of its sides.
+ * 3. No fixed edge hides a corner of the hole from another corner with which it will share a triangle. */
 #include "core/constraints/enforce.h"
 #include "core/edit/remove.h"
 #include "core/exact/predicates.h"

@@ -1,6 +1,6 @@
-/* remove_large.c - filling the hole of a vertex of high degree: divide and conquer triangulates the rim
- * vertices separately, and the part of that triangulation with which v is in conflict is copied. A triangle of
- * the hole is one whose circle holds v and no other point; its corners are rim vertices; so it is among them. */
+/* remove_large.c - filling the hole of a vertex v of high degree. Divide and conquer triangulates the rim vertices
+ * separately, and the triangles of that triangulation with which v is in conflict are copied. A triangle of the hole is
+ * a triangle whose circle holds v and no other point. Its corners are rim vertices, so it is among the copied ones. */
 #include "core/divide/divide.h"
 #include "core/edit/insert.h"
 #include "core/edit/remove.h"

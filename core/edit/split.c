@@ -1,11 +1,12 @@
 /* split.c - plans what makes constraints that cross share points instead; see core/delaunay_constraints.h.
  *
- * A round finds all crossings of the parts that there are, rounds each to a place, and cuts the parts there. Rounding moves
- * parts, so that these may cross others in the next round. Two parts that are almost parallel could cross again for many rounds,
- * one unit of the last place further each time. So from the second round on, two that cross are cut at an end of one of
- * them, if it is near the other one: within one unit, two, four and so on. Nothing depends on the order of constraints: crossings are found
- * exactly, new points are numbered in the order of their places, and rounding is monotone, so that places follow one
- * another along a part as the crossings do. */
+ * A round finds all crossings of the existing parts, rounds each crossing to a place, and cuts the parts at that place.
+ * Rounding moves parts, so that these may cross others in the next round. Two parts that are almost parallel could cross
+ * again for many rounds, one unit of the last place further each time. So from the second round on, such parts are cut
+ * at an end of one of them if that end is near the other part: within one unit, two, four and so on.
+ *
+ * Nothing depends on the order of constraints: crossings are found exactly, and new points are numbered in the order of
+ * their places. Rounding is monotone, so that places follow one another along a part as the crossings do. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,7 +90,7 @@ static uint32_t point_at(const struct plan *s, struct dt_point q)
     return v == DT_NONE ? DT_NONE : t->points.next_id + v;
 }
 
-/* The same; there is a new one then. */
+/* The same; if there is none, a new point is made. */
 static enum dt_status take_point_at(struct plan *s, struct dt_point q, uint32_t *id)
 {
     *id = point_at(s, q);
@@ -237,7 +238,7 @@ static struct cut cut_of(const struct plan *s, uint32_t part, struct dt_point q)
     return (struct cut){part, DT_NONE, q, along};
 }
 
-/* Those of every crossing, one after the other. */
+/* Lists the cuts of every crossing, one after the other. */
 static enum dt_status list_cuts(struct plan *s, int round)
 {
     enum dt_status status = find_crossings(s);
@@ -290,7 +291,7 @@ static enum dt_status take_points(struct plan *s)
     return status;
 }
 
-/* Appends the pieces of part i, which has the cuts from *c on, to out[n]; returns how many there are then. */
+/* Appends the pieces of part i, which has the cuts from *c on, to out[n]; returns the new number of pieces. */
 static size_t cut_part(struct plan *s, uint32_t i, size_t *c, struct part *out, size_t n)
 {
     struct part whole = s->part[i];
@@ -327,7 +328,7 @@ static enum dt_status cut_parts(struct plan *s)
 
 /* ---- the values of fields at new points ---- */
 
-/* What the constraints through a point say about its value. */
+/* The range of the values that the constraints through a point give it. */
 struct opinion {
     uint32_t known; /* how many say something */
     double least, most;
@@ -347,7 +348,7 @@ static double value_along(const struct plan *s, const struct dt_field *f,
     return v[0] == v[1] ? v[0] : (1 - t) * v[0] + t * v[1];
 }
 
-/* The number of the new point at which the part begins; DT_NONE: at one that is there. */
+/* The number of the new point at which the part begins; DT_NONE: it begins at an existing point. */
 static uint32_t begins_at(const struct plan *s, const struct part *p)
 {
     return p->end[0] < s->t->points.next_id ? DT_NONE : p->end[0] - s->t->points.next_id;
@@ -444,8 +445,8 @@ static bool is_among(const struct dt_constraint *c, size_t n, const struct dt_co
     return n > 0 && bsearch(key, c, n, sizeof *c, compare_plain) != NULL;
 }
 
-/* Sorts out->added[n], and leaves each once; but borders that have come to lie on one another an even number of times
- * cancel out, so that what is closed remains so. One that is declared already counts. */
+/* Sorts out->added[n], and leaves each once. An even number of borders that have come to lie on one another cancel out,
+ * so that closed borders remain closed. A border that is declared already counts. */
 static void settle_added(const struct plan *s, size_t n, struct dt_split *out)
 {
     const struct dt_declared *d = s->t->constraints == NULL ? NULL : &s->t->constraints->declared;

@@ -10,7 +10,7 @@
 #include "core/set/set.h"
 #include "core/shelling/shelling.h"
 
-/* What a build makes before it may touch the set. */
+/* The result of a build, made before the build may touch the set. */
 struct draft {
     struct dt_point *xy; /* the vertices in their new order */
     uint32_t *id;        /* of each, its representative's id */
@@ -18,7 +18,7 @@ struct draft {
     struct dt_mesh mesh;
 };
 
-/* False: out of memory; it must be cleared all the same. */
+/* False: out of memory; it must be cleared in this case, too. */
 static bool draft_begin(struct draft *b, uint32_t n, struct dt_pages *pages)
 {
     *b = (struct draft){.n = n, .mesh = {.pages = pages}};

@@ -1,7 +1,7 @@
 /* update.c - insert, delete, move, one point after the other, on points, mesh and grid.
  *
- * Without a triangulation, or where it awaits a rebuild (t->current is false), the points are edited in the same way; what
- * would look at the mesh or change it does nothing, and coincident points are found by their places.
+ * Without a triangulation, or if it awaits a rebuild (t->current is false), the points are edited in the same way. Steps
+ * that would read or change the mesh do nothing, and coincident points are found by their places.
  *
  * An edit may end early: out of memory, the caller's flag, the caller's limit. Each of its changes of the
  * mesh is all or nothing, and is undone by its inverse, the latest first: the triangulation is canonical, so
@@ -12,7 +12,7 @@
  *     move     the vertex shifts within its star, and edges are flipped       undo: flip back, shift back
  *              or it is removed, its point shifts, it is inserted             undo: the same in reverse
  *
- * Where an inverse also runs out of memory, or too many are needed, the mesh is discarded (lose_mesh): the next
+ * If an inverse also runs out of memory, or too many inverses are needed, the mesh is discarded (lose_mesh): the next
  * dt_refresh rebuilds it from the points. */
 #include "core/edit/update.h"
 
@@ -77,7 +77,7 @@ struct place {
     uint32_t at;   /* the vertex at exactly that place, DT_NONE if none */
 };
 
-/* Where q is in the mesh, at which a vertex will be inserted. */
+/* Finds q in the mesh, for the insertion of a vertex at q. */
 static struct place look_up(struct dt *t, struct dt_point q)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
@@ -265,8 +265,8 @@ void dt_update_fetch(const struct dt *t, uint32_t v)
 }
 
 /* Whether vertex v keeps its place when the n ascending ids are deleted, its representative among them.
- * With a tolerance, groups may become one meanwhile (dt_points_delete), so for several ids this is not known
- * beforehand; false then. */
+ * With a tolerance, groups may become one meanwhile (dt_points_delete). So for several ids this is unknown in
+ * advance, and the result is false. */
 static bool keeps_place(const struct dt *t, uint32_t v, const uint32_t *ids, size_t n)
 {
     const struct dt_points *p = &t->points;
@@ -285,8 +285,8 @@ static void put_back(struct dt *t, const uint32_t *gone, size_t n)
             lose_mesh(t);
 }
 
-/* Lists the vertices of ids that do not keep their places, in the order of the plane, so that the stars
- * that are in the way of one removal are in the cache for the next. Returns how many. */
+/* Lists the vertices of ids that do not keep their places, in the order of the plane: the stars that one removal reads
+ * are then in the cache for the next. Returns how many. */
 static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *stop,
                             uint32_t *v)
 {
@@ -406,8 +406,8 @@ static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const st
     return dt_find_cavity(&t->mesh, t->points.xy, dt_base(place->half), to, &t->scratch);
 }
 
-/* The same where aliases stay behind, `at` takes the point in, there is no mesh, or id is an alias: v is DT_NONE
- * then. */
+/* The same for four cases: aliases stay behind; `at` takes the point in; there is no mesh; id is an alias, and v is
+ * DT_NONE. */
 static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
                                          const struct place *place, uint32_t at,
                                          struct dt_stop *work)

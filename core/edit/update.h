@@ -7,9 +7,9 @@
 /* Whether a batch of n edits is so large that a rebuild is cheaper (measured: tests/bench). */
 bool dt_is_large_batch(const struct dt *t, size_t n);
 
-/* As dt_add_many (of valid points, one after the other), dt_delete_many (of ascending distinct live ids) and dt_move_to. A
- * failure leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be
- * undone vertex by vertex at a reasonable cost, the points are as they were and the set awaits a rebuild
+/* As dt_add_many (of valid points, one after the other), dt_delete_many (of ascending distinct live ids) and dt_move_to.
+ * A failure leaves the set as it was, with one exception. A large batch, or a batch that is out of memory, may be too
+ * expensive to undo vertex by vertex. Then the points are as they were, and the set awaits a rebuild
  * (t->current is false). Cost: a small constant per point, expected. */
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_stop *work,
                              struct dt_added *out);

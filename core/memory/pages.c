@@ -74,7 +74,7 @@ static bool is_one_mapping(char *start, size_t bytes)
     return true;
 }
 
-/* How far a move has come: the bytes before `done` are at their target. The system has refused the next
+/* The state of a move: the bytes before `done` are at their target. The system has refused the next
  * `lost` bytes, if any, and these are still where they were. Whether their target is ours is then unknown:
  * it may have been unmapped before the failure, and mapped by another thread since. So it must not be accessed
  * or unmapped. */
@@ -83,8 +83,8 @@ struct moved {
 };
 
 /* Moves the pages of a region to other addresses, which are ours and hold nothing. Linux before 6.17 cannot
- * move several mappings at a time, and notices after it has unmapped the target; so they are moved one
- * by one, where a huge page is the least that is ever cut off. */
+ * move several mappings at a time, and notices that after it has unmapped the target. So they are moved one
+ * by one; no piece that is cut off is smaller than a huge page. */
 static struct moved move_pages(char *from, char *to, size_t bytes, int flags)
 {
     size_t step = is_one_mapping(from, bytes) ? bytes : DT_HUGE_PAGE, done = 0;

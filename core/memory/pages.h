@@ -2,8 +2,8 @@
  * some, or from the system.
  *
  * Fresh pages are expensive: the system clears them, and under a hypervisor it may have to find them first.
- * So what one array releases is kept for the next one, in pieces of any size: a region can be cut
- * at every huge page, and a large one is put together from small ones by moving their pages.
+ * So the pages that one array releases are kept for the next one, in pieces of any size. A region can be cut
+ * at every huge page. A large region is put together from small ones by moving their pages.
  *
  * pages.c does this on Linux. plain/pages.c is for systems without mmap, such as WebAssembly: regions are from malloc, and
  * nothing is kept. A program contains one of the two. */
@@ -21,7 +21,7 @@ static inline size_t dt_huge_pages(size_t bytes)
 }
 
 /* A region of that size (whole huge pages, not 0), aligned to a huge page; its contents are anything.
- * p may be NULL: then it comes from the system, and goes back there. NULL: out of memory. The caller owns it. */
+ * p may be NULL: then the region comes from the system, and returns to it. NULL: out of memory. The caller owns it. */
 void *dt_region_take(struct dt_pages *p, size_t bytes);
 
 /* Grows the region to `want` > bytes. Keeps its first `bytes`; it may move. NULL: out of memory, it is

@@ -54,8 +54,8 @@ static inline void dt_cavity_begin(struct dt_cavity *c)
 
 bool dt_cavity_grow(struct dt_cavity *c); /* false: out of memory */
 
-/* Adds a triangle; false: out of memory. A rim and a stack of up to 2 more than the triangles have room then, and so
- * has the list of the triangles that will fill the hole. */
+/* Adds a triangle; false: out of memory. Afterwards three arrays have room for 2 more entries than there are triangles: the
+ * rim, the stack, and the list of the triangles that will fill the hole. */
 static inline bool dt_cavity_add(struct dt_cavity *c, uint32_t base)
 {
     if (c->records + 3 > c->room) {

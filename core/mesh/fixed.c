@@ -25,7 +25,7 @@ static uint32_t home(const struct dt_fixed *f, uint32_t a, uint32_t b)
     return (uint32_t)(key >> 32) & (f->cap - 1);
 }
 
-/* Where the edge is, or where it could be entered; the table has a free place. */
+/* The place of the edge, or the place at which it could be entered; the table has a free place. */
 static struct dt_more *find(const struct dt_fixed *f, uint32_t a, uint32_t b)
 {
     uint32_t i = home(f, a, b);

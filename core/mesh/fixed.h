@@ -1,12 +1,12 @@
 /* fixed.h - the edges of a mesh that must stay: those that constraints cover.
  *
- * The fourth word of a triangle's record (mesh.h) has a bit for each of its half edges: bit k is set if half edge 8t +
- * k is fixed, and then its twin's is, too. A mesh without fixed edges has m->fixed == NULL; these words mean nothing
- * then, so that builds and edits need not write them.
+ * The fourth word of a triangle's record (mesh.h) has a bit for each of its half edges: bit k is set if half edge 8t + k
+ * is fixed. Then its twin is fixed, too. A mesh without fixed edges has m->fixed == NULL. These words then mean nothing,
+ * so that builds and edits need not write them.
  *
- * The other 29 bits of the word are the number of a face, the same for all triangles that are connected without a fixed
- * edge in between (core/constraints/regions.h); or they mean nothing, but edits carry them from triangles to those that
- * replace them.
+ * The other 29 bits of the word are the number of a face: the same for all triangles that are connected without a fixed
+ * edge in between (core/constraints/regions.h). They may mean nothing, but edits carry them from triangles to the triangles
+ * that replace them.
  *
  * Several constraints may cover an edge. An edge that is fixed is covered once, unless the table says how many times
  * more. */
@@ -15,7 +15,7 @@
 
 #include "core/mesh/mesh.h"
 
-/* Fixed edges may follow: clears the bits of all triangles. Nothing if m->fixed is there. Cost: linear. */
+/* Prepares for fixed edges: clears the bits of all triangles. Does nothing if m->fixed exists. Cost: linear. */
 enum dt_status dt_fixed_begin(struct dt_mesh *m);
 
 /* Whether the edge of h is fixed. */
@@ -24,7 +24,7 @@ static inline bool dt_is_fixed(const struct dt_mesh *m, uint32_t h)
     return m->fixed != NULL && (m->half[h | 3] >> (h & 3) & 1) != 0;
 }
 
-/* Whether some edge of the triangle of h is fixed; m->fixed is there. */
+/* Whether some edge of the triangle of h is fixed; m->fixed exists. */
 static inline bool dt_has_fixed(const struct dt_mesh *m, uint32_t h)
 {
     return (m->half[h | 3] & 7) != 0;
@@ -55,7 +55,7 @@ static inline void dt_face_set(struct dt_mesh *m, uint32_t h, uint32_t face)
     m->half[h | 3] = (m->half[h | 3] & 7) | face << 3;
 }
 
-/* How many constraints cover the edge of h. */
+/* Returns how many constraints cover the edge of h. */
 uint32_t dt_fixed_count(const struct dt_mesh *m, uint32_t h);
 
 /* Makes room so that n calls of dt_fix cannot fail. */

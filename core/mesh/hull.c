@@ -3,14 +3,14 @@
 
 #include "core/memory/memory.h"
 
-/* Whether a loop should take its next step; polls now and then. */
+/* Whether a loop should take its next step; polls every DT_POLL steps. */
 static bool go_on(uint32_t step, struct dt_stop *stop)
 {
     return step % DT_POLL != 0 || !dt_stopped(stop);
 }
 
-/* Like the grid, a large hull mostly runs through memory in one direction for a while, with strides that a
- * processor does not predict: so records further on in that direction are prefetched. */
+/* Like the grid, a large hull mostly runs through memory in one direction for a while. Processors do not predict its
+ * strides, so records further on in that direction are prefetched. */
 static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
 {
     enum { AHEAD = 32 * 8, LINE = 16 }; /* numbers in 32 records, in a cache line */

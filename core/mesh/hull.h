@@ -7,8 +7,8 @@
  *         /    ghost  g + 1: v -> infinity
  *        v            g + 2: infinity -> s
  *
- * All points on one line: the cycle runs along one side of the line and back along the other, so
- * that a vertex between the ends has two ghosts, one for each direction. */
+ * All points on one line: the cycle runs along one side of the line and back along the other. So a
+ * vertex between the ends has two ghosts, one for each direction. */
 #ifndef DT_HULL_H
 #define DT_HULL_H
 
@@ -65,8 +65,8 @@ static inline bool dt_hull_turns(const struct dt_mesh *m, uint32_t g)
     return dt_twin(m, g) == dt_hull_step(m, g, false);
 }
 
-/* The ghost at which the hull begins in canonical order: that of the smallest id; on a line that of
- * the end with the smaller id, or, clockwise, of the other end. DT_NONE if there is no edge. Cost:
+/* The ghost at which the hull begins in canonical order: the ghost of the smallest id. On a line it is the ghost of
+ * the end with the smaller id or, clockwise, of the other end. DT_NONE if there is no edge. Cost:
  * O(hull). */
 uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw);
 

@@ -15,13 +15,13 @@
  *                 8t
  *
  * Ghosts close the plane to a sphere: beyond each hull edge b->a (interior on its left) lies the
- * ghost triangle (a, b, DT_NONE); the point at infinity is always corner 2. So every half edge has
- * a twin, n >= 2 vertices always have 2n - 2 triangles (ghosts included) and 3n - 3 edges (those to
- * infinity included), and hull vertices need no special case. Points on one line have ghosts only,
- * two for each edge. One vertex has no triangle at all.
+ * ghost triangle (a, b, DT_NONE); the point at infinity is always corner 2. So every half edge has a twin, and
+ * hull vertices need no special case. There are always 2n - 2 triangles, ghosts included, on n >= 2 vertices, and 3n - 3
+ * edges, those to infinity included. Points on one line have ghosts only, two for each edge. One vertex has no
+ * triangle at all.
  *
- * In a settled mesh (core/mesh/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
- * vertex v is the one to infinity, so that one read distinguishes hull vertices from interior ones.
+ * Every mesh that queries see is settled (core/mesh/hull.h): the half edge leaving[v] of a hull vertex v is
+ * the one to infinity, so that one read distinguishes hull vertices from interior ones.
  *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H

@@ -1,21 +1,21 @@
 /* star.h - the neighbours of a vertex of a settled mesh (hull.h), as ids: id[v] is that of vertex v.
  *
- * A star is read counterclockwise: that of an interior vertex from anywhere, that of a hull vertex
+ * A star is read counterclockwise: the star of an interior vertex from anywhere, the star of a hull vertex
  * from its successor on the hull to its predecessor. */
 #ifndef DT_STAR_H
 #define DT_STAR_H
 
 #include "core/mesh/mesh.h"
 
-/* How many neighbours v has, `limit` if it has more. */
+/* Returns the number of neighbours of v, `limit` if it has more. */
 uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
 
 /* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
 uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
                       size_t room);
 
-/* Turns a star of n ids into a canonical ring: an interior point's begins at the smallest id, a hull point's at its
- * successor; clockwise the same backwards, a hull point's from its predecessor on. */
+/* Turns a star of n ids into a canonical ring. The ring of an interior point begins at the smallest id, the ring of a hull
+ * point at its successor. Clockwise it is the same backwards; a hull point's ring then begins at its predecessor. */
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);
 
 /* The same for an interior point, into to[n]. */

@@ -44,8 +44,8 @@ size_t dt_aliases_memory(const struct dt_aliases *a)
     return a->cap * sizeof *a->alias + a->group_cap * sizeof *a->group;
 }
 
-/* Makes room for one item more in an array of which `end` are in use. array points to the pointer to
- * it, of whatever type. */
+/* Makes room for one item more in an array of which `end` are in use. `array` points to the pointer to the
+ * array, which may have any type. */
 static enum dt_status grow(struct dt_aliases *a, void *array, uint32_t end, uint32_t *cap,
                            size_t size)
 {

@@ -1,7 +1,7 @@
 /* changes.h - what an edit is about to change, reported just before it does.
  *
- * For those who keep earlier states of a set, or need to know what an edit touches: the callbacks are called for each
- * thing that changes, possibly more than once in an edit. That thing is then still as it was. */
+ * For code that keeps earlier states of a set, or needs to know what an edit touches. A callback is called for each
+ * thing that is about to change, possibly more than once in an edit. */
 #ifndef DT_CHANGES_H
 #define DT_CHANGES_H
 

@@ -82,8 +82,8 @@ static enum dt_status new_pages(struct dt_idmap *m, uint32_t i, uint32_t n)
     return DT_OK;
 }
 
-/* Whether the pages from i on, of which those below `end` are wanted, should become a block: if a block may
- * begin at i, most of it is wanted, and none of it exists. */
+/* Whether the pages from i on should become a block: a block may begin at i, most of its pages are wanted, that is,
+ * before `end`, and none of them exists. */
 static bool suits_block(const struct dt_idmap *m, uint32_t i, uint32_t end)
 {
     if (i % DT_ID_BLOCK != 0 || end - i < WORTH_A_BLOCK)

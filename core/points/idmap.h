@@ -2,9 +2,9 @@
  *
  * Ids are assigned in ascending order and never reused, so the ids of a set that is edited for a long time
  * keep growing. The map consists of pages, and pages whose ids are all dead are freed: its memory is
- * proportional to the live ids, not to the largest one. Where many ids are added at once, their pages are in
- * blocks, each a huge page of the system and freed as a whole: looking up any of millions of ids then costs
- * one cache miss, without another one for the address of its page. */
+ * proportional to the live ids, not to the largest one. If many ids are added at once, their pages are in
+ * blocks; each block is a huge page of the system and is freed as a whole. Looking up any of millions of ids
+ * then costs one cache miss, without another one for the address of its page. */
 #ifndef DT_IDMAP_H
 #define DT_IDMAP_H
 
@@ -51,14 +51,14 @@ static inline void dt_idmap_fetch(const struct dt_idmap *m, uint32_t id)
 }
 
 /* Makes room for the ids first .. first + n - 1, so that setting them before the next dt_idmap_trim
- * cannot fail. DT_NOMEM: unchanged but for empty pages. */
+ * cannot fail. DT_NOMEM: nothing changes, except that empty pages may be added. */
 enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
 
 /* Gives a reserved or live id a value other than DT_NONE. */
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
 
-/* Where the value of a live id is, which may become another than DT_NONE. Threads may do so at the
- * same time for different ids. Where reserved ids get values in this way, dt_idmap_count must follow. */
+/* The address of the value of a live id, for writing values other than DT_NONE. Threads may write at the same time for
+ * different ids. If reserved ids get values in this way, dt_idmap_count must follow. */
 static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
 {
     return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];

@@ -2,9 +2,9 @@
  * for coincident points.
  *
  * The plane is cut into cells twice as wide as the tolerance (with tolerance 0 every place is a
- * cell of its own) and the cells are hashed. The paper looks for coincident points in the point's
- * own cell only; here the neighbouring cells within reach are searched as well, so that two points
- * on either side of a border are found to coincide. */
+ * cell of its own) and the cells are hashed. The paper looks for coincident points only in the point's own
+ * cell. Here the neighbouring cells within reach are searched as well, so two points on either side of a
+ * border are found to coincide. */
 #ifndef DT_PLACES_H
 #define DT_PLACES_H
 
@@ -52,8 +52,8 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
 uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
                         struct dt_point q, uint32_t except);
 
-/* Fetches in advance what dt_places_find will read of places some way behind q[0], the next one of n that are looked up one
- * after the other: of one its bucket, of a nearer one the vertex in it. With tolerance 0 only. */
+/* Fetches in advance for later dt_places_find of places behind q[0], which is the next of n that are looked up one after the
+ * other. It fetches the bucket of a far place, and the vertex in the bucket of a nearer place. With tolerance 0 only. */
 void dt_places_fetch(const struct dt_places *p, const struct dt_point *xy, const struct dt_point *q,
                      size_t n);
 

@@ -1,8 +1,10 @@
 /* points.c - arrival, coincidence and departure of points.
  *
- * Invariants: a live id has a value, a vertex or an alias; id[] of a vertex in use is its
- * representative, whose value is that vertex; group[] of a vertex is a root, and its representative is
- * id[]; with tolerance 0 a representative has the smallest id of all points at its place. */
+ * Invariants:
+ * 1. A live id has a value, a vertex or an alias.
+ * 2. id[] of a vertex in use is its representative, whose value is that vertex.
+ * 3. group[] of a vertex is a root, and the representative of the root is id[].
+ * 4. With tolerance 0 a representative has the smallest id of all points at its place. */
 #include "core/points/points.h"
 
 #include <stdlib.h>
@@ -414,8 +416,8 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
 
 /* ---- new numbers ----
  *
- * The vertices in their new order have their ids in any order, so entering the new vertices into the map
- * of ids writes all over it: the entries of some vertices further on are prefetched. */
+ * The vertices in their new order have their ids in any order. So entering the new vertices writes all over the map
+ * of ids: the entries of some vertices further on are prefetched. */
 
 struct renumbering {
     struct dt_points *p;

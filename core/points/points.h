@@ -1,9 +1,9 @@
 /* points.h - the points of a set: coordinates by vertex, ids by vertex, vertices by id, and the
  * aliases.
  *
- * A vertex number is the place of a representative in the arrays xy and id, which the mesh shares:
- * in order of arrival at first, in grid order once triangulated, so that neighbours in the plane
- * are neighbours in memory. Ids are the caller's numbers and never change. Aliases are no vertices;
+ * A vertex number is the place of a representative in the arrays xy and id, which the mesh shares. Vertices
+ * are in order of arrival at first, and in grid order once triangulated, so that neighbours in the plane are
+ * neighbours in memory. Ids are the caller's numbers and never change. Aliases are no vertices;
  * they live in a table of their own. */
 #ifndef DT_POINTS_H
 #define DT_POINTS_H
@@ -107,9 +107,9 @@ void dt_points_take_back(struct dt_points *p, uint32_t n);
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
                                       struct dt_stop *work);
 
-/* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
- * vertex; but if, with a tolerance, another representative is at exactly that alias's place, the
- * two groups become one, represented by the smaller id, and the vertex is free. */
+/* Deletes a live id. If it is a representative that has aliases, the lowest alias takes over its vertex. With a
+ * tolerance, another representative may be at exactly that alias's place. Then the two groups become one, represented
+ * by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
 /* Deletes n distinct live ids, in ascending order: aliases first, so that each group has one successor. If it
@@ -140,8 +140,8 @@ uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t e
 
 /* Renumbers the vertices, in a dense order without free ones: vertex v represents the point (*id)[v] at (*xy)[v]. There
  * may be new ids, which are reserved. Exchanges these arrays for those of *p. DT_NOMEM, DT_CANCELLED: nothing is
- * exchanged, and *p is as before, or, if it is disposable, to be freed. opt may be NULL: with no more vertices
- * than there have been, it cannot fail then. Cost: linear. */
+ * exchanged; *p is unchanged or, if it is disposable, must be freed. If opt is NULL, it cannot fail unless there
+ * are more vertices than ever before. Cost: linear. */
 enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point **xy, uint32_t **id,
                                   uint32_t n, const struct dt_options *opt);
 

@@ -1,15 +1,17 @@
 /* check.c - proves a triangulation.
  *
  * These few tests are sufficient:
- *   - every half edge has its twin, and each vertex and infinity has one single ring of half edges:
- * so the records are closed surfaces;
- *   - every real triangle turns counterclockwise: so a closed surface without ghosts is impossible
- * (its signed areas would add up to 0), and as all ghosts are in one ring, there is one surface;
- *   - 2n - 2 triangles on n vertices and infinity: by Euler's formula the surface is a sphere;
- *   - the hull turns left everywhere and has one leftmost and one rightmost corner: a convex
- * polygon, passed once. A disc of counterclockwise triangles within a simple polygon cannot overlap
- * itself, so this is a triangulation of the hull with all points as vertices; locally Delaunay
- * everywhere is Delaunay [Delaunay 1934; Lawson 1977], and with ties broken there is just one. */
+ *
+ * 1. Every half edge has its twin, and each vertex and infinity has one single ring of half edges. So the
+ *    records are closed surfaces.
+ * 2. Every real triangle turns counterclockwise. So a closed surface without ghosts is impossible: its signed
+ *    areas would add up to 0. All ghosts are in one ring, so there is one surface.
+ * 3. There are 2n - 2 triangles on n vertices and infinity. By Euler's formula the surface is a sphere.
+ * 4. The hull turns left everywhere and has one leftmost and one rightmost corner: it is a convex polygon,
+ *    passed once. A disc of counterclockwise triangles within a simple polygon cannot overlap itself. So this
+ *    is a triangulation of the hull with all points as vertices.
+ * 5. A triangulation that is locally Delaunay everywhere is Delaunay [Delaunay 1934; Lawson 1977]. With ties
+ *    broken there is just one. */
 #include "core/exact/predicates.h"
 #include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
@@ -108,7 +110,7 @@ static void check_records(struct check *c)
     expect(c, c->live == (n < 2 ? 0 : 2 * n - 2), "Euler's formula does not hold");
 }
 
-/* How many half edges leave v, all in one ring; 0 if the ring does not begin as it should. */
+/* Returns how many half edges leave v, all in one ring; 0 if the ring does not begin as it should. */
 static uint32_t ring_length(const struct check *c, uint32_t v)
 {
     uint32_t first = c->m->leaving[v], h = first, n = 0;
@@ -215,7 +217,7 @@ static uint64_t count_covers(struct check *c)
     return covers;
 }
 
-/* How many edges the constraint between v and w covers. */
+/* Returns how many edges the constraint between v and w covers. */
 static uint32_t chain_length(struct check *c, uint32_t v, uint32_t w)
 {
     uint32_t n = 0, near = c->m->leaving[v];

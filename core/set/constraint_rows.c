@@ -35,7 +35,8 @@ static void sort(struct dt_constraint_list *list, size_t first)
         qsort(list->v + first, list->n - first, sizeof *list->v, dt_constraint_compare);
 }
 
-/* Appends those that end at the id now, or of which it is the smaller end, in no order. *steps: one more for each that ends there. */
+/* Appends the constraints that end at the id now, or whose smaller end it is, in no order. *steps grows by 1 for each one
+ * that ends at the id. */
 static enum dt_status append_now(const struct dt_declared *d, uint32_t id, bool smaller,
                                  struct dt_constraint_list *out, size_t *steps)
 {
@@ -129,7 +130,7 @@ bool dt_segment_meets_box(struct dt_point a, struct dt_point b, struct dt_point 
     if (fmax(a.x, b.x) < lo.x || fmin(a.x, b.x) > hi.x || fmax(a.y, b.y) < lo.y ||
         fmin(a.y, b.y) > hi.y)
         return false;
-    /* Where both extents overlap, only the line through a segment that has two can separate it from the box. */
+    /* If both extents overlap, only the line through a segment that has two can separate it from the box. */
     const struct dt_point corner[4] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}};
     int sides = 0;
     for (int i = 0; i < 4; i++)

@@ -5,8 +5,8 @@
  *      chunk    [ image image .. ][ a large image            ][ image ..        ]
  *                 4096 words        NULL for each 4096 more
  *
- * An image has a header of three words: its key, how many words back the one before it of that key lies
- * (0: none that counts), and how many words its value has. */
+ * An image has a header of three words: its key, the distance back to the previous image, and the length of its value.
+ * Both are in words. The distance leads to the previous image of that key; 0: none that counts. */
 #include "core/set/images.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* images.h - the values that keys had at earlier moments, for readers of an earlier state while the present one
+/* images.h - the values that keys had at earlier moments. They serve readers of an earlier state while the present state
  * changes [Reed 1978: versions of an object by time; the before-images of databases].
  *
  * A before-image is the value of a key as it was until an edit changed it. Images are one after the
@@ -8,15 +8,15 @@
  *                          ^                   ^     ^
  *                          moment 3            7     9: now
  *
- * At a moment a key had the value of the first image of it that was saved from then on: key 7 at moment 3
- * that of the image at 4, at moment 7 that of the image at 8. A key without such an image has the value
- * that it had then. So all readers share all images, and before a key is changed an image must be saved only if
- * there is none since the latest moment that is read.
+ * At a moment a key had the value of its first image that was saved from that moment on. Key 7 at moment 3 had the value
+ * of the image at 4; at moment 7 it had the value of the image at 8. A key without such an image still has its present
+ * value. So all readers share all images. Before a key is changed, an image must be saved only if there is none since
+ * the latest moment that is read.
  *
- * Every image knows how far back the one before it of the same key lies, and a map has the newest one of every key:
- * keys are ids or about as dense, so its memory is at most about that of the map of ids. Images are in chunks; a chunk
- * is freed, and its keys leave the map, when no moment before its end is read any more. A link to a freed chunk leads
- * to before all moments that are read, so it is never followed.
+ * Every image knows how far back the previous image of the same key lies, and a map has the newest image of every key.
+ * Keys are ids or about as dense, so this map takes at most about the memory of the map of ids. Images are in chunks; a
+ * chunk is freed, and its keys leave the map, when no moment before its end is read any more. A link to a freed chunk
+ * leads to before all moments that are read, so it is never followed.
  *
  * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
 #ifndef DT_IMAGES_H
@@ -47,7 +47,7 @@ static inline bool dt_images_is_empty(const struct dt_images *s)
     return s->chunks == s->head;
 }
 
-/* Where the newest image of a key lies, given what the map has for it, which is not DT_NONE. */
+/* The place of the newest image of a key, given the map's value of the key, which is not DT_NONE. */
 static inline uint64_t dt_images_place(const struct dt_images *s, uint32_t value)
 {
     return s->end - (uint32_t)((uint32_t)s->end - value);
@@ -64,8 +64,8 @@ static inline bool dt_images_has(const struct dt_images *s, uint32_t key, uint64
  * happens to the images. NULL: out of memory. Cost: constant, amortised. */
 uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words);
 
-/* The value of the key at the moment, *words of them (may be NULL); NULL: it is what it is now. Cost: the
- * images of the key since then. */
+/* The value of the key at the moment, *words of them (may be NULL). NULL: the value has not changed since that moment.
+ * Cost: the images of the key since that moment. */
 const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
                               uint32_t *words);
 

@@ -97,8 +97,8 @@ static inline bool dt_lacks_grid(const struct dt *t)
  * (view_save.c). */
 void dt_views_edit_begin(struct dt *t);
 
-/* To be called after each edit of a mesh, and before one that profits from a grid: makes or rebuilds it if that is
- * due (renew.c), unless that takes more steps than are left, or the mesh is not current. */
+/* To be called after each edit of a mesh, and before an edit that profits from a grid. Makes or rebuilds the grid if that
+ * is due (renew.c), unless it takes more steps than are left, or the mesh is not current. */
 void dt_tend(struct dt *t, const struct dt_stop *work);
 
 /* ---- what all readers share ---- */
@@ -109,7 +109,7 @@ static inline enum dt_status dt_readable(const struct dt *t)
     return dt_is_live(t) ? DT_OK : DT_UNTRIANGULATED;
 }
 
-/* DT_OK if in addition id names a point; *v is the vertex of its representative then. */
+/* DT_OK if in addition id names a point; *v becomes the vertex of its representative. */
 static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uint32_t *v)
 {
     enum dt_status s = dt_readable(t);

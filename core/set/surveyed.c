@@ -33,7 +33,7 @@ enum dt_status dt_survey(struct dt *t, const struct dt_options *opt)
                              &t->constraints->declared, &work);
 }
 
-/* How many parts of constraints there are on edges, at most. */
+/* Returns how many parts of constraints lie on edges, at most. */
 static size_t count_parts(const struct dt_mesh *m)
 {
     size_t parts = 0;

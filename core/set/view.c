@@ -202,7 +202,7 @@ static void note(struct dt_views *w, enum dt_image_kind kind, const struct dt_vi
         w->read[kind] = (struct dt_moments){oldest->moment[kind], newest->moment[kind], keys};
 }
 
-/* Takes out the views that have ended and finds out which moments the others read. Those that are lost are the oldest
+/* Removes the views that have ended, and finds out which moments the others read. Lost views are the oldest
  * ones. */
 static void look_round(struct dt_views *w)
 {

@@ -9,8 +9,8 @@
  *                 that gets another one is not many rows, whose images name the group
  *      rings      id of a representative -> whether it is on the hull, and its star in ids (core/mesh/star.h)
  *
- * What has no image is as it is now. The row of an id says whether it was a representative; only then may its
- * ring be read.
+ * A key without an image has its present value. The row of an id says whether the id was a representative; only then
+ * may its ring be read.
  *
  * Views are read by view_rows.h and view_stars.h, and edits save by view_save.c. */
 #ifndef DT_VIEW_H

@@ -1,9 +1,9 @@
 /* view_stars.c - reads stars.
  *
- * Ids are in order of arrival, vertices in spatial order, so the next id's star is anywhere in
- * memory: about seven cache misses, each waiting for the one before (leaving[] -> triangle -> next
- * triangle ...). dt_stars_read walks around DT_STARS vertices in step instead, one triangle of each
- * in turn, and fetches ahead what each needs in its next turn. */
+ * Ids are in order of arrival, vertices in spatial order, so the next id's star is anywhere in memory. Reading it takes
+ * about seven cache misses, each waiting for the one before (leaving[] -> triangle -> next triangle ...). So
+ * dt_stars_read walks around DT_STARS vertices in step, one triangle of each at a time, and fetches
+ * ahead what each needs in its next turn. */
 #include "core/set/view_stars.h"
 
 #include "core/mesh/hull.h"
@@ -118,9 +118,9 @@ static void read_vertices_then(const struct dt *t, const struct dt_view *v, uint
             read_representative(t, v, id, s, s->n++);
 }
 
-/* One triangle further round star i, which stands at the half edge *at. False: the ring is closed,
- * or is longer than there is room for. What is read of the
- * neighbours next, their ids or places, is fetched. */
+/* Goes one triangle further round star i, which stands at the half edge *at. False: the ring is closed, or is longer
+ * than its room. Fetches the data of the neighbours that are read next, their ids or
+ * places. */
 static inline bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first,
                         uint32_t *at, bool places)
 {

@@ -1,7 +1,7 @@
 /* view_stars.h - the stars (star.h) that points had, one by one or many at once, now or at the moment of a view.
  *
- * Where a function takes a view, NULL means now; the view must be readable, and to be one by
- * dt_view_if_changed makes it faster. */
+ * A view of NULL means now. The view must be readable; passing it through dt_view_if_changed first makes
+ * the function faster. */
 #ifndef DT_VIEW_STARS_H
 #define DT_VIEW_STARS_H
 
@@ -36,10 +36,10 @@ struct dt_star {
     bool on_hull;
 };
 
-/* That of an id that was a representative. Cost: constant. */
+/* The star of an id that was a representative. Cost: constant. */
 struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id);
 
-/* How many neighbours it has. */
+/* The number of its neighbours. */
 static inline uint32_t dt_star_count(const struct dt *t, const struct dt_star *s)
 {
     return s->saved != NULL ? s->saved_degree : dt_star_degree(&t->mesh, s->vertex, DT_NONE);
@@ -60,8 +60,8 @@ struct dt_neighbours {
 enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
                                   struct dt_neighbours *n);
 
-/* Whether the id is in the ring; *beside: the next one counterclockwise or clockwise, DT_NONE if the outside of the
- * hull is there. Cost: its degree. */
+/* Whether the id is in the ring; *beside: the next id counterclockwise or clockwise, DT_NONE if the outside of the
+ * hull comes next. Cost: its degree. */
 bool dt_neighbours_have(const struct dt_neighbours *n, uint32_t id, bool ccw, uint32_t *beside);
 
 #endif
