@@ -47,6 +47,12 @@ size_t dt_regions_memory(const struct dt_regions *r);
 enum dt_status dt_regions_survey(struct dt_regions *r, struct dt_mesh *m, const struct dt_points *p,
                                  const struct dt_declared *d, struct dt_stop *work);
 
+/* The same if all constraints are parts of one border: dt_is_one_border, which costs a pass over them. Then two faces are enough. */
+bool dt_is_one_border(const struct dt_declared *d);
+enum dt_status dt_regions_survey_one(struct dt_regions *r, struct dt_mesh *m,
+                                     const struct dt_points *p, const struct dt_declared *d,
+                                     struct dt_stop *work);
+
 /* Whether faces and ranges, which are current, are those of the borders: face 0, of the ghosts, is in no region, and faces
  * on both sides of an edge differ by its borders. Out of memory, true. */
 bool dt_regions_hold(const struct dt_regions *r, const struct dt_mesh *m, const struct dt_points *p,

@@ -439,7 +439,7 @@ static void clear(struct survey *s)
     dt_array_free(s->room);
 }
 
-enum dt_status dt_regions_survey(struct dt_regions *r, struct dt_mesh *m, const struct dt_points *p,
+static enum dt_status survey_all(struct dt_regions *r, struct dt_mesh *m, const struct dt_points *p,
                                  const struct dt_declared *d, struct dt_stop *work)
 {
     struct survey s = {.r = r, .m = m, .faces = m, .p = p, .d = d, .work = work};
@@ -457,6 +457,14 @@ enum dt_status dt_regions_survey(struct dt_regions *r, struct dt_mesh *m, const 
         r->current = true;
     }
     clear(&s);
+    return status;
+}
+
+enum dt_status dt_regions_survey(struct dt_regions *r, struct dt_mesh *m, const struct dt_points *p,
+                                 const struct dt_declared *d, struct dt_stop *work)
+{
+    enum dt_status status = dt_is_one_border(d) ? dt_regions_survey_one(r, m, p, d, work)
+                                                : survey_all(r, m, p, d, work);
     if (status != DT_OK)
         dt_regions_clear(r);
     return status;
