@@ -46,12 +46,26 @@ enum dt_status dt_arrays_constrained(const struct dt_point *p, size_t n, const u
                                      unsigned workers, uint32_t *triangle, struct dt_arrays **out,
                                      uint32_t wrong[4]);
 
+/* The same with constraints of any kind and number. DT_RANGE also: a number is too large. */
+enum dt_status dt_arrays_declared(const struct dt_point *p, size_t n, const struct dt_constraint *c,
+                                  size_t constraints, struct dt_pages *pages, unsigned workers,
+                                  uint32_t *triangle, struct dt_arrays **out, uint32_t wrong[4]);
+
 /* The pairs a < b, ascending, of the edges that are parts of constraints. *out: as of dt_arrays_within. */
 enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_ids *out);
 
-/* inside[row]: whether that row of triangle[], which has what dt_arrays_constrained wrote, is inside the border; none is
- * if there is no border or it is not closed. Cost: linear. */
+/* inside[row]: whether that row of triangle[], which has what dt_arrays_constrained wrote, is inside a border that is closed. Cost: linear. */
 enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside);
+
+/* face[row]: the face of that row of DT_TRIANGLES. Triangles of one face are inside the same borders; face 0 is outside all.
+ * *number: the numbers of the closed borders that contain a face, ascending, face by face. end->v[f]: where those of face f end.
+ * Both: as of dt_arrays_within. Cost: linear in the triangles, O(log n) for each number. */
+enum dt_status dt_arrays_faces(const struct dt_arrays *a, uint32_t *face, struct dt_ids *number,
+                               struct dt_ids *end);
+
+/* The regions as dt_regions has them; the caller releases *rows by dt_arrays_release. */
+enum dt_status dt_arrays_regions(const struct dt_arrays *a, struct dt_region **rows, size_t *n,
+                                 struct dt_region *inside);
 
 /* Those of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
 void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5]);

@@ -141,6 +141,16 @@ bench-clients: all lib $(O)/tests/bench/points
 bench-python: lib
 	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
 
+# ---- bench-polygons: polygons of CORNERS=100000 corners in Python beside CGAL, with their goal ----
+
+.PHONY: bench-polygons
+$(O)/tests/bench/cgal_polygon.o: CXXCOMPILE += -DNDEBUG
+$(O)/tests/bench/cgal_polygon: $(O)/tests/bench/cgal_polygon.o
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
+bench-polygons: lib $(O)/tests/bench/cgal_polygon
+	@/usr/bin/python3 tests/bench/polygons.py $(O)/tests/bench/cgal_polygon $(or $(CORNERS),100000)
+
 # ---- bench-constraints: constraints beside CGAL's, in processor time: POINTS=1000000 on paths; ACROSS=200000 points, LONG=1000 across them ----
 
 .PHONY: bench-constraints

@@ -5,6 +5,9 @@
 #include <string.h>
 
 #include "core/arrays/workers.h"
+#include "core/memory/memory.h"
+#include "core/memory/sort.h"
+#include "core/mesh/fixed.h"
 #include "core/query/flat.h"
 
 void dt_arrays_free(struct dt_arrays *a)
@@ -102,31 +105,19 @@ static void measure(struct dt_arrays *a)
 struct input {
     const struct dt_point *p;
     size_t n;
-    const uint32_t *end; /* two for each constraint */
+    const struct dt_constraint *c;
     size_t constraints;
-    bool border;
     uint32_t *wrong; /* of constraints that are refused; NULL: there are none */
 };
-
-static enum dt_status declare(struct dt *t, const struct input *in, const struct dt_options *opt)
-{
-    size_t added;
-    struct dt_constraint *c = dt_array_new(in->constraints, sizeof *c);
-    for (size_t i = 0; c != NULL && i < in->constraints; i++)
-        c[i] = (struct dt_constraint){in->end[2 * i], in->end[2 * i + 1], in->border, in->border};
-    enum dt_status s =
-        c == NULL ? DT_NOMEM : dt_constrain(t, c, in->constraints, opt, &added, in->wrong);
-    dt_array_free(c);
-    return s;
-}
 
 /* Constraints are declared before, so that a build finds all of their edges at once. */
 static enum dt_status build(struct dt *t, const struct input *in, const struct dt_options *opt,
                             struct dt_added *added)
 {
+    size_t declared;
     enum dt_status s = dt_add_many(t, in->p, in->n, opt, added);
     if (s == DT_OK && in->constraints > 0)
-        s = declare(t, in, opt);
+        s = dt_constrain(t, in->c, in->constraints, opt, &declared, in->wrong);
     if (s == DT_OK)
         s = dt_triangulate(t, opt);
     if (s == DT_OK && in->wrong != NULL)
@@ -156,6 +147,7 @@ static enum dt_status make(const struct input *in, struct dt_pages *pages, unsig
                            uint32_t *triangle, struct dt_arrays **out)
 {
     struct dt_workers w;
+    fenv_t caller = dt_call_begin();
     struct dt_arrays *a = calloc(1, sizeof *a);
     enum dt_status s = DT_NOMEM;
     dt_workers_init(&w, workers);
@@ -168,7 +160,15 @@ static enum dt_status make(const struct input *in, struct dt_pages *pages, unsig
         a = NULL;
     }
     *out = a;
+    dt_call_end(&caller);
     return s;
+}
+
+enum dt_status dt_arrays_declared(const struct dt_point *p, size_t n, const struct dt_constraint *c,
+                                  size_t constraints, struct dt_pages *pages, unsigned workers,
+                                  uint32_t *triangle, struct dt_arrays **out, uint32_t wrong[4])
+{
+    return make(&(struct input){p, n, c, constraints, wrong}, pages, workers, triangle, out);
 }
 
 enum dt_status dt_arrays_constrained(const struct dt_point *p, size_t n, const uint32_t *end,
@@ -176,17 +176,21 @@ enum dt_status dt_arrays_constrained(const struct dt_point *p, size_t n, const u
                                      unsigned workers, uint32_t *triangle, struct dt_arrays **out,
                                      uint32_t wrong[4])
 {
-    fenv_t caller = dt_call_begin();
+    struct dt_constraint *c = dt_array_new(constraints, sizeof *c);
+    *out = NULL;
+    for (size_t i = 0; c != NULL && i < constraints; i++)
+        c[i] = (struct dt_constraint){end[2 * i], end[2 * i + 1], border, border};
     enum dt_status s =
-        make(&(struct input){p, n, end, constraints, border, wrong}, pages, workers, triangle, out);
-    dt_call_end(&caller);
+        c == NULL ? DT_NOMEM
+                  : dt_arrays_declared(p, n, c, constraints, pages, workers, triangle, out, wrong);
+    dt_array_free(c);
     return s;
 }
 
 enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out)
 {
-    return dt_arrays_constrained(p, n, NULL, 0, false, pages, workers, triangle, out, NULL);
+    return make(&(struct input){.p = p, .n = n}, pages, workers, triangle, out);
 }
 
 /* ---- constraints ---- */
@@ -196,18 +200,73 @@ enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_
     return dt_constrained_edges(a->t, out);
 }
 
+static const struct dt_regions *regions_of(const struct dt_arrays *a)
+{
+    return dt_is_constrained(a->t) ? &a->t->constraints->regions : NULL;
+}
+
+/* The face of each row; without borders all are in face 0. */
+static void read_faces(const struct dt_arrays *a, uint32_t *face)
+{
+    const struct dt_mesh *m = &a->t->mesh;
+    bool any = dt_has_borders(a->t);
+    for (uint32_t h = 0; a->place_of != NULL && h < 8 * m->tri_end; h += 8) {
+        uint32_t row = dt_row_of(a, h);
+        if (row != DT_NONE)
+            face[row] = any ? dt_face(m, h) : 0;
+    }
+}
+
 enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside)
 {
-    struct dt_ids rows = {0};
-    struct dt_summary sum;
-    fenv_t caller = dt_call_begin();
-    enum dt_status s = dt_inside(a->t, DT_NONE, DT_TRIANGLES, false, NULL, &rows);
-    dt_summary(a->t, &sum);
-    for (size_t i = 0, at = 0; s == DT_OK && i < sum.triangles; i++) {
-        inside[i] = at < rows.n && memcmp(&triangle[3 * i], &rows.v[at], 3 * sizeof *rows.v) == 0;
-        at += inside[i] ? 3 : 0;
+    (void)triangle;
+    const struct dt_mesh *m = &a->t->mesh;
+    const struct dt_regions *r = regions_of(a);
+    bool any = dt_has_borders(a->t);
+    for (uint32_t h = 0; a->place_of != NULL && h < 8 * m->tri_end; h += 8) {
+        uint32_t row = dt_row_of(a, h);
+        if (row != DT_NONE)
+            inside[row] = any && r->inside[dt_face(m, h)];
     }
-    free(rows.v);
+    return DT_OK;
+}
+
+/* Appends the numbers of the borders around a face. */
+static enum dt_status add_numbers(const struct dt_regions *r, uint32_t face, struct dt_ids *number)
+{
+    uint32_t n = dt_regions_of(r, face, NULL, 0);
+    enum dt_status s = n == 0 ? DT_OK : dt_ids_reserve(number, n);
+    if (s != DT_OK || n == 0)
+        return s;
+    uint32_t *v = number->v + number->n;
+    dt_regions_of(r, face, v, n);
+    dt_sort_ids(v, n, NULL, NULL);
+    for (uint32_t i = 0; i < n; i++)
+        v[i] = r->region[v[i]].number;
+    number->n += n;
+    return DT_OK;
+}
+
+enum dt_status dt_arrays_faces(const struct dt_arrays *a, uint32_t *face, struct dt_ids *number,
+                               struct dt_ids *end)
+{
+    const struct dt_regions *r = dt_has_borders(a->t) ? regions_of(a) : NULL;
+    uint32_t faces = r == NULL || r->faces == 0 ? 1 : r->faces;
+    enum dt_status s = dt_ids_reserve(end, faces);
+    read_faces(a, face);
+    for (uint32_t f = 0; s == DT_OK && f < faces; f++) {
+        if (r != NULL)
+            s = add_numbers(r, f, number);
+        end->v[end->n++] = (uint32_t)number->n;
+    }
+    return s;
+}
+
+enum dt_status dt_arrays_regions(const struct dt_arrays *a, struct dt_region **rows, size_t *n,
+                                 struct dt_region *inside)
+{
+    fenv_t caller = dt_call_begin();
+    enum dt_status s = dt_regions(a->t, rows, n, inside);
     dt_call_end(&caller);
     return s;
 }

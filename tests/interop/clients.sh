@@ -115,7 +115,7 @@ export -f load_by_cli load_by_c load_by_python load_by_node
 
 # ---- the Python package ----
 
-# SciPy and Matplotlib must be there: without them a test would be skipped.
+# SciPy, Matplotlib, shapely and GeoPandas must be there: without them a test would be skipped.
 python_package_passes() {
     DELAUNAYD=$build/delaunayd "$python" -m unittest discover -s clients/python/tests -t clients/python >"$scratch/unittest" 2>&1
     local status=$?

@@ -32,13 +32,21 @@ class Ids(ctypes.Structure):
     _fields_ = [("v", c_void_p), ("n", c_size_t), ("cap", c_size_t)]
 
 
+class Region(ctypes.Structure):
+    """struct dt_region."""
+
+    _fields_ = [("number", c_uint32), ("closed", c_bool), ("triangles", c_uint32), ("area", c_double)]
+
+
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
-    "dt_arrays_constrained": [
-        c_void_p, c_size_t, c_void_p, c_size_t, c_bool, c_void_p, c_uint, c_void_p, POINTER(c_void_p), POINTER(c_uint32)
+    "dt_arrays_declared": [
+        c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p), POINTER(c_uint32)
     ],
     "dt_arrays_constrained_edges": [c_void_p, POINTER(Ids)],
     "dt_arrays_inside": [c_void_p, c_void_p, c_void_p],
+    "dt_arrays_faces": [c_void_p, c_void_p, POINTER(Ids), POINTER(Ids)],
+    "dt_arrays_regions": [c_void_p, POINTER(POINTER(Region)), POINTER(c_size_t), POINTER(Region)],
     "dt_arrays_counts": [c_void_p, POINTER(Counts)],
     "dt_arrays_table": [c_void_p, c_int, c_void_p],
     "dt_arrays_twins": [c_void_p, c_void_p],
@@ -115,12 +123,10 @@ def check(status: int, what: str) -> None:
         raise ValueError(what + " is both ends of a segment")
     if status == _NOTDELAUNAY:
         raise ValueError("natural neighbours need a triangulation without segments")
-    if status == CROSSES:
-        raise ValueError(what + " cross where no point is")
     raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))
 
 
 __all__ = [
-    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT",
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region",
     "byref", "check", "library",
 ]

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
 
 from . import _library
+from ._declared import crossing
 from ._library import COINCIDENT, CROSSES, EDGES, HULL, NOEDGE, NOPOINT, byref, check
 
 if TYPE_CHECKING:
@@ -40,36 +41,40 @@ def _first_bad(points: Floats) -> str:
     return "points[%d] is %s" % (bad.argmax(), points[bad.argmax()]) if bad.any() else "%d points" % len(points)
 
 
-def _first_wrong(status: int, points: Floats, wrong: Any) -> str:
+def _check_declared(status: int, points: Floats, wrong: Any) -> None:
     if status == CROSSES:
-        return "segments [%d, %d] and [%d, %d]" % tuple(wrong)
+        raise crossing(points, wrong)
+    if status != 0:
+        check(status, _first_wrong(status, points, wrong))
+
+
+def _first_wrong(status: int, points: Floats, wrong: Any) -> str:
     return "point %d" % wrong[0] if status in (NOPOINT, NOEDGE) else _first_bad(points)
 
 
 class Triangulation:
-    """Of points of shape (n, 2), contiguous; with `segments`, pairs of points, contiguous, the constrained one; `simplices`: the triangles, sorted, each counterclockwise from its smallest point."""
+    """Of points of shape (n, 2), contiguous; with constraints, as of declare(), the constrained one. `simplices`: the triangles, sorted, each
+    counterclockwise from its smallest point."""
 
     _handle: Any = None
 
-    def __init__(
-        self, points: Floats, workers: Optional[int] = None, segments: Optional[Ints] = None, border: bool = False
-    ):
+    def __init__(self, points: Floats, workers: Optional[int] = None, declared: Optional[NDArray[Any]] = None):
         self._library = _library.library()
         n = len(points)
         rows = np.empty((2 * n, 3), dtype=np.int32)  # there are fewer; pages that are not touched cost nothing
         handle = ctypes.c_void_p()
-        if segments is None:
+        if declared is None:
             status = self._library.dt_arrays_new(
                 points.ctypes.data, n, _library.pages, workers_of(workers), rows.ctypes.data, byref(handle)
             )
             check(status, _first_bad(points) if status != 0 else "")
         else:
             wrong = (ctypes.c_uint32 * 4)()
-            status = self._library.dt_arrays_constrained(
-                points.ctypes.data, n, segments.ctypes.data, len(segments), border, _library.pages, workers_of(workers),
+            status = self._library.dt_arrays_declared(
+                points.ctypes.data, n, declared.ctypes.data, len(declared), _library.pages, workers_of(workers),
                 rows.ctypes.data, byref(handle), wrong
             )
-            check(status, _first_wrong(status, points, wrong) if status != 0 else "")
+            _check_declared(status, points, wrong)
         self._handle = handle
         self.counts = _library.Counts()
         self._library.dt_arrays_counts(handle, byref(self.counts))
@@ -117,11 +122,30 @@ class Triangulation:
             self._library.dt_arrays_release(found.v)
 
     def inside(self) -> NDArray[Any]:
-        """Whether each triangle is inside the border."""
+        """Whether each triangle is inside a border."""
         inside = np.zeros(len(self.simplices), dtype=bool)
-        status = self._library.dt_arrays_inside(self._handle, self.simplices.ctypes.data, inside.ctypes.data)
-        check(status, "the border")
+        check(self._library.dt_arrays_inside(self._handle, self.simplices.ctypes.data, inside.ctypes.data), "the border")
         return inside
+
+    def faces(self) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """The face of each triangle; the numbers of the borders that contain each face, face by face; and where those of each end."""
+        face = np.empty(len(self.simplices), dtype=np.uint32)
+        number, end = _library.Ids(), _library.Ids()
+        try:
+            check(self._library.dt_arrays_faces(self._handle, face.ctypes.data, byref(number), byref(end)), "faces")
+            return face, self._copied(number), self._copied(end)
+        finally:
+            self._library.dt_arrays_release(number.v)
+            self._library.dt_arrays_release(end.v)
+
+    def regions(self) -> Tuple[List[Any], Any]:
+        """What each border encloses, and what all do: (number, closed, triangles, area)."""
+        rows, n, inside = ctypes.POINTER(_library.Region)(), ctypes.c_size_t(), _library.Region()
+        check(self._library.dt_arrays_regions(self._handle, byref(rows), byref(n), byref(inside)), "regions")
+        try:
+            return [(r.number, r.closed, r.triangles, r.area) for r in rows[: n.value]], (inside.triangles, inside.area)
+        finally:
+            self._library.dt_arrays_release(rows)
 
     @staticmethod
     def _copied(found: Any) -> NDArray[Any]:

@@ -2,7 +2,8 @@
 
     from delaunayd.spatial import Delaunay
 
-ConstrainedDelaunay keeps segments, and knows what is inside a polygon; SciPy has nothing like it.
+ConstrainedDelaunay keeps segments, and knows what is inside polygons; triangulate_polygon is its short form. SciPy has nothing like
+them.
 
 Differences from SciPy's:
 
@@ -24,14 +25,17 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from . import _near, _planes
+from . import _declared, _near, _planes
+from ._declared import Crossing
 from ._triangulation import TOLERANCE, Triangulation
 
 if TYPE_CHECKING:
+    from ._constraints import Regions
     from ._types import ArrayLike, Floats, Ints, NDArray
+    from .geometries import Graph
     from .client import Client
 
-__all__ = ["ConstrainedDelaunay", "Delaunay", "tsearch"]
+__all__ = ["ConstrainedDelaunay", "Crossing", "Delaunay", "triangulate_polygon", "tsearch"]
 
 _HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
 
@@ -64,11 +68,9 @@ def _check_options(furthest_site: bool, options: Any) -> List[str]:
 class _Moment:
     """Points, their triangulation, and what has been derived from it. It never changes: add_points makes another one."""
 
-    def __init__(
-        self, points: Floats, workers: Optional[int], segments: Optional[Ints] = None, border: bool = False
-    ):
+    def __init__(self, points: Floats, workers: Optional[int], declared: Optional[NDArray[Any]] = None):
         self.points = points
-        self.triangulation = Triangulation(points, workers, segments, border)
+        self.triangulation = Triangulation(points, workers, declared)
         self.cache: Dict[str, Any] = {}
 
 
@@ -344,36 +346,59 @@ class Delaunay:
 
 class ConstrainedDelaunay(Delaunay):
     """The constrained Delaunay triangulation of points of shape (n, 2) and segments of shape (m, 2), pairs of points: every
-    segment is an edge, or a chain of edges through the points on it, and all other edges are Delaunay. ValueError, which names
-    them, if two segments cross where no point is.
+    segment is an edge, or a chain of edges through the points on it, and all other edges are Delaunay. Crossing, a ValueError, names
+    two segments that cross where no point is.
 
-    `border`: the segments are the border of a region, in any order and direction, with holes, islands in holes and so on;
-    `inside` tells the triangles in it. `from_rings` makes that of a polygon.
+    `border`: the segments are the border of a region, in any order and direction, with holes, islands in holes and so on; or an array
+    that says it of each segment. `number`: of the line or region, the same for all segments or one for each. A triangle is inside a
+    border if every way out crosses it an odd number of times. `from_rings` and `from_geometries` make segments of polygons.
 
-    It has all that Delaunay has, but add_points and natural neighbours; the paraboloid does not decide which edges there are."""
+    It has all that Delaunay has, but add_points and natural neighbours; the paraboloid does not decide which edges there are. `z` has
+    the heights of the points where geometries have them."""
 
     def __init__(
-        self, points: ArrayLike, segments: ArrayLike, border: bool = False, *, workers: Optional[int] = None
+        self,
+        points: ArrayLike,
+        segments: ArrayLike,
+        border: Any = False,
+        *,
+        number: Any = 0,
+        workers: Optional[int] = None,
     ):
-        self.segments: Ints = _checked_segments(segments)
-        self.border = border
+        self.segments: Ints = _declared.checked_segments(segments)
+        self.border, self.number = border, number
+        self.z: Optional[Floats] = None
         self._shared, self.ids = None, None
         self._begin(_checked(points), False, workers)
 
     def _begin(self, points: Floats, incremental: bool, workers: Optional[int]) -> None:
         self._incremental, self._workers = incremental, workers
-        self._now = _Moment(points, workers, self.segments, self.border)
+        self._now = _Moment(points, workers, _declared.declare(self.segments, self.border, self.number))
 
     @classmethod
     def from_rings(cls, *rings: ArrayLike, workers: Optional[int] = None) -> "ConstrainedDelaunay":
         """That of a polygon, or of several: rings of shape (k, 2), closed or not. What is enclosed an odd number of times is inside.
         The points are those of all rings, one after the other."""
-        corners = [_checked(ring) for ring in rings]
-        if len(corners) == 0:
+        if len(rings) == 0:
             raise ValueError("No rings given")
-        begin = np.cumsum([0] + [len(ring) for ring in corners])
-        sides = [np.column_stack([np.arange(a, b), np.r_[a + 1 : b, a]]) for a, b in zip(begin, begin[1:]) if b - a > 2]
-        return cls(np.concatenate(corners), np.concatenate([np.empty((0, 2), int)] + sides), border=True, workers=workers)
+        return cls.from_geometries({"type": "Polygon", "coordinates": rings}, workers=workers)
+
+    @classmethod
+    def from_geometries(cls, geometries: Any, *, workers: Optional[int] = None) -> "ConstrainedDelaunay":
+        """That of polygons, lines and points: a geometry of shapely, a list or an array of them, a GeoSeries or GeoDataFrame, or GeoJSON
+        (delaunayd.geometries). Polygons become borders; feature i has the number i."""
+        from .geometries import read
+
+        return cls._from_graph(read(geometries), workers)
+
+    @classmethod
+    def _from_graph(cls, graph: Graph, workers: Optional[int]) -> "ConstrainedDelaunay":
+        try:
+            d = cls(graph.points, graph.segments, graph.border, number=graph.number, workers=workers)
+        except Crossing as error:
+            raise _declared.named(error, graph) from None
+        d.z = graph.z
+        return d
 
     def __repr__(self) -> str:
         return "<delaunayd.spatial.ConstrainedDelaunay of %d points, %d segments, %d triangles>" % (
@@ -388,23 +413,94 @@ class ConstrainedDelaunay(Delaunay):
         edges: Ints = self._cached("constrained_edges", lambda now: now.triangulation.constrained_edges())
         return edges
 
+    # ---- regions ----
+
     @property
     def inside(self) -> NDArray[Any]:
-        """Whether each triangle is inside the border; none is, unless it is closed and `border` was given. `simplices[d.inside]`
-        are those that are, and matplotlib's Triangulation takes `mask=~d.inside`."""
+        """Whether each triangle is inside a border; only closed borders count. `simplices[d.inside]` are the triangles inside, and
+        matplotlib's Triangulation takes `mask=~d.inside`."""
         mask: NDArray[Any] = self._cached("inside", lambda now: now.triangulation.inside())
         return mask
 
+    def inside_of(self, number: int) -> NDArray[Any]:
+        """Whether each triangle is inside the border of this number. ValueError: there is no such border, or it is open."""
+        region = self.regions.borders.get(number)
+        if region is None or not region.closed:
+            raise ValueError("the border %d is open" % number if region is not None else "there is no border %d" % number)
+        face, numbers, end = self._faces
+        owner = np.repeat(np.arange(len(end)), np.diff(end, prepend=0))
+        has = np.zeros(len(end), dtype=bool)
+        has[owner[numbers == number]] = True
+        mask: NDArray[Any] = has[face]
+        return mask
 
-def _checked_segments(segments: ArrayLike) -> Ints:
-    pairs = np.asarray(segments)
-    if pairs.size == 0:
-        pairs = np.empty((0, 2), dtype=np.int32)
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
-        raise ValueError("segments must have the shape (m, 2) and be numbers of points")
-    if pairs.size > 0 and not (pairs.min() >= 0 and pairs.max() < 2**31):
-        raise ValueError("segments must be numbers of points, from 0 on")
-    return np.array(pairs, dtype=np.int32, order="C")
+    @property
+    def region(self) -> Ints:
+        """The smallest number of a border that contains each triangle, -1 outside of all."""
+        rows: Ints = self._cached("region", lambda now: _first_region(*self._faces))
+        return rows
+
+    @property
+    def regions(self) -> Regions:
+        """What the borders enclose, as Client.regions() has it; areas are exact, and rounded once."""
+        found: Regions = self._cached("regions", _regions)
+        return found
+
+    @property
+    def _faces(self) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        faces: Tuple[NDArray[Any], NDArray[Any], NDArray[Any]] = self._cached("faces", lambda now: now.triangulation.faces())
+        return faces
+
+    def to_matplotlib(self) -> Any:
+        """A matplotlib.tri.Triangulation of the points and triangles, in which those outside of borders are masked if there are borders."""
+        from matplotlib.tri import Triangulation as Theirs  # type: ignore[import]
+
+        mask = ~self.inside if np.any(self.border) else None
+        return Theirs(self.points[:, 0], self.points[:, 1], self.simplices, mask=mask)
+
+
+def triangulate_polygon(*polygon: Any, workers: Optional[int] = None) -> Tuple[Floats, Ints]:
+    """The triangles of a polygon with holes: the points, shape (n, 2), and the triangles inside, shape (m, 3). `polygon`: its rings, of shape
+    (k, 2), or one argument that ConstrainedDelaunay.from_geometries takes. What is inside any of several features counts. No
+    points are added. Crossing, a ValueError, names rings and sides that cross."""
+    from .geometries import read
+
+    rings = len(polygon) > 1 or (len(polygon) == 1 and _is_ring(polygon[0]))
+    geometries = {"type": "Polygon", "coordinates": polygon} if rings else polygon[0] if polygon else None
+    if geometries is None:
+        raise ValueError("No rings given")
+    graph = read(geometries)
+    if len(graph.points) == 0:
+        return np.empty((0, 2)), np.empty((0, 3), dtype=np.int32)
+    d = ConstrainedDelaunay._from_graph(graph, workers)
+    return d.points, d.simplices[d.inside]
+
+
+def _is_ring(value: Any) -> bool:
+    """Whether it is an array of places, or nested lists of numbers."""
+    first = value
+    for _ in range(2):
+        if isinstance(first, dict) or not hasattr(first, "__len__") or hasattr(first, "geom_type"):
+            return False
+        if len(first) == 0:
+            return first is value
+        first = next(iter(first))
+    return isinstance(first, (int, float, np.number))
+
+
+def _first_region(face: NDArray[Any], numbers: NDArray[Any], end: NDArray[Any]) -> Ints:
+    count = np.diff(end, prepend=0)
+    first = np.full(len(end), -1, dtype=np.int32)
+    first[count > 0] = numbers[(end - count)[count > 0]]
+    rows: Ints = first[face]
+    return rows
+
+
+def _regions(now: _Moment) -> Regions:
+    from ._constraints import Region, Regions
+
+    rows, (triangles, area) = now.triangulation.regions()
+    return Regions(triangles, area, {number: Region(closed, count, size) for number, closed, count, size in rows})
 
 
 def tsearch(tri: Delaunay, xi: ArrayLike) -> Ints:

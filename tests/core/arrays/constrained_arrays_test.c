@@ -152,3 +152,122 @@ TEST(triangles_inside_borders_are_known_whatever_the_rounding_mode)
         dt_arrays_free(a);
     }
 }
+
+/* Rectangles on a lattice, of which each has points of its own at its corners, so that sides overlap without being the same. Rectangle
+ * i has the number i / 2; the last one lacks a side. */
+enum { SIDE = 9, LATTICE = SIDE * SIDE, RECTANGLES = 6, CORNERS = 4 * RECTANGLES };
+
+struct rectangles {
+    struct dt_point p[LATTICE + CORNERS];
+    struct dt_constraint c[CORNERS];
+    size_t constraints;
+    struct dt_point lo[RECTANGLES], hi[RECTANGLES];
+};
+
+static void draw_rectangles(struct rectangles *r)
+{
+    *r = (struct rectangles){0};
+    for (unsigned i = 0; i < LATTICE; i++)
+        r->p[i] = (struct dt_point){i % SIDE, i / SIDE};
+    for (unsigned i = 0; i < RECTANGLES; i++) {
+        double x = test_below(SIDE - 1), y = test_below(SIDE - 1);
+        struct dt_point lo = {x, y}, hi = {x + 1 + test_below(SIDE - 1 - (unsigned)x),
+                                           y + 1 + test_below(SIDE - 1 - (unsigned)y)};
+        const struct dt_point corner[] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}};
+        uint32_t first = LATTICE + 4 * i;
+        memcpy(&r->p[first], corner, sizeof corner);
+        for (uint32_t k = 0; k < 4u - (i == RECTANGLES - 1); k++)
+            r->c[r->constraints++] =
+                (struct dt_constraint){first + k, first + (k + 1) % 4, true, i / 2};
+        r->lo[i] = lo;
+        r->hi[i] = hi;
+    }
+}
+
+/* Whether the place, which is on no side, is inside the border of the number, which is closed. */
+static bool is_inside(const struct rectangles *r, struct dt_point q, uint32_t number)
+{
+    bool in = false;
+    for (unsigned i = 0; i < RECTANGLES - 2; i++)
+        in ^= i / 2 == number && q.x > r->lo[i].x && q.x < r->hi[i].x && q.y > r->lo[i].y &&
+              q.y < r->hi[i].y;
+    return in;
+}
+
+static void check_row(const struct rectangles *r, const uint32_t *c, const uint32_t *number,
+                      size_t numbers, bool inside)
+{
+    const struct dt_point *p = r->p;
+    struct dt_point q = {(p[c[0]].x + p[c[1]].x + p[c[2]].x) / 3,
+                         (p[c[0]].y + p[c[1]].y + p[c[2]].y) / 3};
+    size_t at = 0;
+    for (uint32_t k = 0; k < RECTANGLES / 2; k++) {
+        bool has = at < numbers && number[at] == k;
+        CHECK(has == is_inside(r, q, k));
+        at += has;
+    }
+    CHECK(at == numbers && inside == (numbers > 0));
+}
+
+static void check_regions(const struct dt_arrays *a, size_t insides)
+{
+    struct dt_region *region, all;
+    size_t n;
+    CHECK(dt_arrays_regions(a, &region, &n, &all) == DT_OK && n == RECTANGLES / 2);
+    CHECK(region[0].closed && region[1].closed && !region[2].closed && region[2].triangles == 0);
+    CHECK(all.triangles == insides && all.area <= region[0].area + region[1].area);
+    dt_arrays_release(region);
+}
+
+TEST(each_triangle_has_the_numbers_of_the_borders_around_it)
+{
+    for (int round = 0; round < 50; round++) {
+        struct rectangles r;
+        struct dt_arrays *a;
+        static uint32_t triangle[6 * (LATTICE + CORNERS)], face[2 * (LATTICE + CORNERS)];
+        static bool inside[2 * (LATTICE + CORNERS)];
+        uint32_t wrong[4], counts[5];
+        struct dt_ids number = {0}, end = {0};
+        size_t insides = 0;
+        draw_rectangles(&r);
+        CHECK(dt_arrays_declared(r.p, LATTICE + CORNERS, r.c, r.constraints, NULL, 1, triangle, &a,
+                                 wrong) == DT_OK);
+        CHECK(dt_arrays_faces(a, face, &number, &end) == DT_OK);
+        CHECK(dt_arrays_inside(a, triangle, inside) == DT_OK);
+        dt_arrays_counts(a, counts);
+        CHECK(counts[2] == 2 * (SIDE - 1) * (SIDE - 1) && end.v[0] == 0);
+        for (uint32_t row = 0; row < counts[2]; row++) {
+            uint32_t from = face[row] == 0 ? 0 : end.v[face[row] - 1];
+            check_row(&r, &triangle[3 * (size_t)row], number.v + from, end.v[face[row]] - from,
+                      inside[row]);
+            insides += inside[row];
+        }
+        check_regions(a, insides);
+        dt_arrays_release(number.v);
+        dt_arrays_release(end.v);
+        dt_arrays_free(a);
+    }
+}
+
+TEST(without_borders_all_triangles_are_in_the_outer_face)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    const struct dt_constraint line = {0, 2, false, 7};
+    uint32_t triangle[24], wrong[4], face[8] = {9, 9};
+    struct dt_ids number = {0}, end = {0};
+    struct dt_arrays *a;
+    for (size_t lines = 0; lines < 2; lines++) {
+        CHECK(dt_arrays_declared(p, 4, &line, lines, NULL, 1, triangle, &a, wrong) == DT_OK);
+        number.n = end.n = 0;
+        CHECK(dt_arrays_faces(a, face, &number, &end) == DT_OK);
+        CHECK(face[0] == 0 && face[1] == 0 && number.n == 0 && end.n == 1 && end.v[0] == 0);
+        dt_arrays_free(a);
+    }
+    dt_arrays_release(number.v);
+    dt_arrays_release(end.v);
+    CHECK(dt_arrays_declared(p, 1, NULL, 0, NULL, 1, triangle, &a, wrong) == DT_OK);
+    end = number = (struct dt_ids){0};
+    CHECK(dt_arrays_faces(a, face, &number, &end) == DT_OK && end.n == 1);
+    dt_arrays_release(end.v);
+    dt_arrays_free(a);
+}
