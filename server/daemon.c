@@ -122,8 +122,8 @@ static void refuse(int fd, const char *line)
     sock_refuse(fd, line);
 }
 
-/* Whether another client may connect. If there are too many, the oldest one that has not authenticated is closed, so
- * that such clients cannot lock out others. */
+/* Whether another client may connect. If there are too many, the oldest client without authentication is disconnected,
+ * so that such clients cannot lock out others. */
 static bool has_room(void)
 {
     if (d.clients.n - d.evicted < d.server.config->max_clients)

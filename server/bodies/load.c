@@ -82,7 +82,7 @@ static size_t count_names(const struct word *w)
     return n;
 }
 
-/* What the line of a request says about its body. */
+/* The facts about a body that the line of its request gives. */
 struct announced {
     enum body_form form;
     uint32_t count;
@@ -165,7 +165,7 @@ void load_skip(struct server *s, const struct load_shape *shape, const struct re
     body_fail(&a->load->body, BODY_SYNTAX); /* so that no point is kept */
 }
 
-/* What a row of the body is. */
+/* Returns the name of a row of the body. */
 static const char *row_name(const struct load *l)
 {
     if (l->body.form != BODY_BINARY)
@@ -283,7 +283,7 @@ void load_notify(struct load *l, void (*ready)(void *ctx), void *ctx)
     l->ctx = ctx;
 }
 
-/* Workers parse a text when so much has come that it may become long. */
+/* Workers parse a text once enough of it has come that it may become long. */
 static bool begins_parser(const struct load *l)
 {
     const struct body *b = &l->body;

@@ -69,17 +69,17 @@ void load_settle(struct load *l);
 /* Sets the callback ready(ctx) for when the load can continue: workers have parsed a block. */
 void load_notify(struct load *l, void (*ready)(void *ctx), void *ctx);
 
-/* Where the next bytes of the body can be received: *n at most (body_room, parser_room). NULL: they have to be fed, or, if there is a
- * parser, nothing is received for now. */
+/* Returns the place at which the next bytes of the body can be received: *n at most (body_room, parser_room). NULL: they must be
+ * fed or, if there is a parser, nothing is received for now. */
 char *load_room(struct load *l, size_t *n);
 
-/* n bytes have been received there. */
+/* n bytes have been received at load_room's place. */
 void load_received(struct load *l, size_t n);
 
 /* The parser has appended points (PARSER_MOVED). */
 void load_moved(struct load *l);
 
-/* The parser is done: what it has received and not parsed goes back into the input, before what is there. Returns the number
+/* The parser is done: the bytes that it has received and not parsed go back to the front of the input. Returns the number
  * of bytes. Without memory for that in->failed is set. */
 size_t load_end_parser(struct load *l, struct buf *in);
 

@@ -22,8 +22,8 @@ enum parser_step {
     PARSER_BROKEN, /* body_feed has returned -1 */
 };
 
-/* For the rest of the body b, which is a text without a fault, in blocks of about that many bytes, at least PARSER_LEAST. ready(ctx) is called when a
- * block has been parsed. NULL: out of memory. There must be workers. */
+/* Parses the rest of the body b, which is a text without a fault, in blocks of about `bytes` bytes, at least PARSER_LEAST.
+ * Calls ready(ctx) when a block has been parsed. NULL: out of memory. There must be workers. */
 enum { PARSER_LEAST = 128 * 1024, PARSER_MOST = 512 * 1024 };
 struct parser *parser_new(struct server *s, struct body *b, size_t bytes, void (*ready)(void *ctx),
                           void *ctx);
@@ -31,11 +31,11 @@ struct parser *parser_new(struct server *s, struct body *b, size_t bytes, void (
 /* Workers may still have blocks: then they are freed later. */
 void parser_free(struct parser *p);
 
-/* Where the next bytes of the text are to be received: *n at most. NULL: a block is to be submitted, all are in work, or the parser has
- * ended. */
+/* Returns the place at which the next bytes of the text are to be received: *n at most. NULL: a block is to be submitted, all
+ * blocks are in work, or the parser has ended. */
 char *parser_room(struct parser *p, size_t *n);
 
-/* n bytes have been received there. */
+/* n bytes have been received at parser_room's place. */
 void parser_received(struct parser *p, size_t n);
 
 /* Whether a block is full: then parser_submit gives it to the workers. Only a reactor that is alone (loop.h) submits, and frees a
@@ -49,7 +49,7 @@ void parser_end(struct parser *p);
 /* Of a parser that is done: the bytes that it has received and not parsed, *n of them. */
 const char *parser_rest(const struct parser *p, size_t *n);
 
-/* Appends the next block, or feeds a piece of it. */
+/* Appends the next block, or feeds a piece of the block. */
 enum parser_step parser_step(struct parser *p);
 
 /* Whether all lines are in the body, and the parser has ended. */

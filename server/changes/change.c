@@ -93,7 +93,7 @@ static enum dt_status delete_ends(struct dt *dt, struct change *c, const struct 
     return dt_delete_cascade(dt, c->ids, c->n, opt, &c->deleted, &c->missing);
 }
 
-/* Which of the fields of the columns there are: bit k. */
+/* Returns which fields of the columns exist: bit k. */
 static uint64_t fields_there(const struct dt *dt, const struct columns *v)
 {
     uint64_t there = 0;
@@ -113,7 +113,7 @@ static void take_back(struct dt *dt, const struct change *c, uint64_t there)
             (void)dt_field_drop(dt, v->field[k].text, v->field[k].len);
 }
 
-/* What has points or constraints of one type alone becomes a change of these, which is what its records mean. */
+/* A change that has points or constraints of one type alone becomes a change of that type, as its records mean. */
 static void become_plain(struct change *c)
 {
     struct drawn *v = &c->drawing->lists;

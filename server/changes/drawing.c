@@ -55,7 +55,7 @@ static enum dt_status replace(struct dt *dt, struct drawing *d,
     return status;
 }
 
-/* Those of a change that is applied as it is. */
+/* Applies the constraints of a change that needs no plan. */
 static enum dt_status apply(struct dt *dt, struct drawing *d, const struct dt_options *opt,
                             uint32_t *missing)
 {
@@ -155,7 +155,7 @@ static struct columns *join_columns(struct dt_pages *pages, const struct columns
     return to;
 }
 
-/* What the change will be when the plan has been carried out. */
+/* The lists of the change after the plan has been carried out. */
 struct result {
     struct drawn_points all;
     struct drawn lists;
@@ -204,7 +204,7 @@ static void take_result(struct drawing *d, struct drawn_points *p, const struct 
     d->splits = false;
 }
 
-/* Adds the points of the plan; in small pieces where many at once would end views of the triangulation. *n: how many are there. */
+/* Adds the points of the plan; in small pieces if many at once would end views of the triangulation. *n: the number added. */
 static enum dt_status add_planned(struct dt *dt, const struct dt_split *s,
                                   const struct dt_options *opt, size_t *n)
 {

@@ -15,7 +15,7 @@ struct drawn {
     uint32_t n_released, n_added;
 };
 
-/* How many records they take. */
+/* Returns how many records they take. */
 uint64_t drawn_records(const struct drawn *d);
 void drawn_clear(struct drawn *d);
 

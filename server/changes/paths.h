@@ -7,11 +7,11 @@
 
 #include "server/changes/change.h"
 
-/* How many paths there are in rows of that width. */
+/* Returns how many paths there are in rows of that width. */
 size_t paths_count(const double *rows, size_t n, size_t width);
 
-/* Makes a change of the rows, which it owns then: the points get ids from `first` on, and the constraints of path i, counted from 0, are
- * `what` with a number that is greater by i. *c has columns, without values, and a drawing. False: out of memory. */
+/* Makes a change of the rows and takes ownership of them. The points get ids from `first` on. The constraints of path i,
+ * counted from 0, are `what` with a number that is greater by i. *c has columns, without values, and a drawing. False: out of memory. */
 bool paths_take(struct change *c, double *rows, size_t n, uint32_t first, uint32_t what);
 
 #endif

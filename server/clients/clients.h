@@ -9,7 +9,7 @@
 struct clients {
     struct client_slot *slot; /* owns */
     uint32_t n, cap, free_slot;
-    /* Sessions that began without a role, in order of age; one that has acquired a role is removed when it is found there. */
+    /* Sessions that began without a role, in order of age. A session that has acquired a role is removed when it is found. */
     struct list strangers;
 };
 

@@ -165,7 +165,7 @@ static void drop_input(struct conn *c)
         conn_close(c);
 }
 
-/* What the socket has now, of at most n bytes. */
+/* Receives the bytes that the socket has now, at most n. */
 static size_t receive_now(struct conn *c, char *bytes, size_t n)
 {
     ssize_t got = recv(c->source.fd, bytes, n, 0);
@@ -198,7 +198,7 @@ size_t conn_receive(struct conn *c, char *bytes, size_t n)
 
 /* ---- output ---- */
 
-/* What the socket takes now; a failure that closes the connection counts as nothing. */
+/* Sends the bytes that the socket takes now; a failure that closes the connection counts as no bytes. */
 static size_t send_now(struct conn *c, const void *bytes, size_t n)
 {
     ssize_t sent;

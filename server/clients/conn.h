@@ -92,7 +92,7 @@ void conn_turn(struct conn *c);
  * not received yet. */
 void conn_finish(struct conn *c);
 
-/* The daemon is stopping: reads what has arrived, and no more. */
+/* The daemon is stopping: reads the bytes that have arrived, and then stops reading. */
 void conn_drain(struct conn *c);
 
 /* Closes at once. The owner's `closed` is called at the end of the loop's turn. */
@@ -111,7 +111,7 @@ static inline uint64_t conn_out_end(const struct conn *c)
     return c->sent + buf_len(&c->out);
 }
 
-/* How many bytes of out may be sent now. */
+/* Returns how many bytes of out may be sent now. */
 static inline size_t conn_sendable(const struct conn *c)
 {
     return hold_free(&c->hold, c->sent, conn_out_end(c));

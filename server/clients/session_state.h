@@ -7,7 +7,7 @@
 #include "server/jobs/job.h"
 #include "server/system/sock.h"
 
-/* What the session is doing. */
+/* The state of the session. */
 enum session_state {
     SESSION_READING,  /* takes requests, or the points of `load`, from its connection */
     SESSION_WAITING,  /* its request waits in a queue (waiter), or until a time (later) */

@@ -1,5 +1,5 @@
-/* aside.h - a snapshot that is received from a leader, in a directory inside the data directory, and how it replaces what is
- * there.
+/* aside.h - a snapshot that is received from a leader, in a directory inside the data directory, and how it replaces the
+ * files of the data directory.
  *
  *     incoming/    a snapshot that is being received, with the empty segment after it; removed at the next start
  *     arrived/     the same, complete and good: it replaces everything in the data directory

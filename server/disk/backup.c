@@ -73,7 +73,7 @@ static void empty(int fd)
     datafiles_free(&files);
 }
 
-/* Removes an incomplete backup. Whatever else is in the directory stays, and then the directory, too. */
+/* Removes an incomplete backup. Other files in the directory stay, and then the directory stays, too. */
 static bool remove_unfinished(int under, const char *name)
 {
     if (!ends_unfinished(name, strlen(name)))
@@ -121,7 +121,7 @@ static bool is_taken(int under, const char *name)
 
 /* ---- the files ---- */
 
-/* The moment that a backup shows: so many bytes of this segment, and everything before it. */
+/* The moment that a backup shows: the first `bytes` bytes of this segment, and everything before it. */
 struct moment {
     uint64_t segment, bytes, lsn;
 };

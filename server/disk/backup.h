@@ -1,13 +1,13 @@
 /* backup.h - a copy of a data directory that is in use.
  *
- * A backup is a directory that --data can read: the newest snapshot, the segments of the log after it, and
- * as much of the segment that is being written as was durable at one moment. Only that segment ever grows, so the
- * others and the snapshot get hard links, which take neither time nor space; where a link is impossible, as
- * on another file system, they are copied. Nothing that the daemon does later changes a file that has a
+ * A backup is a directory that --data can read. It has the newest snapshot, the segments of the log after it, and the
+ * part of the segment in use that was durable at one moment. Only that segment ever grows. The other segments and the snapshot
+ * get hard links, which take neither time nor space. If a link is impossible, as on another file system, they are
+ * copied. The daemon never changes a file that has a
  * link: it only removes names.
  *
  * The steps: make NAME.tmp, fill it, sync it, rename it to NAME, sync the directory. So there is all of a
- * backup under its name, or nothing. What a killed daemon has left as *.tmp is removed by the next backup. */
+ * backup under its name, or nothing. The next backup removes the *.tmp directories of killed daemons. */
 #ifndef SERVER_BACKUP_H
 #define SERVER_BACKUP_H
 

@@ -101,9 +101,9 @@ bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint6
 bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
                         const atomic_bool *cancel);
 
-/* Removes the snapshots older than `lsn` and the segments that it covers: those followed by a segment that
- * begins at lsn + 1 or before; but the last d->keep_log bytes of these stay. A file that cannot be removed is left for the
- * next time. */
+/* Removes the snapshots older than `lsn` and the segments that it covers: segments followed by a segment that
+ * begins at lsn + 1 or before. The last d->keep_log bytes of these segments stay. A file that cannot be removed is left
+ * for the next time. */
 void datadir_forget(struct datadir *d, uint64_t lsn);
 
 /* Whether there are segments that the newest snapshot covers. */

@@ -9,7 +9,7 @@
  * other: while the first one waits, later requests raise the lsn of the second one. So a client that goes
  * on editing never postpones the first group, and a hold has a fixed size.
  *
- * With --min-followers a change must also be on the disks of so many followers (holders_follow).
+ * With --min-followers N a change must also be on the disks of N followers (holders_follow).
  *
  * When the disk fails permanently, or followers are missing, the fate of the changes is unknown. Clients that wait for an
  * acknowledgement get an error; replies that only show changes are released, because there will be
@@ -58,7 +58,7 @@ void hold_view(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from);
 /* Removes the hold. */
 void hold_clear(struct hold *h);
 
-/* How many of the bytes from..to may be sent now. */
+/* Returns how many of the bytes from..to may be sent now. */
 static inline size_t hold_free(const struct hold *h, uint64_t from, uint64_t to)
 {
     uint64_t end = h->groups > 0 && h->group[0].from < to ? h->group[0].from : to;

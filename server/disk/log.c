@@ -392,7 +392,7 @@ static void wait_until(struct log *log, int64_t ns)
 }
 
 /* Clients whose replies have just been released send their next edits at once. A sync before that would split the
- * clients into two groups, each at half the rate. So it waits for as many records, at most a fraction of its duration. */
+ * clients into two groups, each at half the rate. So it waits for log->expected records, at most a fraction of its duration. */
 static void gather(struct log *log)
 {
     int64_t patience = log->sync_ns / 4;

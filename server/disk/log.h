@@ -2,13 +2,13 @@
  * that only replies that depend on the disk wait for it.
  *
  * Group commit: records that have been appended while the disk was busy are written and synced together.
- * A record counts as durable when it has been synced (LOG_ALWAYS) or written (otherwise: it survives a crash
- * of the process, and a power failure only once it is synced, which takes about a second with
- * LOG_EVERYSEC, and any time with LOG_NO).
+ * A record counts as durable when it has been synced (LOG_ALWAYS) or written (otherwise). A written record survives a
+ * crash of the process. It survives a power failure only once it is synced, which takes about a second with
+ * LOG_EVERYSEC, and any time with LOG_NO.
  *
  * After a failed write or sync the state of the disk is unknown, and a second sync of the same descriptor
- * may wrongly succeed. So the descriptor is closed (LOG_FAILED), and new records stay in memory until
- * log_resume is called, when a snapshot has every change up to some lsn: the log continues from there in a
+ * may wrongly succeed. So the descriptor is closed (LOG_FAILED), and new records stay in memory until log_resume is
+ * called, when a snapshot has every change up to some lsn. The log continues after that lsn in a
  * new segment. */
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H

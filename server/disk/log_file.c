@@ -237,8 +237,8 @@ static void write_header(struct log_file *f)
 }
 
 /* Begins the segment's file under a temporary name, and gives it its own when the header is durable: so a segment whose
- * header is not whole is damaged. If there is a file of that name, an earlier sync of the name may have failed, and a later
- * sync need not cover it; the new file replaces it, and the next sync does cover its name. */
+ * header is not whole is damaged. If a file of that name exists, an earlier sync of the name may have failed, and later
+ * syncs need not cover it. The new file replaces it, and the next sync does cover the name of the new file. */
 static void begin_segment(struct log_file *f)
 {
     char temporary[DATAFILE_NAME], name[DATAFILE_NAME];

@@ -278,8 +278,8 @@ static bool judge_header(struct recovery *r, const struct place *p, const struct
                 p->file->name, in->fault);
 }
 
-/* To repair a log, the records after a damaged header are read: the name of the file has the same number as the
- * header, and the numbers of the records show whether it is right. */
+/* To repair a log, the records after a damaged header are read. The file name has the same number as the header, and the
+ * numbers of the records show whether it is right. */
 static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
 {
     return r->mend && reader_pass_header(in) > 0;
@@ -481,7 +481,7 @@ static const struct datafile *unproven_snapshot(const struct recovery *r,
 }
 
 /* The process that wrote the snapshot may have been killed after the sync of its name had failed. Such a name
- * may never become durable, whatever a later sync reports; the name of a copy does. If there is no space
+ * may never become durable, even if a later sync succeeds; the name of a copy does. If there is no space
  * for a copy, the original is used. */
 static bool save_snapshot(struct recovery *r)
 {

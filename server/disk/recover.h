@@ -65,7 +65,7 @@ bool recovery_tidy(struct recovery *r);
 
 void recovery_clear(struct recovery *r);
 
-/* How much has been read, 0 to 100. */
+/* The share that has been read, 0 to 100. */
 unsigned recovery_percent(struct recovery *r);
 
 #endif

@@ -73,7 +73,7 @@ static void give_up(struct saver *v, int64_t now_ms)
     v->ended_ms = now_ms;
 }
 
-/* The digest of all changes so far, some of which the log may have lost: that of the leader, or a new one. */
+/* The digest of all changes so far, some of which the log may have lost: the leader's digest, or a new one. */
 static uint64_t new_digest(const struct saver *v)
 {
     return v->applied != NULL && *v->applied != 0 ? *v->applied : random_bits();

@@ -71,7 +71,7 @@ bool reader_is_later(const struct segment_reader *r, const struct segment *heade
     return header->version > RECORD_VERSION && strstr(r->fault, "later version") != NULL;
 }
 
-/* Whether an intact record begins there. */
+/* Whether an intact record begins at this place of the window. */
 static bool has_record(struct segment_reader *r, size_t at)
 {
     struct record record;

@@ -27,7 +27,7 @@ struct segment_reader {
 enum reader_result reader_open(struct segment_reader *r, const struct datadir *dir,
                                const struct datafile *file, struct segment *header);
 
-/* After READER_BAD from reader_open: whether the file is of a later version. */
+/* After READER_BAD from reader_open: whether the file has a later version. */
 bool reader_is_later(const struct segment_reader *r, const struct segment *header);
 
 /* After READER_BAD from reader_open: passes over the damaged header, whose length shows in what follows it. Returns the

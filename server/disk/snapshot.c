@@ -341,7 +341,7 @@ static void write_snapshot(struct snapshot *snap)
         return;
     }
     fail(&o, errno);
-    /* This name may never become durable, whatever a later sync reports; but after a restart, new changes
+    /* This name may never become durable, even if a later sync succeeds; but after a restart, new changes
      * would build on it. */
     if (first)
         unlinkat(dir, name, 0);

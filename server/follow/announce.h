@@ -50,7 +50,7 @@ void announce_end(struct announcement *a);
 /* Reads what the answer to INFO replication says. */
 void announce_read(const char *text, struct inquired *who);
 
-/* What the answer to SYNC means. */
+/* Judges the answer to SYNC. */
 enum announced announce_judge(const char *line, const struct history *own, struct history *theirs);
 
 #endif

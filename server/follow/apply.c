@@ -67,7 +67,7 @@ static struct answer answer_of(struct apply *p)
                            .of_leader = true};
 }
 
-/* What the answer of an edit means. */
+/* Interprets the answer of an edit. */
 static enum applied outcome(struct apply *p, const struct answer *a)
 {
     switch (a->next) {

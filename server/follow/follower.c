@@ -135,7 +135,7 @@ static bool end_record(struct follower *f, size_t n)
     return false;
 }
 
-/* What has come of a record of n bytes. False: nothing more can be carried out now. */
+/* Settles a record of n bytes after its result `how`. False: nothing more can be carried out now. */
 static bool settle(struct follower *f, enum applied how, size_t n)
 {
     switch (how) {

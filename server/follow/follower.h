@@ -1,7 +1,7 @@
 /* follower.h - a daemon that follows another one: how it starts and stops following. On a reactor; the connection
  * is that of a thread (link.h), the records are carried out by apply.h.
  *
- * What it follows is remembered in the data directory (role.h). */
+ * The data directory remembers the leader (role.h). */
 #ifndef SERVER_FOLLOWER_H
 #define SERVER_FOLLOWER_H
 

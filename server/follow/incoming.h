@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* What receives the parts. Each can end the stream by returning false. */
+/* The receiver of the parts. Each call can end the stream by returning false. */
 struct incoming_calls {
     /* A header; snapshot: one begins. */
     bool (*header)(void *ctx, const struct segment *h);

@@ -23,7 +23,7 @@ void leader_dismiss(struct server *s);
 void leader_turn_end(struct server *s);
 void leader_tick(struct server *s); /* once a second */
 
-/* How many followers have all changes up to lsn on their disks. */
+/* Returns how many followers have all changes up to lsn on their disks. */
 unsigned leader_count(const struct server *s, uint64_t lsn);
 
 /* The queue of requests that wait for followers (WAIT): they are tried again when a follower has more on its disk, and at

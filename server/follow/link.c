@@ -127,7 +127,7 @@ static bool ask_position(struct link *l, struct position *from)
     return true;
 }
 
-/* Asks the leader to continue from there. */
+/* Asks the leader to continue from this position. */
 static bool greet(struct wire *w, const struct position *from)
 {
     struct link *l = w->l;

@@ -25,14 +25,14 @@ struct remembered_role {
     char flag[ROLE_ADDRESS + 12];
 };
 
-/* What the directory of that path remembers; an invalid line counts as none. */
+/* Returns the role that the directory of that path remembers; an invalid line counts as none. */
 struct remembered_role role_read(const char *path);
 
 /* Replaces the file; durable on return. False with errno. */
 bool role_write(const struct datadir *dir, const struct remembered_role *r);
 
-/* The last decision counts: that of a --follow which is not that of the last start, or else what the directory remembers.
- * `flag`: NULL without --follow. False: it is no address. */
+/* The last decision counts: an address of --follow that differs from that of the last start, otherwise the remembered
+ * role. `flag`: NULL without --follow. False: it is no address. */
 bool role_decide(struct remembered_role *r, const char *flag);
 
 /* Writes ADDR:PORT, with brackets around an IPv6 address. */

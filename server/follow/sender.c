@@ -25,7 +25,7 @@ enum {
     SEND_MS = 60 * 1000 /* a follower that reads nothing for so long is disconnected */
 };
 
-/* What the thread is doing. */
+/* The state of the sending thread. */
 struct sending {
     struct sender *s;
     struct buf out;
@@ -267,8 +267,8 @@ static enum step put_record(struct sending *g, unsigned *tries)
     return g->out.failed ? STEP_END : STEP_GOOD;
 }
 
-/* Nothing is to be sent: waits. While the follower has not acknowledged what was sent, new changes are gathered, because each time
- * that something is sent costs both daemons, and the follower's disk, as much as many changes do. */
+/* Nothing is to be sent: waits. While the follower has not acknowledged what was sent, new changes are gathered. One
+ * transmission costs both daemons, and the follower's disk, the same as many changes. */
 static bool idle(struct sending *g, int64_t *beat_ms)
 {
     if (!flush(g))
@@ -351,7 +351,7 @@ static bool await_snapshot(struct sending *g, uint64_t least, struct segment *he
     return true;
 }
 
-/* Sends a snapshot; g->at is its position then. */
+/* Sends a snapshot; g->at becomes its position. */
 static bool send_snapshot(struct sending *g, uint64_t least)
 {
     struct segment header;

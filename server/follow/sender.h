@@ -1,14 +1,14 @@
 /* sender.h - the leader's side of one follower: a thread that reads the log from its files and sends it.
  *
- * What it sends is what is in the files: headers of segments, and records. It begins with a line,
+ * It sends the content of the files: headers of segments, and records. The stream begins with a line,
  *
  *     OK 0 history=H lsn=L continues=yes|no|differs
  *
  * yes: the log has the follower's position; the header and the records after it follow. no: the log does not reach back to it;
  * a snapshot, whole, comes first. differs: the log has other changes up to that lsn, or ends before it; nothing follows.
- * A header comes again before the first record of each segment, and every second while there are none: its lsn is that
- * of the next record, its digest that of all before it. The follower sends lines `ACK lsn bytes`: what it has on its disk,
- * and the bytes of the stream up to there. It repeats the line once a second while it works on a change.
+ * A header comes again before the first record of each segment, and every second while there are none. It has the lsn of
+ * the next record and the digest of all records before it. The follower sends lines `ACK lsn bytes`: the last change on its
+ * disk, and the bytes of the stream up to that change. It repeats the line once a second while it works on a change.
  *
  * Since it reads files, a slow follower needs no memory of the leader. Only changes that are durable here are sent, so that a
  * follower never has changes that its leader has lost in a crash. */

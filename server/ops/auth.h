@@ -15,7 +15,7 @@ struct auth {
 
 /* Reads lines `ro TOKEN` and `rw TOKEN`; blank lines and those that start with # are skipped.
  * False, with the reason on standard error, if the file cannot be read, holds another line, or
- * holds no token; *a is empty then. */
+ * holds no token; *a is then empty. */
 bool auth_load(struct auth *a, const char *path);
 void auth_clear(struct auth *a);
 

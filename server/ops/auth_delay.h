@@ -1,7 +1,7 @@
 /* auth_delay.h - rate limiting of AUTH by address, against guessed tokens.
  *
- * The check of a token is delayed, whether the token is right or wrong: otherwise an attacker could
- * recognise a wrong token by its delay, abandon the attempt and continue at full speed. The delay is the
+ * The check of a token is delayed, whether the token is right or wrong. Otherwise an attacker could recognise a wrong
+ * token by its delay, abandon the attempt and continue at full speed. The delay is the
  * longer one of two:
  *
  *   - for earlier wrong tokens of the same connection: 100 ms, 200, 400, ...
@@ -9,8 +9,8 @@
  *     further tokens queue up 100 ms apart. A right token returns its charge, so that any number of
  *     legitimate clients is not delayed.
  *
- * No delay exceeds AUTH_DELAY_LONGEST_MS: so much is a legitimate client delayed whose address is shared with
- * an attacker, for instance behind a proxy; clients from other addresses are not delayed at all. So an
+ * No delay exceeds AUTH_DELAY_LONGEST_MS. This is the longest delay of a legitimate client whose address is shared with an
+ * attacker, for instance behind a proxy. Clients from other addresses are not delayed at all. So an
  * address can try 10 tokens a second, or a third of the number of its connections if it has more than
  * 30. */
 #ifndef SERVER_AUTH_DELAY_H

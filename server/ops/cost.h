@@ -1,7 +1,7 @@
 /* cost.h - which work a reactor does itself. Work that takes longer than about 200 us goes to a worker,
  * because all other clients would wait meanwhile.
  *
- * Where the amount of work is known in advance, it is estimated here, from measurements (tests/bench) with
+ * If the amount of work is known in advance, it is estimated here, from measurements (tests/bench) with
  * a safety margin. The cost of searches and of single edits depends on the place: they are tried with a
  * limit on their steps (struct dt_options) and go to a worker if they exceed it. */
 #ifndef SERVER_COST_H

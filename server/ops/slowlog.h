@@ -40,7 +40,7 @@ bool slowlog_resize(struct slowlog *l, unsigned cap);
 /* Adds a copy of the entry with a new id, in place of the oldest one if the ring is full. Several threads may add at once. Cost: O(1). */
 void slowlog_add(struct slowlog *l, const struct slow *entry);
 
-/* How many there are. */
+/* Returns the number of entries. */
 unsigned slowlog_len(const struct slowlog *l);
 
 /* The entry of that id; NULL: it has been removed, or does not exist yet. */

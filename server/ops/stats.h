@@ -1,9 +1,9 @@
 /* stats.h - how often each command was carried out and how long it took: the time at work, and separately
  * the time in queues for a set or a worker.
  *
- * Reading the clock is expensive compared with requests that take half a microsecond. It is read once when
- * a request ends, which is when the next one of the batch begins; and for a run of the quickest requests
- * (PING) only once, and they share the time equally. */
+ * Reading the clock is expensive compared with requests that take half a microsecond. It is read once when a request
+ * ends, which is when the next request of the batch begins. For a run of the quickest requests
+ * (PING) it is read only once, and they share the time equally. */
 #ifndef SERVER_STATS_H
 #define SERVER_STATS_H
 
@@ -41,7 +41,7 @@ struct stats_pause {
 /* Adds what another one has counted. */
 void command_stats_join(struct command_stats *of, const struct command_stats *other);
 
-/* What became of a request. */
+/* The times of a request. */
 struct stats_outcome {
     int64_t work_ns, wait_ns;
 };

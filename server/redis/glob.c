@@ -1,5 +1,5 @@
-/* glob.c - see glob.h. Without recursion: what follows the last `*` is tried at each place in turn, and earlier ones need
- * not be tried again. */
+/* glob.c - see glob.h. Without recursion: the text after the last `*` is tried at each place, one after the other. Earlier
+ * stars need not be tried again. */
 #include "server/redis/glob.h"
 
 /* Whether c is in the class pattern[m], which begins after its `[`; *used is its length with its `]`. */

@@ -136,7 +136,7 @@ void redis_cluster(struct server *s, const struct request *q, struct answer *a)
     redis_error(a, "ERR This instance has cluster support disabled");
 }
 
-/* Appends a word in quotation marks, at most `most` bytes of it. */
+/* Appends a word in quotation marks, cut after `most` bytes. */
 static void quote(struct buf *out, const struct word *w, size_t most)
 {
     buf_append_char(out, '\'');

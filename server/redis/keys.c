@@ -14,7 +14,7 @@
 
 static const char type_name[] = "pointset"; /* as modules of Redis have types of their own */
 
-/* At the start there are no sets until the data directory has been read. What is said about sets shows all changes. */
+/* At the start there are no sets until the data directory has been read. Replies about sets show all changes. */
 bool redis_sees_sets(struct server *s, struct answer *a)
 {
     struct buf *out = a->out;

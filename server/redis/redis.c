@@ -52,8 +52,8 @@ static void put_name(struct answer *a, const struct command *c)
     resp_bulk(a->out, name, len);
 }
 
-/* A command in the format of COMMAND: name, number of words (negative: at least), flags, and the positions
- * of the first and the last key and the step between keys; the name of a set is a key. */
+/* A command in the format of COMMAND: name, number of words (negative: at least), flags; then the positions of the first
+ * and the last key, and the step between keys. The name of a set is a key. */
 static void describe(struct answer *a, const struct command *c)
 {
     char text[32];

@@ -148,8 +148,8 @@ static bool mend_log(const struct recovery *r)
     return ok;
 }
 
-/* Changes of a leader are lost: a new history begins, so that a follower that has them does not give them up when the
- * leader has as many other ones. */
+/* The leader's changes are lost, so a new history begins. Otherwise a follower that has them would give them up when the
+ * leader has the same number of other changes. */
 static void begin_history(struct datadir *dir)
 {
     struct recovery r;

@@ -3,7 +3,7 @@
  *
  * The checksums show which records are intact, and their numbers whether one is missing. A set that has lost
  * a record is lost as a whole: a part of a set would be wrong data. Its later changes in the log are
- * skipped; those of other sets are applied. Then all sets are written as a new snapshot, and a new log
+ * skipped; later changes of other sets are applied. Then all sets are written as a new snapshot, and a new log
  * begins after it. The old files stay as damaged.*, and every loss is reported. A crash at any point leaves
  * the directory as it was before, or repaired. */
 #include "server/repair/salvage.h"

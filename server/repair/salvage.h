@@ -5,7 +5,7 @@
 #include "server/disk/datadir.h"
 
 /* Repairs the directory, whose newest snapshot is damaged, and reports on standard output what was lost. False:
- * it cannot; the reason is there. */
+ * it cannot; the reason is on standard output. */
 bool salvage(struct datadir *dir);
 
 #endif

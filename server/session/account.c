@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-/* How many words of a request may be shown. A secret follows AUTH, which is a command, possibly after TIMEOUT, or
+/* Returns how many words of a request may be shown. A secret follows AUTH, which is a command, possibly after TIMEOUT, or
  * a word of HELLO. */
 static size_t open_words(const struct request *q)
 {

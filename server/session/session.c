@@ -44,7 +44,7 @@ static bool is_late(const struct session *s)
 }
 
 /* A session that a queue has called keeps its turn for all requests that it carries out at once, because a turn
- * for each request of a pipeline would double the cost; then the next waiter is called. The turn is also kept
+ * for each request of a pipeline would double the cost. Then the next waiter is called. The turn is also kept
  * while a request is still to be carried out. */
 static void end_turn(struct session *s)
 {
@@ -74,8 +74,8 @@ void session_set_deadline(struct session *s)
     s->timed_out = false;
 }
 
-/* Leaves the request to a later turn of the loop: when thousands of clients send one at the same moment, all of them together
- * may take long, and events of other clients come first. */
+/* Leaves the request to a later turn of the loop. When thousands of clients send one at the same moment, all requests
+ * together may take long, and events of other clients come first. */
 static bool leave_for_later(struct session *s, const struct request *q)
 {
     if (!s->late || s->waiter.called || command_is_quick(s->server, s->reactor, q))

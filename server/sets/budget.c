@@ -19,7 +19,7 @@ static bool is_for_answers(enum budget_kind kind)
     return kind == BUDGET_REPLIES || kind == BUDGET_CLIENTS;
 }
 
-/* What is left of the share of replies and clients. */
+/* The rest of the share of replies and clients. */
 static size_t answers_left(const struct budget *b)
 {
     size_t share = *b->limit / ANSWERS_SHARE;

@@ -78,7 +78,7 @@ void reservation_move(struct reservation *to, struct reservation *from);
 /* Returns the free memory of malloc's heap to the system. Cost: its size, so only workers call it. */
 void budget_trim_heap(void);
 
-/* To be called by a worker before it allocates what it has reserved: if the resident memory of the process
+/* To be called by a worker before it allocates memory that it has reserved. If the resident memory of the process
  * would exceed the budget, the free memory of malloc's heap is returned to the system. */
 void reservation_trim_heap(const struct reservation *r);
 

@@ -275,7 +275,7 @@ static void drop_others(struct registry *r, const struct registry *from, bool sa
     }
 }
 
-/* What the set has becomes that of another one, which is freed. */
+/* The contents of `by`, which is freed, become the contents of the set. */
 static void replace_contents(struct registry *r, struct dataset *set, struct dataset *by, bool same)
 {
     uint64_t lsn = by->current->lsn;

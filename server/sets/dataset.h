@@ -1,10 +1,10 @@
-/* dataset.h - named sets, their versions, and the queues of requests that wait for them. A reactor uses them that is alone in
- * the world (loop.h), or shares it and is inside the gate of the set's current version, or has closed that gate and edits the set.
+/* dataset.h - named sets, their versions, and the queues of requests that wait for them. The reactor that uses a set is alone
+ * in the world (loop.h), or is inside the gate of the set's current version, or has closed that gate and edits the set.
  *
  * A version is a set's points and triangulation, with a reference count: the set refers to its current
- * version, jobs and replies to the version that they read. Edits change it in place. A build of points that no load has
- * sorted, and a large edit of a set that is queried or whose triangles are being sent, create a new version, which becomes
- * the current one when it is complete.
+ * version, jobs and replies to the version that they read. Edits change it in place. Two kinds of edits create a new
+ * version, which becomes current when it is complete. One is a build of points that no load has sorted. The other is a large
+ * edit of a set that is queried or whose triangles are being sent.
  *
  * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
  * moment (dt_view_begin), piece by piece; edits go on in between. Who edits a version in place has closed its gate (gate.h).
@@ -13,8 +13,8 @@
  * do not wait for them.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
- * in a queue (wait.h). If a worker edits in place, `exclusive` is set too, and readers also wait there: a reactor must not wait
- * at the gate for as long as such an edit takes, and what the edit has made counts only when a reactor has ended the job. */
+ * are in a queue (wait.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
+ * must not wait at the gate for as long as such an edit takes, and the edit counts only when a reactor has ended the job. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
 
@@ -37,7 +37,7 @@ struct version {
         asked; /* a request has read its triangulation; reactors that share the world set it */
 };
 
-/* What a job has found about a set, for requests that waited for it. */
+/* The result of a job on a set, for requests that waited for it. */
 struct dataset_result {
     int64_t ended_ns; /* 0: there is none */
     uint64_t version; /* of the set */
@@ -117,10 +117,10 @@ struct dataset *registry_next_expiring(struct registry *r);
 /* Frees more of the data that was saved for readers that have finished, in about a millisecond at most. To
  * be called once a second. */
 void registry_tidy(struct registry *r);
-/* The sets of `from`, which is empty then, replace those of r; the temporary ones stay unless `from` has a set of
- * their name. A set of a name that both have gets the contents and the version of the other one, so clients that watch
- * it go on. same: sets of equal versions are equal, so they stay as they are; otherwise these are dropped. No set that
- * is replaced or dropped may have a writer. False: out of memory; nothing has changed. */
+/* The sets of `from`, which becomes empty, replace the sets of r. The temporary ones stay unless `from` has a set of
+ * their name. A set of a name that both have gets the contents and the version of the other one, and clients continue to
+ * watch it. same: sets of equal versions are equal, so they stay. Otherwise such sets are dropped. No set that is
+ * replaced or dropped may have a writer. False: out of memory; nothing has changed. */
 bool registry_replace(struct registry *r, struct registry *from, bool same);
 /* Calls visit for every born set, in no particular order. */
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),

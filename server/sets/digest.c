@@ -49,7 +49,7 @@ static bool has_values(const double *page)
     return false;
 }
 
-/* Reads pages of fields; false: there are no more. */
+/* Reads pages of fields; false: all have been read. */
 static bool read_pages(struct digest *d, const struct dt *dt)
 {
     for (unsigned i = 0; i < DIGEST_PAGES; i++) {
@@ -87,7 +87,7 @@ static void begin_constraints(struct digest *d)
         d->value = digest_bytes(d->value, &d->constraints, sizeof d->constraints);
 }
 
-/* Reads the next constraints; *done: there are no more. */
+/* Reads the next constraints; *done: all have been read. */
 static enum dt_status read_constraints(struct digest *d, const struct dt *dt, bool *done)
 {
     struct dt_constraint_list list = {.n = 0};

@@ -1,6 +1,6 @@
-/* digest.h - the digest of a set at one moment: of everything that clients can see of it, but for its name and the memory
- * that it takes. Equal sets have equal digests, whatever their history; different ones have different digests, but for
- * chance (proto/records/digest.h).
+/* digest.h - the digest of a set at one moment. It covers everything that clients can see of the set, except its name and the
+ * memory that it takes. Equal sets have equal digests, with any history; different sets have different digests, with a
+ * negligible exception (proto/records/digest.h).
  *
  * It covers, in this order:
  *
@@ -42,11 +42,11 @@ struct digest {
  * (version_end_view). False: out of memory, with no view. */
 bool digest_begin(struct digest *d, const struct dataset *set);
 
-/* Reads the next piece of dt, that of the version which was current at the beginning, in the caller's visit. *done:
- * that was all. DT_NOMEM: the view cannot be read any more. */
+/* Reads the next piece of dt, the triangulation of the version that was current at the beginning, in the caller's visit.
+ * *done: the set has been read. DT_NOMEM: the view cannot be read any more. */
 enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done);
 
-/* How much has been read, per cent. */
+/* The share that has been read, per cent. */
 unsigned digest_progress(const struct digest *d);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read in one visit */
 
-/* What is copied before there is a set. */
+/* The data that is copied before there is a set. */
 struct copy {
     uint32_t n, room;
     uint32_t *id, *representative;
@@ -39,7 +39,7 @@ static enum dt_status make_room(struct copy *c, const struct dt_view *view)
     return good ? DT_OK : DT_NOMEM;
 }
 
-/* Takes the next rows. *done: there are no more. */
+/* Takes the next rows. *done: all have been taken. */
 static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct dt_view *view,
                                 const struct dt_field *f, uint32_t *from, bool *done)
 {
@@ -114,7 +114,7 @@ static enum dt_status survey(struct dt *t, const struct dt_options *opt, struct 
     return dt_survey(t, opt);
 }
 
-/* What the copy takes while it is made. */
+/* The memory that the copy takes while it is made. */
 static size_t memory_at_most(const struct version *v, const struct dt_options *opt)
 {
     struct dt_summary sum;

@@ -234,7 +234,7 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
 
 _Static_assert((int)LIMIT_NEAREST_MANY <= (int)PLACE_WORDS, "a row of a place is found in one go");
 
-/* Finds the rows of the next n places, or of as many of them as the steps last for. */
+/* Finds the rows of the next n places, or of fewer if the steps do not last. */
 static enum dt_status find(struct rows *r, size_t n, uint32_t *out, size_t *done)
 {
     struct dt_options opt = pace_options(&r->pace, PLACE_STEPS);
@@ -245,7 +245,7 @@ static enum dt_status find(struct rows *r, size_t n, uint32_t *out, size_t *done
                : dt_nearest_many(dt, r->view, p, n, (uint32_t)r->width, &opt, out, done);
 }
 
-/* How many places there are in a piece of this number of words. */
+/* Returns how many places a piece of this number of words has. */
 static size_t places_of(const struct rows *r, size_t words)
 {
     return r->width == 0 ? SIZE_MAX : words < r->width ? 1 : words / r->width;

@@ -13,7 +13,7 @@ enum {
     STEPS_A_VISIT = 1 << 17 /* while edits wait */
 };
 
-/* How many values are found together: whole rows if they are text. */
+/* Returns how many values are found together: whole rows if they are text. */
 static size_t batch(const struct surface_rows *r)
 {
     bool light = r->how == DT_LINEAR || r->how == DT_CLOSEST;

@@ -1,7 +1,7 @@
 /* surface_rows.h - values of a surface as rows: at places, or at the cells of a raster, a piece at a time.
  *
- * A plain value with a position. It needs the whole triangulation of its moment: that of the set until the points are
- * edited, and then that of a copy (past.h). */
+ * A plain value with a position. It needs the whole triangulation of its moment: the set's triangulation until the points
+ * are edited, and then the triangulation of a copy (past.h). */
 #ifndef SERVER_SURFACE_ROWS_H
 #define SERVER_SURFACE_ROWS_H
 

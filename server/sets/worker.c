@@ -2,8 +2,8 @@
  *
  * Idle threads sleep in two crews: one for short work, one for all work. New work wakes one thread, not
  * all of them. A thread chooses its work when it runs, not when it is woken, because a busy thread may
- * become free sooner: the thread of the short crew may find that the short work has been taken and only
- * long work is left, which it may not do. So unlock_and_wake compares the work with the number of threads
+ * become free sooner. The thread of the short crew may find only long work, which it may not do, because the
+ * short work has been taken. So unlock_and_wake compares the work with the number of threads
  * that have been signalled, both when work is submitted and whenever a thread has taken some. Invariant:
  * for all waiting work a thread has been signalled, or every thread that may do it is busy and looks for
  * more work before it sleeps. */
@@ -81,7 +81,7 @@ static unsigned ready(const struct workers *w, enum work_kind kind)
     return kind == WORK_SLOW ? lesser(n, w->most_slow - w->slow) : n;
 }
 
-/* How many more threads the batches could use. */
+/* Returns how many more threads the batches could use. */
 static unsigned jobs_left(const struct workers *w)
 {
     unsigned n = 0;

@@ -10,7 +10,7 @@
  *     slow    a row of a reply that takes long by itself; one client may cause any number of them
  *
  * One thread does only short work, so replies make progress while builds occupy all other threads. The other threads
- * take the kinds in turn, so short work never keeps long work waiting, however much of it there is. Slow work never
+ * alternate between the kinds, so any amount of short work never keeps long work waiting. Slow work never
  * occupies the last thread, unless that is the only one. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H

@@ -11,7 +11,7 @@
  *
  * Threads without a lane are visitors, which the gate counts.
  *
- * Whoever finds the gate closed, or wants to close it, takes a ticket, and tickets are served in order. So neither threads that
+ * A thread that finds the gate closed, or wants to close it, takes a ticket; tickets are served in order. So neither threads that
  * close the gate often nor threads that share it can keep others out. Waiting threads spin for a few microseconds, then sleep.
  * All operations are sequentially consistent: the store of a lane must not pass the load of `closed`. */
 #ifndef SERVER_GATE_H

@@ -258,7 +258,7 @@ static int wait_for(struct loop *loop, struct epoll_event *event)
     return n;
 }
 
-/* Those that are left run in the next turn. */
+/* Tasks that are left run in the next turn. */
 static void run_yielded(struct loop *loop)
 {
     loop->in_yielded = true;

@@ -1,16 +1,18 @@
 /* loop.h - an event loop: epoll, level-triggered, one thread. A daemon has one loop, or several, which share a world.
  *
  * A turn:
- *     1. wait for events
- *     2. run deferred tasks for a quarter of a millisecond, and deliver the events to their sources
- *     3. run yielded tasks for as long
- *     4. run the timers that are due
- *     5. dispose of closed sources, for as long
+ *
+ *     1. Wait for events.
+ *     2. Run deferred tasks for a quarter of a millisecond, and deliver the events to their sources.
+ *     3. Run yielded tasks for a quarter of a millisecond.
+ *     4. Run the timers that are due.
+ *     5. Dispose of closed sources, for a quarter of a millisecond.
+ *
  * A source is freed only at the end of a turn, so that no event of the batch points to freed memory.
  *
  * The world is everything that loops have in common. A loop that shares the world with others changes only what is its
- * own. A loop that is alone in the world may change everything, also what belongs to other loops: none of them is in the
- * world then. While a loop waits for events it is outside. One loop without others is always alone. Sources and tasks run
+ * own. A loop that is alone in the world may change everything, also what belongs to other loops, because none of them is
+ * in the world. While a loop waits for events it is outside. One loop without others is always alone. Sources and tasks run
  * while the loop is alone, unless they say that they can share the world.
  *
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
@@ -26,8 +28,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The time for deferred tasks and events; yielded tasks get as much again. A request that comes when a thousand others have
- * just come waits for about two turns. */
+/* The time for deferred tasks and events; yielded tasks get the same time again. A request that comes when a thousand others
+ * have just come waits for about two turns. */
 enum { LOOP_TURN_NS = 250 * 1000 };
 
 struct source {

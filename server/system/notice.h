@@ -42,7 +42,7 @@ bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more);
 /* To be called once a second: reports how many lines were left out. */
 void notice_tick(void);
 
-/* At the end of the process: waits until the lines have been written, at most so many milliseconds. */
+/* At the end of the process: waits until the lines have been written, at most `ms` milliseconds. */
 void notice_flush(unsigned ms);
 
 #endif

@@ -49,7 +49,7 @@ void outlet_put(struct outlet *o, const char *text, size_t n, uint32_t worth);
 /* The number of lines that have been lost since the last call. */
 uint32_t outlet_take_lost(struct outlet *o);
 
-/* Waits until all lines have been written, or for so many milliseconds. */
+/* Waits until all lines have been written, at most `ms` milliseconds. */
 void outlet_flush(struct outlet *o, unsigned ms);
 
 #endif

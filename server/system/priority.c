@@ -1,11 +1,11 @@
-/* priority.c - see priority.h. A scheduler that gives each thread a deadline by the length of its slice
- * (EEVDF) lets the thread with the shortest one run first, so the clients of a reactor do not
+/* priority.c - see priority.h. EEVDF is a scheduler that gives each thread a deadline by the length of its slice. It
+ * runs the thread with the shortest slice first. So the clients of a reactor do not
  * wait for the end of a worker's slice of three milliseconds.
  *
- * A short slice for a reactor is not enough. Where two workers share a processor, the one that
- * waits falls behind its share, and once its slice is due, a reactor is not the next to run: then
- * the running worker is not interrupted until the next clock tick, which may be four milliseconds
- * later. The slice of a worker is therefore several ticks long, so that it is rarely due so soon. That
+ * A short slice for a reactor is not enough. If two workers share a processor, the waiting one falls behind its
+ * share. Once its slice is due, a reactor is not the next to run: the running worker is not interrupted until the next
+ * clock tick, which may be four milliseconds later. The slice of a worker is therefore several ticks long, so
+ * that it is rarely due so soon. That
  * does not reduce a worker's share of the processor. */
 #include "server/system/priority.h"
 

@@ -14,7 +14,7 @@ bool private_make(char path[PRIVATE_PATH]);
 /* Removes the directory of that socket, which has been removed. */
 void private_remove(const char *path);
 
-/* Whether the owner, who holds the other end of this pipe or socket, is gone. What it sends is ignored. */
+/* Whether the owner, who holds the other end of this pipe or socket, has ended. The data that the owner sends is ignored. */
 bool private_owner_is_gone(int fd);
 
 #endif

@@ -30,8 +30,8 @@ bool sock_is_local(int fd);
 unsigned sock_port(int fd);
 
 /* Sets options of a listening socket that accepted connections inherit on Linux: TCP_NODELAY, and
- * keepalive probes that detect an unreachable peer. sock_listen calls it; to be called for a socket that
- * comes from elsewhere. No effect on a Unix socket. */
+ * keepalive probes that detect an unreachable peer. sock_listen calls it. Call it for a socket from another
+ * source. No effect on a Unix socket. */
 void sock_prepare(int listener);
 
 /* Accepts one non-blocking connection from *peer; -1 with errno. */
@@ -42,7 +42,7 @@ void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT]);
 
 /* Sends one line without blocking, and closes. A request that has already arrived is read first, because
  * closing with unread input resets the connection, and the reset may overtake the line. The read is
- * bounded: clients that send without end are reset and cost no more. */
+ * bounded: a client that sends without end is reset at no further cost. */
 void sock_refuse(int fd, const char *line);
 
 #endif

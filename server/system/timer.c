@@ -11,7 +11,7 @@ void timers_init(struct timers *w, int64_t now_ms)
     *w = (struct timers){.passed = now_ms / TIMER_GRAIN_MS, .earliest_ms = INT64_MAX};
 }
 
-/* The grain at whose end a timer for at_ms is due; one that has not passed yet. */
+/* The grain at whose end a timer for at_ms is due; a grain that has not passed yet. */
 static int64_t grain_of(const struct timers *w, int64_t at_ms)
 {
     int64_t grain = (at_ms + TIMER_GRAIN_MS - 1) / TIMER_GRAIN_MS;

@@ -20,7 +20,7 @@ void altered_put(struct altered *r, const struct dt_touched_constraint *c, size_
 /* Any constraint may have changed: what has a number before the end is forgotten. */
 void altered_forget(struct altered *r);
 
-/* One that is remembered. */
+/* Returns a constraint that is remembered. */
 static inline const struct dt_touched_constraint *altered_at(const struct altered *r, uint64_t n)
 {
     return &r->row[n - r->first];

@@ -1,7 +1,7 @@
 /* credit.h - how much time the events of a set may take.
  *
- * While a set is edited, its events get one part of CREDIT_SHARE of the processor time, and some of the time in which the loop is
- * idle, so that a watcher slows edits down by little. What is not sent yet is merged. Isolated edits never wait,
+ * While a set is edited, its events get one part of CREDIT_SHARE of the processor time, and some of the loop's idle time.
+ * So a watcher slows edits down by little. Changes that have not been sent yet are merged. Isolated edits never wait,
  * because there is credit after a pause. Times are in nanoseconds. */
 #ifndef SERVER_CREDIT_H
 #define SERVER_CREDIT_H

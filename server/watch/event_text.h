@@ -30,7 +30,7 @@ struct event {
     uint64_t steps;        /* of rings on a line, of ids that have no row, and of constraints */
 };
 
-/* What is said of an id: that it is gone, its place and its ring; its ring alone; or nothing if it is gone. */
+/* The statement about an id: that it is gone, or its place and its ring; its ring alone; no statement if it is gone. */
 enum event_what { EVENT_ALL, EVENT_RING, EVENT_NEW };
 
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what);
@@ -43,11 +43,11 @@ void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_
 /* Whether it is large enough for a part, or has taken so long. */
 bool event_is_full(const struct event *e);
 
-/* The first line, when all rows are there. */
+/* Writes the first line, when all rows have been written. */
 void event_head(struct event *e, const char *set, uint64_t version, bool more);
 void event_dropped(struct event *e, const char *set);
 
-/* What connections are sent; typed: as a push of RESP 3. NULL: out of memory. The event borrows it to the caller. */
+/* Returns the bytes for connections; typed: as a push of RESP 3. NULL: out of memory. The event lends them to the caller. */
 const struct buf *event_text(struct event *e, bool typed);
 
 size_t event_memory(const struct event *e);

@@ -55,7 +55,7 @@ static int by_id(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The keys after a mark that are of the feed, a value as a row, in ascending order. */
+/* Finds the keys after a mark that belong to the feed, a value as a row, in ascending order. */
 static size_t find_keys(const struct feed *f, const struct recent_mark *m, uint64_t *key)
 {
     const struct recent *r = &f->of->recent;
@@ -71,7 +71,7 @@ static size_t find_keys(const struct feed *f, const struct recent_mark *m, uint6
     return n;
 }
 
-/* What has changed after the position, by id. False: too much, or it is not known. */
+/* Writes the changes after the position, by id. False: too many, or they are unknown. */
 static bool put_change(struct event *e, const struct feed *f, const struct position *p)
 {
     const struct watched *k = f->of;
@@ -403,8 +403,9 @@ void feed_leave(struct watcher *w)
     free(f);
 }
 
-/* Adds the points in the box to those that a watcher may know, and those below `ids` that have changed after the mark, which may
- * have been there. If changes have not been collected, points that have just left the box are not found: then all are added. */
+/* Adds the points in the box to the points that a watcher may know. Adds those below `ids` that have changed after the mark, too,
+ * because they may have been in the box. If changes have not been collected, all are added, because points that have just
+ * left the box are not found. */
 static bool know_since(struct feed *f, const struct recent_mark *m, uint32_t ids)
 {
     const struct watched *k = f->of;

@@ -3,8 +3,8 @@
  *     ticks of the set   1 2 3 4 5 6 7 8           each a change that has been collected (watch.c)
  *     positions                  a   b c           of the watchers: b has been sent what changed up to 7
  *
- * A watcher is only a position. What it lacks is found when it is served: from the last keys of the set (recent.h) if they
- * are few, otherwise from the stamps of the ids (stamps.h). A sweep over all ids, or over those in a box, is done in
+ * A watcher is only a position. The changes that it lacks are found when it is served: from the last keys of the set
+ * (recent.h) if they are few, otherwise from the stamps of the ids (stamps.h). A sweep over all ids, or over those in a box, is done in
  * parts; what changes meanwhile comes after it.
  *
  * Watchers in the same position are sent the same text, so the feed keeps its last one until all of them have been sent it. */
@@ -19,7 +19,7 @@
 #include "server/watch/scope.h"
 #include "server/watch/stamps.h"
 
-/* How far a watcher knows a set. All zero: it knows nothing. */
+/* The extent to which a watcher knows a set. All zero: it knows nothing. */
 struct position {
     uint64_t tick;  /* all changes up to this one, */
     uint32_t ids;   /* and no id from this one on */
@@ -109,14 +109,14 @@ static inline bool feed_lags(const struct watcher *w)
     return feed_lacks(w->feed, &w->at);
 }
 
-/* How many points are on one line, if all are; else 0. Who watches a part of a line cannot see whether two neighbours of a point
- * are joined, which would be a triangle, so it is sent all of that part after each change. */
+/* Returns the number of points if all are on one line; else 0. A watcher of a part of a line cannot see whether two neighbours
+ * of a point are joined, which would be a triangle. So it is sent all of that part after each change. */
 uint32_t feed_line(const struct watched *k);
 
 /* The feed of that scope, which moves there, with one more watcher. NULL: out of memory. */
 struct feed *feed_enter(struct watched *k, struct scope *scope);
 
-/* The watcher leaves its lists and is freed, and so is its feed after the last one. */
+/* The watcher leaves its lists and is freed. The last watcher's feed is freed, too. */
 void feed_leave(struct watcher *w);
 
 /* The position of a watcher that knows a version of the set. If the changes since then are not known any more, it knows nothing. */

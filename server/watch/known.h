@@ -1,5 +1,5 @@
-/* known.h - points that somebody who watches a box may know: few of a large set, so their ids are in a hash table, and only
- * when that would be larger than half a bit for each id of the set, in a bit for each. */
+/* known.h - points that a watcher of a box may know. They are few of a large set, so their ids are in a hash table. If that
+ * would be larger than half a bit for each id of the set, there is a bit for each id instead. */
 #ifndef SERVER_KNOWN_H
 #define SERVER_KNOWN_H
 

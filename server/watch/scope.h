@@ -1,5 +1,5 @@
-/* scope.h - what a watcher wants to know of a set: the points in a box or all of them, the values of some fields, and the constraints
- * that meet the box, or all of them. */
+/* scope.h - the part of a set that a watcher wants to know: the points in a box or all of them, the values of some fields.
+ * Constraints belong to it if they meet the box, or without a box all of them. */
 #ifndef SERVER_SCOPE_H
 #define SERVER_SCOPE_H
 

@@ -1,6 +1,6 @@
 /* stamps.h - when each id of a set changed last. A time is a tick: a number that increases with each change that is noted.
  *
- * The stamps are in blocks of consecutive ids. A block exists once one of its ids has changed: 4 bytes for each id of it. */
+ * The stamps are in blocks of consecutive ids. A block exists once one of its ids has changed: 4 bytes for each of its ids. */
 #ifndef SERVER_STAMPS_H
 #define SERVER_STAMPS_H
 

@@ -22,7 +22,7 @@ enum {
     NEW_IDS = 65536             /* more than this are a change of everything */
 };
 
-/* What may still be done in a turn. */
+/* The work that may still be done in a turn. */
 struct turn {
     int64_t end_ns;
     unsigned watchers;
@@ -62,7 +62,7 @@ static bool put_stamps(struct stamps *s, const uint64_t *key, size_t n, uint64_t
     return true;
 }
 
-/* Takes what edits have touched. All watchers lack something then. */
+/* Takes the keys that edits have touched. Afterwards all watchers lack a change. */
 static void collect(struct watched *k)
 {
     struct dt *dt = k->set->current->dt;

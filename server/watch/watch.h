@@ -1,7 +1,7 @@
 /* watch.h - clients that follow a set: after each change they get the rows and rings that are different now, never a log
  * of edits.
  *
- * What changed belongs to the set: it is collected once (dt_touched_take), as a tick of the set. A watcher is a position among
+ * Changes belong to the set: they are collected once (dt_touched_take), as a tick of the set. A watcher is a position among
  * the ticks (feed.h). A change puts all watchers into a queue. Each turn of the loop serves the first WATCH_TURN of them, for at
  * most a tenth of a millisecond. So a change costs other clients the same however many watch, and a watcher that does not
  * read costs nothing. Changes that come before a watcher is served again are sent to it once. While a set is edited
@@ -19,7 +19,7 @@ enum {
     WATCH_TURN = 16  /* watchers that are served in a turn of the loop */
 };
 
-/* The session watches the set. The scope moves there, whatever comes of it. `since` is the last version of which the client
+/* The session watches the set. The watch owns the scope even if the call fails. `since` is the last version of which the client
  * knows everything in that scope; 0: none. False: out of memory. */
 bool watch_begin(struct server *s, struct session *who, struct dataset *set, struct scope *scope,
                  uint64_t since);

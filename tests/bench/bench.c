@@ -3,7 +3,7 @@
  *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile|edits ...
  *
  * The tables are Markdown for README.md in this folder; chart.awk draws them. Every figure except those of
- * edits is the best of several processes, and runs alternate between the programs that are compared; a
+ * edits is the best of several processes, and runs alternate between the programs that are compared. A
  * process builds different sets with a million points in total. "fresh" builds in memory that was never
  * touched before, "warm" in pages that the process has used already. One thread is timed by its CPU clock,
  * two by the wall clock. */

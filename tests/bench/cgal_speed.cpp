@@ -2,9 +2,9 @@
  *
  *     cgal_speed FAMILY N SETS fresh|warm
  *
- * Prints, per input point: ns of a bare Delaunay_triangulation_2 from a vector of points (CGAL
- * sorts them spatially), ns with an id at every vertex and the list of triangles in ids, and the
- * peak memory in bytes of the latter. */
+ * Prints three figures per input point. First the ns of a bare Delaunay_triangulation_2 from a vector of points, which
+ * CGAL sorts spatially. Then the ns with an id at every vertex and the list of triangles in ids. Then the
+ * peak memory of the latter, in bytes. */
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>

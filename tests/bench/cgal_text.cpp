@@ -1,4 +1,4 @@
-/* cgal_text.cpp - the local program that the daemon is compared with: reads lines `x y` from standard input
+/* cgal_text.cpp - the local program that the daemon is compared with. It reads lines `x y` from standard input
  * and writes triangles as lines `a b c` of line numbers to standard output, with CGAL. */
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

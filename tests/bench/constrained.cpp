@@ -5,9 +5,9 @@
  * First POINTS random points in rows of about a thousand, with constraints along the rows; ids are in random order. Then LONG
  * constraints across all of LONG_POINTS random points. Both programs get the same; the best of three runs that alternate.
  *
- * Then edits of the core's sets of LONG_POINTS points with a constraint for every third point, to a neighbour, beside those
- * of the same points without: ns for one, the best of three. Moves go a tenth of the mean distance between points, or six
- * tenths; those that constraints refuse are left out. NEAREST is of random places. Then the bytes that each of these
+ * Then edits of the core's sets of LONG_POINTS points: with a constraint for every third point, to a neighbour, and without
+ * constraints. ns for one, the best of three. Moves go a tenth of the mean distance between points, or six
+ * tenths; those that constraints refuse are left out. NEAREST looks up random places. Then the bytes that each of these
  * constraints takes.
  *
  * Then constraints that cross about k edges, each declared in a set that has but one other, and released: ns beside the

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The time of TRIANGULATE after LOADB, as the daemon reports it (ms= in its reply, wall-clock time), compared with bare CGAL: in
-# a daemon and a CGAL program that have just started, and after they have built another such set. Nanoseconds per point, the
+# The time of TRIANGULATE after LOADB as the daemon reports it (ms= in its reply, wall-clock time), compared with bare CGAL.
+# A daemon and a CGAL program have just started, or have built another such set before. Nanoseconds per point, the
 # best of ROUNDS, in which runs alternate between all of them.
 #
 #     daemon.sh BUILD_DIR N ROUNDS FAMILY...

@@ -1,6 +1,6 @@
-/* hostile.c - how much slower families, sizes and orders of input are per point than uniform points: about as
- * fast, except coordinates of extreme exponents (about 5 times slower) and points on exact circles, where every
- * decision is a tie (about 10 times; README.md has the table). Runs alternate between uniform points and the
+/* hostile.c - how much slower families, sizes and orders of input are per point than uniform points. Most are about as
+ * fast. Coordinates of extreme exponents are about 5 times slower. Points on exact circles, where every decision is a
+ * tie, are about 10 times slower (README.md has the table). Runs alternate between uniform points and the
  * others. */
 #include "tests/bench/hostile.h"
 

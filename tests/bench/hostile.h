@@ -1,4 +1,4 @@
-/* hostile.h - the table of all families and of hostile orders of input, compared with as many uniform
+/* hostile.h - the table of all families and of hostile orders of input, compared with the same number of uniform
  * points. */
 #ifndef BENCH_HOSTILE_H
 #define BENCH_HOSTILE_H

@@ -1,10 +1,10 @@
-/* hostile_edits.c - the promise: no edit costs more than 10 times the same edit of uniform points, except
- * edits that change or examine as many triangles as a vertex has neighbours, and the first edit of a large
+/* hostile_edits.c - the promise: no edit costs more than 10 times the same edit of uniform points. There are two
+ * exceptions: edits that change or examine a triangle for each neighbour of a vertex; the first edit of a large
  * set, which builds an index.
  *
  * Three kinds of sets: a hundred thousand coincident points, with a tolerance and without; a hub, with all
  * other points on a circle around it; coordinates most of whose bits are zeros. Each round builds both sets
- * again, the hostile one and as many uniform points, and the best round counts. */
+ * again, the hostile one and a set of the same number of uniform points, and the best round counts. */
 #include "tests/bench/hostile_edits.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "tests/oracle/families.h"
 
-/* What is built, of what, how. */
+/* A build: its points, its engine and its threads. */
 struct build {
     const struct family *family;
     size_t n;
@@ -39,7 +39,7 @@ struct contender {
  * them to measure. */
 void measure_alternately(struct contender *c, size_t n);
 
-/* How many sets of n points make a measurement. */
+/* Returns how many sets of n points make a measurement. */
 size_t measure_sets(size_t n);
 
 /* CPU seconds of the calling thread: other programs do not count. */

@@ -23,7 +23,7 @@ struct costs {
     double grid_ns, triangulation_ns; /* per point */
 };
 
-/* What a caller of the engine provides: input, and the points in the order of the grid. */
+/* The arrays that a caller of the engine provides: input, and the points in the order of the grid. */
 struct arrays {
     struct dt_point *in, *xy;
     uint32_t *from;

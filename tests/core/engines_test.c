@@ -11,7 +11,7 @@
 typedef enum dt_status engine(const struct dt_point *in, uint32_t n, struct dt_point *p,
                               uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 
-/* The canonical triangles that the engine makes of n points; *count of them, and as many ghosts. */
+/* The canonical triangles that the engine makes of n points; *count triangles, *ghosts ghosts. */
 static struct triangle *triangles_of(engine *run, const struct dt_point *in, uint32_t n,
                                      uint32_t *count, uint32_t *ghosts)
 {

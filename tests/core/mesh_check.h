@@ -5,8 +5,8 @@
 
 #include "core/mesh/mesh.h"
 
-/* Fails the test unless m is a closed surface of the right size over its vertices (those with
- * leaving[] set, or one alone), Delaunay everywhere under the tie rule, with a convex hull, and
+/* Fails the test unless m is a closed surface of the right size over its vertices (those with leaving[] set, or
+ * one alone). It must be Delaunay everywhere under the tie rule, with a convex hull, and
  * settled (core/mesh/hull.h). */
 void mesh_check(const struct dt_mesh *m, const struct dt_point *xy);
 

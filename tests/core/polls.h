@@ -11,8 +11,8 @@ void polls_begin(void);
 /* Polls so far, of all threads. */
 uint64_t polls_count(void);
 
-/* The longest time, in ms, that a thread has computed between two of its polls, or since
- * polls_begin if that was called on it; waiting, and the work of other processes, does not
+/* The longest time, in ms, that a thread has computed between two of its polls, or since polls_begin if
+ * that was called on the thread. Waiting, and the work of other processes, does not
  * count. */
 double polls_longest_ms(void);
 

@@ -1,8 +1,8 @@
 /* crash_state.h - the directories that a power cut may leave behind.
  *
- * A sync covers operations of the process (power_log.h) that were complete before it began: the sync of
- * a file covers its data and its size, the sync of a directory the names in it, and nothing else, as in
- * POSIX. Covered operations are on the disk. Of the others, any part may be on the disk or not, as a
+ * A sync covers operations of the process (power_log.h) that were complete before it began, as in POSIX. The sync of a file
+ * covers its data and its size, the sync of a directory the names in it, and nothing else.
+ * Covered operations are on the disk. Of the others, any part may be on the disk or not, as a
  * struct crash_fate decides:
  *
  *     a sector   each 512 bytes that a write has touched, independent of the rest of the write
@@ -12,12 +12,12 @@
  *
  * A part that is not on the disk is as it was before: a sector has its old content, or zeros if it had none.
  *
- * The order in which the parts reach the disk needs no separate decision: where two of them concern the
- * same sector, size or name, the later one hides the earlier one; the opposite order looks the same as a
+ * The order in which the parts reach the disk needs no separate decision. If two of them concern the same sector, size
+ * or name, the later one hides the earlier one; the opposite order looks the same as a
  * state without the later one.
  *
- * What a failed sync should have covered is never covered, not even by a later sync, because the kernel
- * considers it clean [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
+ * Operations that a failed sync should have covered are never covered. No later sync covers them, because the kernel
+ * considers them clean [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
 #ifndef TESTS_FAULTS_CRASH_STATE_H
 #define TESTS_FAULTS_CRASH_STATE_H
 

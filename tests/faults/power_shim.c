@@ -1,5 +1,5 @@
-/* power_shim.c - records the operations of a daemon on its disk, loaded into it with LD_PRELOAD, so that a
- * test can compute what a power cut might have left (crash_state.h); ends the daemon at a given moment, and
+/* power_shim.c - records the operations of a daemon on its disk, loaded into it with LD_PRELOAD. A test can compute from
+ * them what a power cut might have left (crash_state.h). It also ends the daemon at a given moment, and
  * makes the disk stall, fail and fill up.
  *
  *     POWER_ROOT         files below this directory count
@@ -91,7 +91,7 @@ static const char *relative(const char *path)
     return path[n] == '/' ? path + n + 1 : path + n;
 }
 
-/* What a descriptor stands for, in path. */
+/* Returns the path of a descriptor, in path. */
 static const char *name_of(int fd, char path[PATH_LIMIT])
 {
     char link[64];
@@ -101,7 +101,7 @@ static const char *name_of(int fd, char path[PATH_LIMIT])
     return relative(path);
 }
 
-/* What a name in a directory stands for. */
+/* Returns the path of a name in a directory. */
 static const char *name_in(int dir, const char *name, char path[PATH_LIMIT])
 {
     if (name[0] == '/' || dir == AT_FDCWD)
@@ -177,7 +177,7 @@ static uint64_t used_beside(int fd)
     return bytes;
 }
 
-/* How many of n bytes from the offset on fit. */
+/* Returns how many of n bytes from the offset on fit. */
 static size_t affordable(int fd, uint64_t offset, size_t n)
 {
     struct stat st;

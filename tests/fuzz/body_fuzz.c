@@ -18,7 +18,7 @@ static void require(bool condition)
         abort();
 }
 
-/* Feeds the data until the body consumes no more; returns the number of consumed bytes, -1 for a fault of
+/* Feeds the data until the body consumes none; returns the number of consumed bytes, -1 for a fault of
  * the framing. */
 static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
 {
@@ -39,7 +39,7 @@ static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
     return (ptrdiff_t)at;
 }
 
-/* Reads a body whose first `cut` bytes arrive first. Returns what feed returns, for all of it. */
+/* Reads a body whose first `cut` bytes arrive first. Returns what feed returns for the whole body. */
 static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const uint8_t *data,
                            size_t size, size_t cut)
 {

@@ -1,7 +1,7 @@
 /* edit_fuzz.c - libFuzzer target: any bytes as a history of edits of a live set on a small lattice.
- * After every step the set's triangulation is checked, and every table and query has the same result
- * as for a fresh set with the same points and ids; views that began some steps ago have the tables of
- * copies that were made then.
+ * After every step the set's triangulation is checked. Every table and query must have the same result as for a
+ * fresh set with the same points and ids. Views that began some steps ago must have the tables of
+ * copies that were made at that moment.
  *
  * The first byte chooses tolerance and scale, the second the lattice; steps follow: an opcode and its
  * arguments. Missing bytes at the end read as 0. */
@@ -14,7 +14,7 @@ enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096, MOMENTS = 3 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A state of the set, and a copy made then. */
+/* A state of the set, and a copy made in that state. */
 struct moment {
     struct dt_view *view; /* NULL: none */
     struct dt *copy;

@@ -1,5 +1,5 @@
 /* incoming_fuzz.c - libFuzzer target: any bytes from a leader. They come in two parts; the first byte chooses where.
- * What is passed on are whole headers and records, in order, and a snapshot that is complete is read as a start would
+ * It must pass on whole headers and records, in order. A snapshot that is complete is read as a start would
  * read it. Checksums are corrected first. */
 #include "proto/records/crc32c.h"
 #include "server/disk/recover.h"
@@ -12,7 +12,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* What has been received. */
+/* The bytes that have been received. */
 struct received {
     const char *bytes; /* of the whole stream */
     uint64_t passed;   /* up to here has been passed on, or is of a snapshot */

@@ -1,5 +1,5 @@
-/* inquired_fuzz.c - libFuzzer target: what a daemon says of itself (announce_read). Whatever it says, each fact is a line that
- * fits in its room. */
+/* inquired_fuzz.c - libFuzzer target: the facts that a daemon reports about itself (announce_read). For any bytes, each fact is
+ * a line that fits in its room. */
 #include "server/follow/announce.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-/* mirror_fuzz.c - rows of events for the copy that a mirror keeps: the first byte is the number of fields, then lines:
- * rows, `reset`, and an empty line for the end of an event. Whatever rings there are, the copy's counts fit what it
- * has, and a change names points that were, or were not, there. */
+/* mirror_fuzz.c - rows of events for the copy that a mirror keeps. The first byte is the number of fields, then lines follow:
+ * rows, `reset`, and an empty line for the end of an event. For any rings, the copy's counts must fit its content, and a
+ * change must name points that were, or were not, in the copy. */
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>

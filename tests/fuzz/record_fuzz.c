@@ -1,5 +1,5 @@
-/* record_fuzz.c - libFuzzer target: any bytes as a segment. What is accepted as a record is written
- * as the same bytes again. Checksums are corrected first, or no input would ever get past them. */
+/* record_fuzz.c - libFuzzer target: any bytes as a segment. A record that is accepted is written as the same bytes
+ * again. Checksums are corrected first, or no input would ever get past them. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* wkt_fuzz.c - libFuzzer target: any bytes as a geometry in well-known text. What is read is whole, or nothing is read. */
+/* wkt_fuzz.c - libFuzzer target: any bytes as a geometry in well-known text. The geometry is read as a whole, or not at all. */
 #include "clients/lines/wkt_lines.h"
 #include "clients/points/join.h"
 #include "clients/reading/wkt.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# beside.sh BUILD OTHER [ROUNDS] - throughput of the daemon beside another one, the program of an earlier version: runs of a
-# few seconds alternate between the two, on the same points. Prints, for each kind of request, the medians of the
+# beside.sh BUILD OTHER [ROUNDS] - throughput of the daemon beside the program of an earlier version. Runs of a few
+# seconds alternate between the two, on the same points. Prints, for each kind of request, the medians of the
 # replies per second and of the daemon's processor time per reply, and their ratios, this daemon's over the other's.
 set -euo pipefail
 build=$1

@@ -1,9 +1,9 @@
 /* driver.h - many connections, one thread, epoll: sends a mix and measures how long replies take.
  *
- * Closed loop (rate 0): each connection sends `pipeline` requests at once, waits for all their
- * replies, and begins again; a latency runs from the sending. Together: it waits for those of all connections. Open loop: requests are due at a
- * fixed rate, in turn on each connection, whether or not earlier ones have been answered; a latency
- * runs from when the request was due, so it includes the time that the request waited because the server
+ * Closed loop (rate 0): each connection sends `pipeline` requests at once, waits for all their replies, and begins again.
+ * A latency runs from the sending. Together: it waits for the replies of all connections. Open loop: requests are due
+ * at a fixed rate, alternating between the connections, even if earlier ones have not been answered. A latency then runs
+ * from the time when the request was due. So it includes the time that the request waited because the server
  * was slow (no coordinated omission). */
 #ifndef TESTS_LOAD_DRIVER_H
 #define TESTS_LOAD_DRIVER_H

@@ -36,7 +36,7 @@ REACTORS_OF ?= $(shell n=1; while [ $$n -lt $(HALF) ]; do echo $$n; n=$$((2 * n)
 load-reactors: all
 	@tests/load/reactors.sh $(O) "$(REACTORS_OF)" $(GENERATORS) | tee $(O)/load-reactors.md
 
-# How long a stranger's PING takes beside 1,000 clients that all ask at the same moment: a minute.
+# The time of a stranger's PING beside 1,000 clients that all ask at the same moment: a minute.
 #
 #   make load-herd REACTORS=4
 .PHONY: load-herd
@@ -52,7 +52,7 @@ SEEDS ?= 100
 soak: all
 	@python3 tests/interop/mirrors.py $(O) --edits $(EDITS) --seeds $(SEEDS)
 
-# What WATCH costs: how soon events come, alone and for 200 watchers; inserts with and without a watcher; memory of watchers
+# The cost of WATCH: how soon events come, alone and for 200 watchers; inserts with and without a watcher; memory of watchers
 # that do not read: three minutes.
 #
 #   make load-watch POINTS=1000000 LARGE=10000000
@@ -60,12 +60,12 @@ soak: all
 load-watch: all $(O)/watchers
 	@python3 tests/load/watch.py $(O) --points $(or $(POINTS),1000000) --large $(LARGE)
 
-# What following costs: catching up, the lag, and inserts with and without a follower: two minutes.
+# The cost of following: catching up, the lag, and inserts with and without a follower: two minutes.
 .PHONY: load-follow
 load-follow: all
 	@python3 tests/load/follow.py $(O)
 
-# How single expensive requests affect other clients, and how stress affects memory: four minutes.
+# The effect of single expensive requests on other clients, and of stress on memory: four minutes.
 #
 #   make stress SCENARIOS=hub LARGE=1000000
 .PHONY: stress

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# standard.sh BUILD POINTS - the standard scenarios of `make load`: the daemon alone, compared with redis-server and
-# beanstalkd where they are installed, and while another set of POINTS points is triangulated.
+# standard.sh BUILD POINTS - the standard scenarios of `make load`. The daemon runs alone, compared with redis-server and
+# beanstalkd if they are installed, and while another set of POINTS points is triangulated.
 # A ratio above 1 is in our favour.
 set -euo pipefail
 build=$1

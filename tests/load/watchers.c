@@ -1,5 +1,5 @@
-/* watchers.c - how soon those who watch a set receive its edits: moves points of a set at a fixed rate, or the next one when
- * the last one has arrived, and measures each edit at each watcher, from the time when it was due. Nothing else may be
+/* watchers.c - how soon watchers of a set receive its edits. Moves points of a set at a fixed rate, or the next one when the
+ * last one has arrived. Measures each edit at each watcher, from the time when it was due. Nothing else may be
  * edited meanwhile: the versions of the edits must follow one another. Prints a row of a table.
  *
  *     watchers PORT SET IDS WATCHERS RATE SECONDS       rate 0: one edit after the other

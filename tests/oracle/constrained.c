@@ -121,7 +121,7 @@ static uint32_t left_of(const struct picture *g, uint32_t a, uint32_t b)
     return DT_NONE;
 }
 
-/* The edges of t, those of a line too. */
+/* Whether t has the edge; also for points on one line. */
 static bool has_edge(const struct picture *g, uint32_t a, uint32_t b)
 {
     struct dt_ids out = {0};

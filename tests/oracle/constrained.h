@@ -5,9 +5,9 @@
 #include "core/delaunay.h"
 #include "core/delaunay_constraints.h"
 
-/* What is wrong with the triangulation of t as that of its points and constraints, NULL if nothing: its triangles tile
- * the hull, every constraint is a chain of edges between neighbouring vertices on it, and every other edge is locally
- * Delaunay under the perturbation. Cost: O(n^2). */
+/* Returns the fault of the triangulation of t as the triangulation of its points and constraints, NULL if there is none. Its
+ * triangles must tile the hull. Every constraint must be a chain of edges between neighbouring vertices on it. Every other
+ * edge must be locally Delaunay under the perturbation. Cost: O(n^2). */
 const char *constrained_fault(const struct dt *t);
 
 /* Whether the segments a-b and c-d cross where no vertex of t is. */

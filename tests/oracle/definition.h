@@ -17,7 +17,7 @@ uint32_t defined_triangles(const struct dt_point *p, uint32_t n, struct triangle
  * Room for m->tri_end. */
 uint32_t mesh_triangles(const struct dt_mesh *m, const uint32_t *number, struct triangle *out);
 
-/* What is wrong with a mesh as the triangulation of n vertices with coordinates p[], NULL if nothing. A
+/* Returns the fault of a mesh as the triangulation of n vertices with coordinates p[], NULL if there is none. A
  * closed surface of the right size that is Delaunay at every edge and has a convex hull is the canonical
  * triangulation. */
 const char *mesh_fault(const struct dt_mesh *m, const struct dt_point *p, uint32_t n);

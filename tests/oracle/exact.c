@@ -170,7 +170,7 @@ int exact_incircle(struct dt_point a, struct dt_point b, struct dt_point c, stru
     return det.sign;
 }
 
-/* The determinant of the rows (x, y, height, 1) is linear in the heights: that of row i counts with
+/* The determinant of the rows (x, y, height, 1) is linear in the heights: the height of row i counts with
  * its cofactor, (-1)^i times the orientation of the other three rows. The sign of the greatest
  * point's coefficient decides, or if it is zero, the next one's. */
 int exact_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,

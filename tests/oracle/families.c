@@ -1,8 +1,8 @@
 /* families.c - the families of point sets.
  *
- * Sources of the hostile ones: exact circles are the lattice points of x^2 + y^2 = R^2 for an R
- * with many prime factors 4k + 1, that is all products of Gaussian primes of norm R^2; Kuzmin's
- * disc is a model of a galaxy from astronomy; the others have broken other programs. */
+ * Sources of the hostile ones: exact circles are the lattice points of x^2 + y^2 = R^2 for an R with many prime factors
+ * 4k + 1. These points are all products of Gaussian primes of norm R^2. Kuzmin's
+ * disc is a model of a galaxy from astronomy. The others have broken other programs. */
 #include "tests/oracle/families.h"
 
 #include <math.h>
@@ -165,9 +165,9 @@ static struct gaussian_integer multiply(struct gaussian_integer a, struct gaussi
 
 #define CIRCLE_POINTS (4u * 7 * 5 * 3 * 3 * 3 * 3 * 3 * 3)
 
-/* The index-th of the lattice points on the circle of radius 5^3 13^2 17 29 37 41 53 61 (about
- * 5e13): for each prime p = a^2 + b^2 of exponent e, choose how many of the 2e factors are a + bi,
- * the others a - bi. */
+/* The index-th of the lattice points on the circle of radius 5^3 13^2 17 29 37 41 53 61 (about 5e13). For each prime
+ * p = a^2 + b^2 of exponent e, it chooses how many of the 2e factors are a + bi; the others are
+ * a - bi. */
 static struct dt_point on_exact_circle(unsigned index)
 {
     static const struct {
@@ -322,7 +322,7 @@ static void fill_outliers(struct dt_point *p, size_t n, uint64_t *r)
     }
 }
 
-/* As many points at each distance from the origin, from 1 to 1e-12. */
+/* The same number of points at each distance from the origin, from 1 to 1e-12. */
 static void fill_nested(struct dt_point *p, size_t n, uint64_t *r)
 {
     for (size_t i = 0; i < n; i++) {

@@ -5,8 +5,8 @@
 
 #include "tests/test.h"
 
-/* Writes what a reader returns for bytes[n], which arrive in pieces of alternating sizes; one part a
- * line: its kind, its text, and '.' if the reply ends with it; "bad" at a fault. */
+/* Writes what a reader returns for bytes[n], which arrive in pieces of alternating sizes. A line for each part has
+ * its kind, its text, and '.' if the reply ends with it; "bad" at a fault. */
 static void transcribe(char *out, size_t room, const char *bytes, size_t n, size_t first,
                        size_t then)
 {

@@ -2,8 +2,8 @@
  *
  *     live N K [PEER]       K operations of each kind on N uniform points; PEER: the program built from cgal_live.cpp
  *
- * Both programs draw the same points and the same operations from the same seeds (live_plan.h). They run in turns, and
- * the least of ROUNDS runs counts. The set uses memory that has been used before, as a daemon's does. */
+ * Both programs draw the same points and the same operations from the same seeds (live_plan.h). Runs alternate between
+ * them, and the least of ROUNDS runs counts. The set uses memory that has been used before, as a daemon's does. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -173,7 +173,7 @@ TEST_TIMEOUT(divide_sorts_large_sets_into_tiles, 60)
     build_and_check("kuzmin", DT_TILED + 5, 3, &opt);
 }
 
-/* With each allocation failing in turn. */
+/* Fails each allocation, one after the other. */
 static void fail_cleanly(uint32_t n, const struct dt_options *opt)
 {
     for (long nth = 1;; nth++) {

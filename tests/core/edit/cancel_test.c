@@ -338,7 +338,7 @@ TEST_TIMEOUT(a_disposable_set_is_deleted_from_with_polls, 60)
     dt_free(t);
 }
 
-/* What a set is made of, and a fresh one made of it. */
+/* Makes a fresh set from the content of the set. */
 static enum dt_status restore(struct dt *t, const struct dt_options *opt)
 {
     uint32_t n = dt_next_id(t), *ids = malloc(n * sizeof *ids), *rep = malloc(n * sizeof *rep);

@@ -42,7 +42,7 @@ static bool begin(void)
     return ok && resident > 0;
 }
 
-/* Checks that the memory used since begin is at most `said`, and more than a fifth of it. */
+/* Checks that the memory used since begin is at most `said`, and more than a fifth of `said`. */
 static void check_peak(const char *what, const char *family, size_t said)
 {
     size_t peak = bytes_of("VmHWM"), took = peak > resident ? peak - resident : 0;

@@ -11,7 +11,7 @@
 
 enum { MAX_IDS = 4000 };
 
-/* What the set should hold. */
+/* The content that the set should have. */
 struct expected {
     uint32_t ids;
     bool live[MAX_IDS];

@@ -1,10 +1,10 @@
 /* bounds_test.c - what is computed in doubles against exact integers: the error never exceeds its
  * bound of bounds.h, on points that maximise the rounding error.
  *
- * A climb begins with points on nearly one line or circle, with coordinates just above powers of
- * two, and changes one coordinate after another wherever that makes the error a larger share of the
- * bound: a bound that is smaller than the share that climbs reach fails. All of it at the least
- * exponents, at the greatest, and in between. */
+ * A climb begins with points on nearly one line or circle, with coordinates just above powers of two. It changes one
+ * coordinate after another if that makes the error a larger share of the bound. A bound fails if it is smaller than
+ * the share that climbs reach. All climbs are made at the least exponents, at the greatest, and in
+ * between. */
 #include "core/exact/bounds.h"
 
 #include <math.h>

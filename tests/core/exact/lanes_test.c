@@ -1,5 +1,5 @@
-/* lanes_test.c - the operations on lanes. Those that lanes.h has in two forms, for x86 and for other machines, are tested on
- * arm64, too (.ci/run). */
+/* lanes_test.c - the operations on lanes. lanes.h has some of them in two forms, for x86 and for other machines; these are
+ * tested on arm64, too (.ci/run). */
 #include "core/exact/lanes.h"
 
 #include <math.h>

@@ -200,8 +200,8 @@ TEST(incircle_equals_exact_arithmetic_in_every_order)
         }
 }
 
-/* Each stage is right or does not decide, and what is left to the last one is right. How often each
- * decides does not matter here, but that each is reached does. */
+/* Each stage is right or does not decide, and the last one is right. Each stage must be reached; the number of its
+ * decisions does not matter. */
 TEST(every_stage_of_orient2d_is_right_or_in_doubt)
 {
     int decided = 0, last = 0;
@@ -217,8 +217,8 @@ TEST(every_stage_of_orient2d_is_right_or_in_doubt)
     CHECK_MSG(decided > 1000 && last > 10, "%d %d", decided, last);
 }
 
-/* r and q lie on a line through the origin, p near the origin and, as far as its last bits allow, on that
- * line: what is left of the products lies at the end of double words. */
+/* r and q lie on a line through the origin. p lies near the origin and, as far as its last bits allow, on that
+ * line. So the difference of the products lies at the end of double words. */
 TEST(orient2d_in_double_words_is_in_doubt_where_its_last_bits_decide)
 {
     int doubt = 0, decided = 0;

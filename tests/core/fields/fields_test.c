@@ -11,7 +11,7 @@ enum { MOST = 4096, NAMES = 3 };
 
 static const char *const names[NAMES] = {"a", "ab", "z"};
 
-/* What a set should answer: a value for each id and name, nan if it is missing. */
+/* The values that a set should answer: one for each id and name, nan if it is missing. */
 struct table {
     bool there[NAMES];
     double value[NAMES][MOST];
@@ -411,7 +411,7 @@ TEST(set_has_64_fields_by_name)
     dt_free(t);
 }
 
-/* Each allocation in turn fails, with a view open and pages shared with a copy. */
+/* Each allocation fails, one after the other, with a view open and pages shared with a copy. */
 TEST(edit_of_values_that_lacks_memory_changes_nothing)
 {
     static struct table w;

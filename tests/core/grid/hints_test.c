@@ -1,4 +1,4 @@
-/* hints_test.c - the grid of hints: near every place, small, whatever the distribution; and walks
+/* hints_test.c - the grid of hints: hints near every place and a small grid for every distribution; and walks
  * from anywhere. */
 #include "core/grid/hints.h"
 
@@ -12,7 +12,7 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-/* How many vertices a search that always goes to the nearest neighbour passes from the hint to
+/* Returns how many vertices a search that always goes to the nearest neighbour passes from the hint to
  * q. */
 static uint32_t steps_to(const struct dt *t, struct dt_point q)
 {
@@ -121,7 +121,7 @@ TEST(evenly_spread_points_have_one_grid_of_about_as_many_cells)
     }
 }
 
-/* From whichever half edge a walk starts, it comes to the same place. */
+/* Walks to a place end at the same half edge from every start. */
 static void check_walks(const struct pair *pair)
 {
     const struct dt *t = pair->t;

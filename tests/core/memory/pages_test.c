@@ -27,7 +27,7 @@ static void check_facts(const struct dt_pages *p, size_t held, size_t kept, size
               "held %zu kept %zu fresh %zu", f.held / MIB, f.kept / MIB, (size_t)f.fresh / MIB);
 }
 
-/* Writes at both ends of each page, which also shows that it is there. */
+/* Writes at both ends of each page, which also shows that the page exists. */
 static void mark(char *region, size_t bytes, char with)
 {
     for (size_t at = 0; at < bytes; at += DT_HUGE_PAGE)

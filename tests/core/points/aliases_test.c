@@ -1,5 +1,5 @@
-/* aliases_test.c - groups of aliases against a model that scans all of them; and no edit of a large
- * family scans all of it. */
+/* aliases_test.c - groups of aliases against a model that scans all of them. No edit of a large family scans the
+ * whole family. */
 #include "core/points/aliases.h"
 
 #include <stdlib.h>
@@ -240,8 +240,8 @@ TEST(edits_of_a_large_family_do_not_look_at_all_of_it)
 
 /* ---- representatives that go with their heirs ---- */
 
-/* Four points within 1 of one another in turn. x is an alias of c, and represents when c goes; then
- * a, an alias of r, lies where x does.
+/* Four points, each within 1 of the next. x is an alias of c, and represents when c goes; then a, an alias
+ * of r, lies where x does.
  *
  *      b <--0.9--> r <--0.9--> a, x <--0.95--> c
  */

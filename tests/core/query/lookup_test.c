@@ -102,7 +102,7 @@ TEST(many_places_are_refused_before_the_set_is_triangulated)
     dt_free(t);
 }
 
-/* A call that reaches its limit of steps has answered a part; the next call continues there. */
+/* A call that reaches its limit of steps has answered a part; the next call continues after that part. */
 TEST(many_places_are_answered_in_parts_by_calls_that_may_take_few_steps)
 {
     struct dt_point hub[201], p[PLACES];

@@ -140,7 +140,7 @@ TEST(parts_of_a_large_edited_set_equal_a_linear_scan)
     free(p);
 }
 
-/* Every allocation of a query fails in turn: the array it appends to stays as it was. */
+/* Every allocation of a query fails, one after the other: the array it appends to stays as it was. */
 TEST(searches_out_of_memory_append_nothing)
 {
     struct dt_point p[300];

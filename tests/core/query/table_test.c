@@ -1,4 +1,4 @@
-/* table_test.c - whole-set tables against brute force, whatever the buffer. */
+/* table_test.c - whole-set tables against brute force, with buffers of all sizes. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -214,8 +214,8 @@ TEST(check_sees_an_unsettled_hull)
     expect_fault(t, "the hull does not begin at a ghost");
 }
 
-/* Point 4 is cut out of the triangulation, then hung on to points 0 and 1 by a triangle and its
- * back: all counts are right, but 0 and 1 have two rings each. */
+/* Point 4 is cut out of the triangulation, then joined to points 0 and 1 by a triangle and its
+ * back. All counts are right, but 0 and 1 have two rings each. */
 TEST(check_sees_a_second_ring_around_a_point)
 {
     struct dt *t = example();
@@ -260,8 +260,8 @@ TEST(check_sees_a_grid_that_leads_nowhere)
     expect_fault(t, "a cell of the grid leads nowhere");
 }
 
-/* An octagon around its centre, its corners then moved onto a square that is passed twice: every
- * triangle still turns left, and so does the hull everywhere. */
+/* An octagon around its centre, its corners then moved onto a square that is passed twice. Every triangle still turns
+ * left, and the hull turns left everywhere. */
 TEST(check_sees_a_hull_that_winds_twice)
 {
     static const struct dt_point octagon[] = {{4, 0},   {3, 3},  {0, 4},  {-3, 3}, {-4, 0},

@@ -75,7 +75,7 @@ static enum dt_status edit(struct dt *t, unsigned kind)
     }
 }
 
-/* What could not be saved in an edit that failed at its n-th allocation. */
+/* The images that could not be saved in an edit that failed at its n-th allocation. */
 struct losses {
     unsigned rows, rings;
 };

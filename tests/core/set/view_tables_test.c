@@ -1,5 +1,5 @@
-/* view_tables_test.c - tables and rings at the moment of a view are those of a copy made at that
- * moment, regardless of edits between the pieces that are read, and of other readers. */
+/* view_tables_test.c - tables and rings at the moment of a view equal those of a copy made at that moment. Edits between
+ * the pieces that are read, and other readers, make no difference. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -38,7 +38,7 @@ static bool is_covered(const struct dt_edge *e, const struct dt_segment *g,
     return k == c->subs || c->sub_cell[k] != cell || is_covered(e, g, &c->sub[k], place);
 }
 
-/* What a search takes for the cotangent at p. */
+/* Returns the cotangent at p as a search computes it. */
 static double cotangent_bound(const struct dt_grid *g, uint32_t a, uint32_t b, uint32_t p)
 {
     struct dt_scan q = {.grid = g, .a = a, .b = b, .edge = edge_of(xy[a], xy[b])};
@@ -49,8 +49,8 @@ static double cotangent_bound(const struct dt_grid *g, uint32_t a, uint32_t b, u
     return dt_scan_bound(&q);
 }
 
-/* The segment of p, and those that are larger by a little or much, cover all points that belong to
- * it: those inside the circle through a, b and p on the left of the edge. */
+/* The segment of p, and those that are larger by a little or much, cover all points that belong to it. These are the
+ * points inside the circle through a, b and p on the left of the edge. */
 static void check_segment(const struct dt_grid *g, uint32_t a, uint32_t b, uint32_t p, double s,
                           const char *name)
 {

@@ -131,8 +131,8 @@ TEST(two_points_make_one_edge_and_one_point_none)
     built_free(&b);
 }
 
-/* The paper's two ways to the hull: the boundary edges, in the order they were found, hook up to
- * one polygon; and the points that remain in the grid are its corners, with pointers along it. */
+/* The paper's two ways to the hull. The boundary edges, in the order they were found, hook up to one polygon. The
+ * points that remain in the grid are its corners, with pointers along it. */
 static void check_hull_both_ways(const char *family, uint32_t n)
 {
     struct built b = set_of_family(family, n, test_random());

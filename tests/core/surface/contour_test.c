@@ -312,7 +312,7 @@ TEST_TIMEOUT(contours_of_plateaus_and_saddles_never_cross, 60)
     }
 }
 
-/* Sides of lines, those of no length included, are as many as triangles with corners above and below. */
+/* The sides of lines, also sides of length 0, are as many as triangles with corners above and below. */
 static void check_counts(const struct pair *pair)
 {
     enum { MOST = 64 };

@@ -105,7 +105,7 @@ static int compare(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct segment));
 }
 
-/* Those of all lines, sorted; with a number only those inside. */
+/* The segments of all lines, sorted; with a number only those inside. */
 static struct segments contour(const struct dt *t, bool inside, uint32_t number)
 {
     static const double level[] = {2.5, 4.5};

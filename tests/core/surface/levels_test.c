@@ -9,7 +9,7 @@
 
 enum { CAP = 10000 };
 
-/* What Python's fractions give: how many levels, the first, the last, and a hash of all. */
+/* The levels that Python's fractions give: their number, the first, the last, and a hash of all. */
 static const struct expected {
     double least, most, step, base;
     size_t n;

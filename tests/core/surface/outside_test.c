@@ -1,4 +1,4 @@
-/* outside_test.c - values outside the hull: those of its nearest place. */
+/* outside_test.c - values outside the hull equal the values of its nearest place. */
 #include "core/delaunay_constraints.h"
 #include "core/exact/bignum.h"
 #include "core/exact/predicates.h"
@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The nearest place between two points: the square of its distance, as a quotient, and 0 at a to 1 at b; exact but for the
- * rounding of `along`. */
+/* The nearest place between two points: the square of its distance, as a quotient, and 0 at a to 1 at b. Only `along`
+ * is rounded. */
 struct foot {
     struct dt_big over, under;
     double along;
@@ -177,7 +177,7 @@ TEST(values_outside_sets_without_triangles)
     }
 }
 
-/* What is missing on the hull is missing beyond it; a hole inside stays. */
+/* If a value is missing on the hull, it is missing beyond the hull; a hole inside stays. */
 TEST(values_outside_are_missing_where_those_of_the_hull_are)
 {
     static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}};

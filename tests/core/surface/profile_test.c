@@ -255,7 +255,7 @@ static double quotient(const struct dt_big *a, const struct dt_big *b)
     return dt_big_nearest(&r);
 }
 
-/* What lies strictly between p and q. */
+/* Lists the places strictly between p and q. */
 static size_t expect(const struct dt *t, struct dt_point p, struct dt_point q, struct expected *out)
 {
     uint32_t row[2 * 64], next = dt_next_id(t);

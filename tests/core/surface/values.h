@@ -7,7 +7,7 @@
 enum { METHODS = 4 };
 extern const enum dt_interpolation all_methods[METHODS];
 
-/* Draws new random values, from 1000 to 1001, for the ids of 60 pages; those of higher ids are missing. */
+/* Draws new random values, from 1000 to 1001, for the ids of 60 pages; values of higher ids are missing. */
 void make_values(void);
 double value_of(uint32_t id);
 
