@@ -156,6 +156,45 @@ enum dt_status dt_delete_cascade(struct dt *t, const uint32_t *ids, size_t n,
 enum dt_status dt_move_many(struct dt *t, const uint32_t *ids, const struct dt_point *to, size_t n,
                             const struct dt_options *opt, uint32_t *missing);
 
+/* ---- meshes to order ---- */
+
+/* What triangles inside closed borders should be like; 0: no limit. */
+struct dt_quality {
+    double angle;    /* no angle is smaller: degrees, below 60 */
+    double area;     /* no area is larger, */
+    double length;   /* and no edge longer */
+    uint32_t number; /* of the border; DT_NONE: inside any */
+    bool keep;       /* constraints are not split */
+    size_t most;     /* points that may be added */
+    enum dt_status (*reserve)(void *ctx,
+                              size_t bytes); /* memory, in all; NULL: there is no limit */
+    void *ctx;
+};
+
+struct dt_refined {
+    struct dt_split change; /* `split` counts constraints, the hull's too; there is no deviation */
+    double angle;           /* the least one inside, in degrees; nan: there is no triangle */
+    size_t unrefined;       /* triangles inside that are not as wanted */
+    size_t hull;            /* edges of the hull that become border 0, because there is no border */
+};
+
+/* Plans points that make triangles as wanted, and the parts of constraints that they split; and changes nothing: it is carried out
+ * as dt_plan_split's. Of a set without borders, the hull becomes border 0. Fixed edges are split in the middle, near a sharp corner at a
+ * distance that is a power of two. A place is not refined where a point would round to another one or to the other side of a constraint;
+ * and between edges that meet at a small angle. New points have linearly interpolated values. The plan depends on the points, their
+ * ids and the constraints alone, and ends with `most` points at the latest. DT_RANGE: a limit; DT_UNTRIANGULATED; DT_NOREGION,
+ * DT_OPEN, also if all borders are; DT_CANCELLED, DT_NOMEM, and what `reserve` returns: *out is empty. It makes a copy of the set.
+ * Cost: a build, and a few insertions for each new point.
+ * An angle is too small if its squared cosine is larger than the double nearest to cos^2 of the limit; decisions are exact.
+ * Off-centres [Uengoer, "Off-centers: a new type of Steiner points for computing size-optimal quality-guaranteed Delaunay
+ * triangulations", 2004]; edges with a vertex in their circle, and shells [Ruppert, "A Delaunay refinement algorithm for quality
+ * 2-dimensional mesh generation", 1995]. */
+enum dt_status dt_plan_refine(struct dt *t, const struct dt_quality *q,
+                              const struct dt_options *opt, struct dt_refined *out);
+
+/* An upper bound of the bytes that a plan with so many new points touches at its peak beyond dt_summary.memory. */
+size_t dt_refine_memory(const struct dt *t, size_t points);
+
 /* ---- regions ----
  *
  * A place is inside the border of number k if a way from there to infinity that meets no vertex crosses the border

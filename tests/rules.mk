@@ -158,6 +158,16 @@ $(O)/tests/bench/constrained.o: CXXCOMPILE += -DNDEBUG
 $(O)/tests/bench/constrained: $(O)/tests/bench/constrained.o $(CORE)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
+# ---- bench-refine: REFINE beside CGAL's Delaunay_mesher_2, in processor time: ANGLE=25 POINTS=300000; FILE=RINGS is one more input ----
+
+.PHONY: bench-refine
+$(O)/tests/bench/refine.o: CXXCOMPILE += -DNDEBUG
+$(O)/tests/bench/refine: $(O)/tests/bench/refine.o $(CORE)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
+bench-refine: $(O)/tests/bench/refine
+	@$< $(or $(ANGLE),25) $(or $(POINTS),300000) $(FILE) | tee $(O)/bench-refine.md
+
 bench-constraints: $(O)/tests/bench/constrained
 	$< $(or $(POINTS),1000000) $(or $(ACROSS),200000) $(or $(LONG),1000)
 

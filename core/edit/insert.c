@@ -363,3 +363,9 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         fill_with_star(m, scratch, v);
     return DT_OK;
 }
+
+void dt_insert_found(struct dt_mesh *m, uint32_t v, struct dt_cavity *c)
+{
+    dt_cavity_report(c);
+    fill_with_star(m, c, v);
+}

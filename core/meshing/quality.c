@@ -1,0 +1,193 @@
+/* quality.c - see quality.h. */
+#include "core/meshing/quality.h"
+
+#include "core/exact/bignum.h"
+#include "core/exact/double2.h"
+
+/* Two sides that differ by less than this part of them are compared exactly: the rounding errors of a dozen operations are
+ * below 2^-48. */
+#define CLOSE 0x1p-40
+
+/* ---- limits ---- */
+
+/* The cosine of twice the angle in degrees, by its series; it errs by less than 2^-100. */
+static struct dt_double2 cosine_of_twice(double degrees)
+{
+    enum { TERMS = 24 }; /* 2.1^48 / 48! < 2^-150 */
+    const struct dt_double2 pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53}, one = {1, 0};
+    struct dt_double2 x = dt_double2_divide(
+        dt_double2_multiply((struct dt_double2){degrees, 0}, pi), (struct dt_double2){90, 0});
+    struct dt_double2 square = dt_double2_multiply(x, x), sum = one;
+    for (int k = TERMS; k > 0; k--) {
+        struct dt_double2 divisor = {(2 * k - 1) * (2 * k), 0};
+        sum = dt_double2_divide(dt_double2_multiply(dt_double2_negate(square), sum), divisor);
+        sum = dt_double2_add(one, sum);
+    }
+    return sum;
+}
+
+static double cosine2(double degrees)
+{
+    struct dt_double2 twice = cosine_of_twice(degrees);
+    struct dt_double2 sum = dt_double2_add((struct dt_double2){1, 0}, twice);
+    return sum.hi / 2;
+}
+
+void dt_wanted_of(const struct dt_quality *q, struct dt_wanted *out)
+{
+    const double nearer =
+        0.95; /* than where the angle is just large enough [Shewchuk, Triangle 1.6] */
+    *out = (struct dt_wanted){.cosine2 = 2, .area = HUGE_VAL, .length = HUGE_VAL};
+    if (q->area > 0)
+        out->area = q->area;
+    if (q->length > 0)
+        out->length = q->length;
+    if (q->angle > 0) {
+        out->cosine2 = cosine2(q->angle);
+        double c = sqrt(out->cosine2);
+        out->off =
+            nearer * sqrt((1 + c) / (1 - c)) / 2; /* half of the cotangent of half the angle */
+    }
+}
+
+/* ---- exact comparisons ---- */
+
+struct vector {
+    struct dt_big x, y;
+};
+
+static void between(struct dt_point a, struct dt_point b, struct vector *v)
+{
+    dt_big_difference(b.x, a.x, &v->x);
+    dt_big_difference(b.y, a.y, &v->y);
+}
+
+static void dot_of(const struct vector *a, const struct vector *b, struct dt_big *r)
+{
+    struct dt_big y;
+    dt_big_multiply(&a->x, &b->x, r);
+    dt_big_multiply(&a->y, &b->y, &y);
+    dt_big_add(r, &y, r);
+}
+
+/* The square of the length against `length`. */
+static bool is_long_exactly(double length, struct dt_point a, struct dt_point b)
+{
+    struct vector v;
+    struct dt_big square, limit;
+    between(a, b, &v);
+    dot_of(&v, &v, &square);
+    dt_big_of(length, &limit);
+    dt_big_multiply(&limit, &limit, &limit);
+    return dt_big_compare(&square, &limit) > 0;
+}
+
+static bool is_large_exactly(double area, const struct dt_shape *s)
+{
+    struct vector u, v;
+    struct dt_big cross, right, limit, two;
+    between(s->p, s->q, &u);
+    between(s->p, s->r, &v);
+    dt_big_multiply(&u.x, &v.y, &cross);
+    dt_big_multiply(&u.y, &v.x, &right);
+    dt_big_subtract(&cross, &right, &cross);
+    dt_big_of(area, &limit);
+    dt_big_of(2, &two);
+    dt_big_multiply(&limit, &two, &limit);
+    return dt_big_compare(&cross, &limit) > 0;
+}
+
+/* Whether the angle at r is too small. */
+static bool is_sharp_exactly(double cosine, struct dt_point p, struct dt_point q, struct dt_point r)
+{
+    struct vector u, v;
+    struct dt_big dot, left, right, factor;
+    between(r, p, &u);
+    between(r, q, &v);
+    dot_of(&u, &v, &dot);
+    if (dot.sign <= 0)
+        return false;
+    dt_big_multiply(&dot, &dot, &left);
+    dot_of(&u, &u, &right);
+    dot_of(&v, &v, &factor);
+    dt_big_multiply(&right, &factor, &right);
+    dt_big_of(cosine, &factor);
+    dt_big_multiply(&right, &factor, &right);
+    return dt_big_compare(&left, &right) > 0;
+}
+
+/* ---- the same, by doubles where they decide ---- */
+
+static bool is_sharp(double cosine, const struct dt_shape *s)
+{
+    double dot = (s->p.x - s->r.x) * (s->q.x - s->r.x) + (s->p.y - s->r.y) * (s->q.y - s->r.y);
+    double left = dot * dot, right = cosine * s->qr * s->rp;
+    if (cosine > 1 || dot <= 0)
+        return false;
+    if (fabs(left - right) > CLOSE * right)
+        return left > right;
+    /* Edges that look equally short may differ: each angle is asked. */
+    return is_sharp_exactly(cosine, s->p, s->q, s->r) ||
+           is_sharp_exactly(cosine, s->q, s->r, s->p) || is_sharp_exactly(cosine, s->r, s->p, s->q);
+}
+
+static bool is_large(double area, const struct dt_shape *s)
+{
+    double size = fabs(s->q.x - s->p.x) * fabs(s->r.y - s->p.y) +
+                  fabs(s->q.y - s->p.y) * fabs(s->r.x - s->p.x);
+    double excess = s->cross - 2 * area;
+    if (fabs(excess) > CLOSE * (size + area))
+        return excess > 0;
+    return is_large_exactly(area, s);
+}
+
+bool dt_is_long(const struct dt_wanted *w, struct dt_point a, struct dt_point b)
+{
+    double square = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+    double limit = w->length * w->length;
+    if (w->length == HUGE_VAL)
+        return false;
+    if (fabs(square - limit) > CLOSE * limit && limit < HUGE_VAL)
+        return square > limit;
+    return is_long_exactly(w->length, a, b);
+}
+
+unsigned dt_shape_breaks(const struct dt_wanted *w, const struct dt_shape *s)
+{
+    unsigned bits = is_sharp(w->cosine2, s) ? DT_SHARP : 0;
+    if (w->area < HUGE_VAL && is_large(w->area, s))
+        bits |= DT_LARGE;
+    if (w->length < HUGE_VAL &&
+        (dt_is_long(w, s->p, s->q) || dt_is_long(w, s->q, s->r) || dt_is_long(w, s->r, s->p)))
+        bits |= DT_LONG;
+    return bits;
+}
+
+/* ---- angles ---- */
+
+double dt_shape_tangent(const struct dt_shape *s)
+{
+    struct dt_double2 ux = dt_double2_difference(s->p.x, s->r.x);
+    struct dt_double2 uy = dt_double2_difference(s->p.y, s->r.y);
+    struct dt_double2 vx = dt_double2_difference(s->q.x, s->r.x);
+    struct dt_double2 vy = dt_double2_difference(s->q.y, s->r.y);
+    struct dt_double2 cross =
+        dt_double2_add(dt_double2_multiply(ux, vy), dt_double2_negate(dt_double2_multiply(uy, vx)));
+    struct dt_double2 dot =
+        dt_double2_add(dt_double2_multiply(ux, vx), dt_double2_multiply(uy, vy));
+    double t = cross.hi / dot.hi;
+    return t > 0 ? t : 0;
+}
+
+/* atan t = 2 atan(t / (1 + sqrt(1 + t^2))), four times; then its series. */
+double dt_degrees(double tangent)
+{
+    enum { HALVINGS = 4, TERMS = 10 }; /* t is below 0.07 then, and 0.07^20 / 21 below 2^-80 */
+    const double degree = 0x1.ca5dc1a63c1f8p+5; /* 180 over pi */
+    double t = tangent, sum = 0;
+    for (int i = 0; i < HALVINGS; i++)
+        t /= 1 + sqrt(1 + t * t);
+    for (int k = TERMS; k >= 0; k--)
+        sum = 1.0 / (2 * k + 1) - t * t * sum;
+    return t * sum * degree * (1 << HALVINGS);
+}

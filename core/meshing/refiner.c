@@ -1,0 +1,526 @@
+/* refiner.c - see refiner.h.
+ *
+ * Two lists say what is to be done: edges that a vertex encroaches upon, which come first, and triangles. Both are found
+ * when a triangle comes to be, by `examine`. */
+#include "core/meshing/refiner.h"
+
+#include <stdlib.h>
+
+#include "core/edit/insert.h"
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+#include "core/mesh/fixed.h"
+#include "core/meshing/way.h"
+
+enum { STEP_POINTS = 16 }; /* that a step adds at most */
+#define SHELL_NEAR 0x1p-10 /* two distances from a vertex are those of one shell: relative */
+
+void dt_refiner_clear(struct dt_refiner *r)
+{
+    dt_free(r->t);
+    dt_array_free(r->halved);
+    dt_array_free(r->edge);
+    dt_queue_clear(&r->queue);
+    dt_array_free(r->encroached.v);
+    dt_suspects_clear(&r->suspects);
+    free(r->changed.v);
+}
+
+static const struct dt_point *places(const struct dt_refiner *r)
+{
+    return r->t->points.xy;
+}
+
+static bool is_inside(const struct dt_refiner *r, uint32_t h)
+{
+    return !dt_is_ghost(&r->t->mesh, h) && dt_encloses(&r->in, dt_face(&r->t->mesh, h));
+}
+
+/* ---- shells ---- */
+
+static double squared(struct dt_point a, struct dt_point b)
+{
+    return (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+}
+
+/* The edge of the beginning that vertex v divides; a == DT_NONE: none. */
+static struct dt_part edge_of(const struct dt_refiner *r, uint32_t v)
+{
+    return v < r->given ? (struct dt_part){DT_NONE, DT_NONE, DT_NONE} : r->edge[v - r->given];
+}
+
+/* Whether p and q are on two edges of the beginning that meet at a vertex, and on one shell around it. */
+static bool are_on_shell(const struct dt_refiner *r, uint32_t p, uint32_t q)
+{
+    struct dt_part e = edge_of(r, p), f = edge_of(r, q);
+    if (e.a == DT_NONE || f.a == DT_NONE || (e.a == f.a && e.b == f.b))
+        return false;
+    bool meets_a = e.a == f.a || e.a == f.b, meets_b = e.b == f.a || e.b == f.b;
+    if (!meets_a && !meets_b)
+        return false;
+    const struct dt_point *xy = places(r);
+    struct dt_point centre = xy[meets_a ? e.a : e.b];
+    double one = squared(centre, xy[p]), other = squared(centre, xy[q]);
+    return fabs(one - other) <= SHELL_NEAR * one;
+}
+
+/* ---- what is to be done ---- */
+
+static enum dt_status append_part(struct dt_part_list *l, struct dt_part part)
+{
+    if (l->n == l->cap) {
+        size_t cap = dt_array_room(l->cap, l->n + 1, SIZE_MAX / sizeof *l->v);
+        struct dt_part *v = dt_array_grow(l->v, l->n, cap, sizeof *v);
+        if (v == NULL)
+            return DT_NOMEM;
+        l->v = v;
+        l->cap = cap;
+    }
+    l->v[l->n++] = part;
+    return DT_OK;
+}
+
+/* The level of a triangle: the shorter the shortest edge of one with a small angle, the higher; then the larger ones. */
+static uint32_t level_of(const struct dt_shape *s, unsigned breaks)
+{
+    int exponent;
+    double part = frexp((breaks & DT_SHARP) != 0 ? s->pq : s->qr + s->rp, &exponent);
+    int rank = 2 * exponent + (part >= 0.75);
+    int level = (breaks & DT_SHARP) != 0 ? 3072 - rank : 1024 + rank;
+    level = (breaks & DT_SHARP) != 0 && level < 2048 ? 2048 : level;
+    return level < 0 ? 0 : level >= DT_LEVELS ? DT_LEVELS - 1 : (uint32_t)level;
+}
+
+/* Limits that the triangle breaks and a point could mend. */
+static unsigned can_mend(const struct dt_refiner *r, uint32_t h, const struct dt_shape *s,
+                         unsigned breaks)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    uint32_t p = h + (uint32_t)s->first, q = dt_next(p);
+    if ((breaks & DT_SHARP) != 0 && are_on_shell(r, dt_origin(m, p), dt_origin(m, q)))
+        breaks &= ~(unsigned)DT_SHARP;
+    if (breaks == DT_LONG) { /* fixed edges are divided themselves, or kept */
+        bool one = false;
+        for (uint32_t k = h; k < h + 3; k++)
+            one |= !dt_is_fixed(m, k) &&
+                   dt_is_long(&r->wanted, places(r)[dt_origin(m, k)], places(r)[dt_dest(m, k)]);
+        breaks = one ? breaks : 0;
+    }
+    return breaks;
+}
+
+static enum dt_status examine_edge(struct dt_refiner *r, uint32_t h)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_point *xy = places(r);
+    uint32_t a = dt_origin(m, h), b = dt_dest(m, h);
+    bool divides =
+        dt_encroaches(xy[a], xy[b], xy[dt_apex_of(m, h)]) || dt_is_long(&r->wanted, xy[a], xy[b]);
+    return divides ? append_part(&r->encroached, (struct dt_part){h, a, b}) : DT_OK;
+}
+
+/* Lists the triangle with base half edge h and its fixed edges if something is to be done there. */
+static enum dt_status examine(struct dt_refiner *r, uint32_t h)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_point *xy = places(r);
+    enum dt_status status = DT_OK;
+    if (!is_inside(r, h))
+        return DT_OK;
+    for (uint32_t k = h; !r->keep && dt_has_fixed(m, h) && k < h + 3 && status == DT_OK; k++)
+        if (dt_is_fixed(m, k))
+            status = examine_edge(r, k);
+    struct dt_waiting w = {.h = h};
+    for (uint32_t k = 0; k < 3; k++)
+        w.corner[k] = m->half[h + k];
+    struct dt_shape s;
+    dt_shape_of(xy[w.corner[0]], xy[w.corner[1]], xy[w.corner[2]], &s);
+    unsigned breaks = dt_shape_breaks(&r->wanted, &s);
+    if (breaks != 0)
+        breaks = can_mend(r, h, &s, breaks);
+    if (breaks == 0 || status != DT_OK)
+        return status;
+    status = dt_queue_reserve(&r->queue, 1);
+    if (status == DT_OK)
+        dt_queue_push(&r->queue, level_of(&s, breaks), &w);
+    return status;
+}
+
+static enum dt_status examine_all(struct dt_refiner *r)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    enum dt_status status = DT_OK;
+    for (uint32_t h = 0; h < 8 * m->tri_end && status == DT_OK; h += 8) {
+        if ((h & 0xfff) == 0)
+            status = dt_work(r->work, 512);
+        if (status == DT_OK && !dt_is_dead(m, h))
+            status = examine(r, h);
+    }
+    return status;
+}
+
+/* The triangles that have just been made. */
+static enum dt_status examine_star(struct dt_refiner *r)
+{
+    const struct dt_cavity *c = &r->t->scratch;
+    enum dt_status status = DT_OK;
+    for (uint32_t i = 0; i < c->records && status == DT_OK; i++)
+        status = examine(r, c->record[i]);
+    return status;
+}
+
+/* ---- a new vertex ---- */
+
+/* A place that dt_coordinate_ok accepts. */
+static bool round_place(struct dt_point *q)
+{
+    const double tiny = 0x1p-142;
+    q->x = fabs(q->x) < tiny ? 0 : q->x;
+    q->y = fabs(q->y) < tiny ? 0 : q->y;
+    return dt_coordinate_ok(q->x) && dt_coordinate_ok(q->y);
+}
+
+static enum dt_status make_room(struct dt_refiner *r)
+{
+    size_t n = r->t->points.end - r->given;
+    enum dt_status status = dt_points_reserve(&r->t->points, 1, NULL);
+    if (status == DT_OK && n == r->edge_cap) {
+        size_t cap = dt_array_room(r->edge_cap, n + 1, SIZE_MAX / sizeof *r->edge);
+        struct dt_part *edge = dt_array_grow(r->edge, n, cap, sizeof *edge);
+        if (edge == NULL)
+            return DT_NOMEM;
+        r->edge = edge;
+        r->edge_cap = cap;
+    }
+    return status;
+}
+
+static uint32_t enter(struct dt_refiner *r, struct dt_point q, struct dt_part edge)
+{
+    uint32_t v = dt_points_enter(&r->t->points, r->t->points.next_id, q);
+    dt_points_arrived(&r->t->points, 1);
+    r->edge[v - r->given] = edge;
+    return v;
+}
+
+static bool is_full(const struct dt_refiner *r)
+{
+    return r->t->points.end - r->given >= r->most;
+}
+
+/* With a tolerance, new points keep their distance. */
+static bool is_free_place(const struct dt_refiner *r, struct dt_point q)
+{
+    return r->t->points.tol == 0 || dt_points_find(&r->t->points, q, DT_NONE) == DT_NONE;
+}
+
+/* ---- dividing an edge ---- */
+
+/* Whether a fixed edge leaves the origin of h at less than 60 degrees from it, on a side that is inside. */
+static bool is_acute(const struct dt_refiner *r, uint32_t h)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_point *xy = places(r);
+    struct dt_point o = xy[dt_origin(m, h)], p = xy[dt_dest(m, h)];
+    double ux = p.x - o.x, uy = p.y - o.y, u = ux * ux + uy * uy;
+    for (int ccw = 0; ccw < 2; ccw++)
+        for (uint32_t k = h;;) {
+            if (!is_inside(r, ccw ? k : dt_twin(m, k)))
+                break;
+            k = ccw ? dt_turn_ccw(m, k) : dt_turn_cw(m, k);
+            struct dt_point q = xy[dt_dest(m, k)];
+            double vx = q.x - o.x, vy = q.y - o.y, dot = ux * vx + uy * vy;
+            if (k == h || dot <= 0 || 4 * dot * dot < u * (vx * vx + vy * vy))
+                break;
+            if (dt_is_fixed(m, k))
+                return true;
+        }
+    return false;
+}
+
+/* Where the edge is divided, as a part of its length from the origin of h. */
+static double dividing_part(const struct dt_refiner *r, uint32_t h)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    uint32_t a = dt_origin(m, h), b = dt_dest(m, h);
+    bool at_a = a < r->given && is_acute(r, h), at_b = b < r->given && is_acute(r, dt_twin(m, h));
+    if (at_a == at_b)
+        return 0.5;
+    double length = sqrt(squared(places(r)[a], places(r)[b]));
+    int exponent;
+    (void)frexp(length / 1.5, &exponent);
+    double shell = ldexp(0.5, exponent) / length; /* from 1/3 to 2/3 */
+    return at_a ? shell : 1 - shell;
+}
+
+/* Whether q, beside the edge of h or on it, is in the triangle of h and on no other edge of it; of a ghost: whether the edge is
+ * the only one of the hull that q sees. */
+static bool holds(const struct dt_refiner *r, uint32_t h, struct dt_point q)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_point *xy = places(r);
+    struct dt_point a = xy[dt_origin(m, h)], b = xy[dt_dest(m, h)];
+    if (dt_is_ghost(m, h)) {
+        uint32_t next = dt_next(dt_twin(m, dt_next(h))), prev = dt_prev(dt_twin(m, dt_prev(h)));
+        /* the hull edges at both ends, of ghosts beside this one, have q on their inner side */
+        return dt_orient2d(xy[dt_origin(m, next)], xy[dt_dest(m, next)], q) < 0 &&
+               dt_orient2d(xy[dt_origin(m, prev)], xy[dt_dest(m, prev)], q) < 0;
+    }
+    struct dt_point c = xy[dt_apex_of(m, h)];
+    return dt_orient2d(b, c, q) > 0 && dt_orient2d(c, a, q) > 0;
+}
+
+static bool is_strictly_between(struct dt_point a, struct dt_point b, struct dt_point q)
+{
+    return dt_compare_xy(a, q) == dt_compare_xy(q, b);
+}
+
+/* The half edge of the edge of h on whose side q is, if the edge can be divided there; DT_NONE. */
+static uint32_t side_of(const struct dt_refiner *r, uint32_t h, struct dt_point q)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    struct dt_point a = places(r)[dt_origin(m, h)], b = places(r)[dt_dest(m, h)];
+    if (!is_strictly_between(a, b, q) && dt_compare_xy(a, q) != 0 && dt_compare_xy(b, q) != 0)
+        return DT_NONE;
+    int side = dt_orient2d(a, b, q);
+    if (side == 0)
+        return is_strictly_between(a, b, q) ? h : DT_NONE;
+    uint32_t g = side > 0 ? h : dt_twin(m, h);
+    return holds(r, g, q) ? g : DT_NONE;
+}
+
+static enum dt_status note_halved(struct dt_refiner *r, uint32_t a, uint32_t b, uint32_t middle)
+{
+    if (r->n_halved == r->halved_cap) {
+        size_t cap = dt_array_room(r->halved_cap, r->n_halved + 1, SIZE_MAX / sizeof *r->halved);
+        struct dt_halved *v = dt_array_grow(r->halved, r->n_halved, cap, sizeof *v);
+        if (v == NULL)
+            return DT_NOMEM;
+        r->halved = v;
+        r->halved_cap = cap;
+    }
+    r->halved[r->n_halved++] = (struct dt_halved){a < b ? a : b, a < b ? b : a, middle};
+    return DT_OK;
+}
+
+static void note_star(void *ctx, uint32_t v)
+{
+    struct dt_refiner *r = ctx;
+    if (dt_ids_append(&r->changed, v) != DT_OK)
+        r->suspects.lost = true;
+}
+
+/* The new vertex does not lie exactly on the edge that it divides, so the triangles around may not be Delaunay. */
+static enum dt_status mend_star(struct dt_refiner *r)
+{
+    struct dt_mesh *m = &r->t->mesh;
+    const struct dt_cavity *c = &r->t->scratch;
+    const struct dt_changes changes = {.star = note_star, .ctx = r};
+    enum dt_status status = DT_OK;
+    r->changed.n = 0;
+    for (uint32_t i = 0; i < c->records; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            dt_suspect(&r->suspects, c->record[i] + k);
+    if (r->suspects.lost)
+        return DT_NOMEM;
+    dt_mend(m, places(r), &r->suspects, &changes);
+    for (size_t i = 0; i < r->changed.n && status == DT_OK; i++) {
+        uint32_t first = m->leaving[r->changed.v[i]], h = first;
+        do
+            status = examine(r, dt_base(h));
+        while ((h = dt_turn_ccw(m, h)) != first && status == DT_OK);
+    }
+    return status;
+}
+
+/* Divides the edge of h; *done: it could be. */
+static enum dt_status divide(struct dt_refiner *r, uint32_t h, bool *done)
+{
+    struct dt_mesh *m = &r->t->mesh;
+    uint32_t a = dt_origin(m, h), b = dt_dest(m, h);
+    struct dt_point p = places(r)[a], q = places(r)[b];
+    double part = dividing_part(r, h);
+    struct dt_point at = {p.x + part * (q.x - p.x), p.y + part * (q.y - p.y)};
+    *done = false;
+    if (r->keep || is_full(r) || !round_place(&at) || !is_free_place(r, at))
+        return DT_OK;
+    uint32_t side = side_of(r, h, at);
+    if (side == DT_NONE)
+        return DT_OK;
+    bool exact = dt_orient2d(p, q, at) == 0;
+    struct dt_part edge = edge_of(r, a < r->given ? b : a);
+    if (edge.a == DT_NONE)
+        edge = (struct dt_part){DT_NONE, a, b};
+    enum dt_status status = make_room(r);
+    if (status != DT_OK)
+        return status;
+    uint32_t v = enter(r, at, edge);
+    status = dt_insert(m, places(r), v, DT_ON_EDGE, side, &r->t->scratch);
+    if (status == DT_OK)
+        status = note_halved(r, a, b, v);
+    *done = status == DT_OK;
+    if (status == DT_OK)
+        status = examine_star(r);
+    return status == DT_OK && !exact ? mend_star(r) : status;
+}
+
+/* Whether the part is still a fixed edge. */
+static bool is_there(const struct dt_refiner *r, const struct dt_part *p)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    return !dt_is_dead(m, p->h) && dt_origin(m, p->h) == p->a && dt_dest(m, p->h) == p->b &&
+           dt_is_fixed(m, p->h);
+}
+
+/* ---- a triangle ---- */
+
+/* The centre of its circle, or its off-centre. */
+static struct dt_point centre_of(const struct dt_refiner *r, const struct dt_shape *s,
+                                 unsigned breaks)
+{
+    double dx = s->q.x - s->p.x, dy = s->q.y - s->p.y;
+    double ex = s->r.x - s->p.x, ey = s->r.y - s->p.y, half = 0.5 / s->cross;
+    double x = (ey * s->pq - dy * s->rp) * half, y = (dx * s->rp - ex * s->pq) * half;
+    if ((breaks & DT_SHARP) != 0) {
+        double ox = 0.5 * dx - r->wanted.off * dy, oy = 0.5 * dy + r->wanted.off * dx;
+        if (!(s->cross > 0) || ox * ox + oy * oy < x * x + y * y) {
+            x = ox;
+            y = oy;
+        }
+    }
+    return (struct dt_point){s->p.x + x, s->p.y + y};
+}
+
+/* Divides the parts of the list from `from` on; *done: at least one could be. */
+static enum dt_status divide_from(struct dt_refiner *r, size_t from, bool *done)
+{
+    enum dt_status status = DT_OK;
+    size_t end = r->encroached.n;
+    struct dt_part part[STEP_POINTS];
+    size_t n = end - from < STEP_POINTS ? end - from : STEP_POINTS;
+    for (size_t i = 0; i < n; i++)
+        part[i] = r->encroached.v[from + i];
+    r->encroached.n = from;
+    *done = false;
+    for (size_t i = 0; i < n && status == DT_OK; i++) {
+        bool one = false;
+        if (is_there(r, &part[i]))
+            status = divide(r, part[i].h, &one);
+        *done |= one;
+    }
+    return status;
+}
+
+/* Lists the fixed edges on the rim of the cavity that q encroaches upon. */
+static enum dt_status list_encroached(struct dt_refiner *r, struct dt_point q)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_cavity *c = &r->t->scratch;
+    enum dt_status status = DT_OK;
+    for (uint32_t i = 0; i < c->rims && status == DT_OK; i++) {
+        uint32_t h = dt_twin(m, c->rim[i].beyond), a = dt_origin(m, h), b = dt_dest(m, h);
+        if (dt_is_fixed(m, h) && dt_encroaches(places(r)[a], places(r)[b], q))
+            status = append_part(&r->encroached, (struct dt_part){h, a, b});
+    }
+    return status;
+}
+
+/* Adds q, which is where `at` says; *again: edges have been divided instead. */
+static enum dt_status add_free(struct dt_refiner *r, struct dt_point q, struct dt_way_end at,
+                               bool *again)
+{
+    struct dt_mesh *m = &r->t->mesh;
+    struct dt_cavity *c = &r->t->scratch;
+    const struct dt_part none = {DT_NONE, DT_NONE, DT_NONE};
+    size_t before = r->encroached.n;
+    c->split = DT_NONE;
+    enum dt_status status = make_room(r);
+    if (status == DT_OK && dt_mesh_make_room(m, r->t->points.end, 2) != DT_OK)
+        status = DT_NOMEM;
+    if (status == DT_OK)
+        status = dt_find_cavity(m, places(r), dt_base(at.half), q, c);
+    if (status == DT_OK)
+        status = list_encroached(r, q);
+    if (status != DT_OK)
+        return status;
+    if (r->encroached.n > before)
+        return divide_from(r, before, again);
+    dt_insert_found(m, enter(r, q, none), c);
+    return examine_star(r);
+}
+
+static enum dt_status refine(struct dt_refiner *r, uint32_t h, bool *again)
+{
+    const struct dt_mesh *m = &r->t->mesh;
+    const struct dt_point *xy = places(r);
+    struct dt_shape s;
+    dt_shape_of(xy[m->half[h]], xy[m->half[h + 1]], xy[m->half[h + 2]], &s);
+    unsigned breaks = can_mend(r, h, &s, dt_shape_breaks(&r->wanted, &s));
+    struct dt_point q = centre_of(r, &s, breaks);
+    if (breaks == 0 || !round_place(&q) || !is_free_place(r, q))
+        return DT_OK;
+    struct dt_way_end at = dt_way(m, xy, h, q);
+    bool on_fixed = at.where == DT_ON_EDGE && dt_is_fixed(m, at.half);
+    if ((at.where == DT_OUTSIDE && at.half != DT_NONE) || on_fixed)
+        return divide(r, at.half, again);
+    if (at.where == DT_OUTSIDE || at.where == DT_ON_VERTEX)
+        return DT_OK;
+    return add_free(r, q, at, again);
+}
+
+static bool is_waiting(const struct dt_refiner *r, const struct dt_waiting *w)
+{
+    const uint32_t *corner = r->t->mesh.half + w->h;
+    return corner[0] == w->corner[0] && corner[1] == w->corner[1] && corner[2] == w->corner[2];
+}
+
+/* The next edge, or else the next triangle; *any: there was one. */
+static enum dt_status step(struct dt_refiner *r, bool *any)
+{
+    struct dt_part_list *l = &r->encroached;
+    struct dt_waiting w;
+    bool again = false;
+    *any = true;
+    if (l->taken == l->n)
+        l->taken = l->n = 0;
+    if (l->taken < l->n) {
+        struct dt_part part = l->v[l->taken++];
+        return is_there(r, &part) ? divide(r, part.h, &again) : DT_OK;
+    }
+    if (!dt_queue_pop(&r->queue, &w)) {
+        *any = false;
+        return DT_OK;
+    }
+    if (!is_waiting(r, &w))
+        return DT_OK;
+    enum dt_status status = refine(r, w.h, &again);
+    return again && status == DT_OK && is_waiting(r, &w) ? examine(r, w.h) : status;
+}
+
+/* There is memory for the points of the next step. */
+static enum dt_status prepare(struct dt_refiner *r)
+{
+    enum { FIRST = 4096, MORE = 4 };
+    uint32_t n = r->t->points.end - r->given;
+    if (r->granted >= r->most || n + STEP_POINTS <= r->granted)
+        return DT_OK;
+    uint64_t want = r->granted == 0 ? FIRST + (uint64_t)r->given : MORE * (uint64_t)r->granted;
+    r->granted = want < r->most ? (uint32_t)want : r->most;
+    return r->grant(r->ctx, r->granted);
+}
+
+enum dt_status dt_refiner_run(struct dt_refiner *r)
+{
+    bool any = true;
+    enum dt_status status = prepare(r);
+    if (status == DT_OK)
+        status = examine_all(r);
+    for (uint32_t i = 1; any && !is_full(r) && status == DT_OK; i++) {
+        status = prepare(r);
+        if (status == DT_OK)
+            status = step(r, &any);
+        if (status == DT_OK && (i & 63) == 0)
+            status = dt_work(r->work, 64 * 16);
+    }
+    return status;
+}
