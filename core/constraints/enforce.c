@@ -275,3 +275,31 @@ void dt_enforce_mend(struct dt_enforcer *e)
 {
     dt_mend(e->mesh, e->xy, &e->suspects, e->changes);
 }
+
+enum dt_status dt_enforce_segment(struct dt_enforcer *e, uint32_t a, uint32_t b,
+                                  struct dt_stop *work)
+{
+    bool done;
+    if (a == b)
+        return dt_work(work, 1);
+    enum dt_status status = dt_enforce_edge(e, a, b, work, &done);
+    if (status != DT_OK || done)
+        return status;
+    status = dt_enforce_look(e, a, b, work);
+    if (status == DT_OK && e->crossed.n > 0)
+        status = DT_CROSSES;
+    if (status == DT_OK)
+        status = dt_enforce(e);
+    if (status == DT_OK)
+        dt_enforce_mend(e);
+    return status;
+}
+
+void dt_enforce_flag(struct dt_enforcer *e, uint32_t flag)
+{
+    for (size_t i = 0; i < e->step.n; i++) {
+        uint32_t h = e->step.v[i] & ~ALONG, g = dt_twin(e->mesh, h);
+        dt_face_set(e->mesh, h, dt_face(e->mesh, h) | flag);
+        dt_face_set(e->mesh, g, dt_face(e->mesh, g) | flag);
+    }
+}

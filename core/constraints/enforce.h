@@ -45,6 +45,14 @@ void dt_enforce_release(struct dt_enforcer *e, uint32_t a, uint32_t b);
 /* Makes the mesh constrained Delaunay again. */
 void dt_enforce_mend(struct dt_enforcer *e);
 
+/* All of this for the segment between two vertices, which may be the same. DT_CROSSES: it would cross fixed edges; e->crossed has them. */
+enum dt_status dt_enforce_segment(struct dt_enforcer *e, uint32_t a, uint32_t b,
+                                  struct dt_stop *work);
+
+/* Adds a flag to the faces of the triangles on both sides of every edge of the way just found: of all triangles that it meets, except at
+ * their corners. */
+void dt_enforce_flag(struct dt_enforcer *e, uint32_t flag);
+
 /* Of a chain of fixed edges, from the vertex that half leaves: the fixed half edge from there to the next vertex in
  * the direction of q; DT_NONE: there is none. Cost: the degree. */
 uint32_t dt_chain_next(const struct dt_mesh *m, const struct dt_point *xy, uint32_t near,

@@ -119,21 +119,7 @@ static void forget_regions(struct dt *t, const struct dt_constraint *c)
 /* The segment between vertices a and b becomes a chain of edges of the live mesh. */
 static enum dt_status enforce(struct dt *t, uint32_t a, uint32_t b, struct dt_stop *work)
 {
-    if (a == b)
-        return dt_work(work, 1);
-    struct dt_enforcer *e = enforcer(t);
-    bool done;
-    enum dt_status status = dt_enforce_edge(e, a, b, work, &done);
-    if (status != DT_OK || done)
-        return status;
-    status = dt_enforce_look(e, a, b, work);
-    if (status == DT_OK && e->crossed.n > 0)
-        status = DT_CROSSES;
-    if (status == DT_OK)
-        status = dt_enforce(e);
-    if (status == DT_OK)
-        dt_enforce_mend(e);
-    return status;
+    return dt_enforce_segment(enforcer(t), a, b, work);
 }
 
 /* The same; dt_crossed will name what is crossed. */
