@@ -5,7 +5,7 @@
 #     promote.sh FOLLOWER [FOLLOWER ...]                  the leader is gone: the follower with most changes becomes the leader
 #
 # Daemons are URLs: delaunay://[:TOKEN@]ADDRESS[:PORT], with the numeric addresses at which they reach each other. Name all
-# followers: each of the others follows the new leader, and so does the former leader of a planned promotion.
+# followers: each of the others, and the former leader of a planned promotion, follows the new leader.
 #
 # Planned: the leader stops to acknowledge changes; its clients get NOFOLLOWERS, or wait for about a second. When the followers have
 # everything, the first one is promoted. If one does not catch up within $SECONDS_TO_WAIT (30), nothing has changed.

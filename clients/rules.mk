@@ -119,7 +119,7 @@ WASM_LINK    := -mexec-model=reactor -nostartfiles -Wl,--no-entry,--gc-sections,
                 -Wl,--stack-first,-z,stack-size=1048576
 WASM_OBJECTS := $(WASM_SOURCES:%.c=$(O)/wasm/%.o)
 
-# What hot loops do not call is compiled for size: 7 of 139 KB.
+# Functions that hot loops do not call are compiled for size: 7 of 139 KB.
 .PHONY: wasm bundle test_wasm
 $(WASM_OBJECTS): WASM_LEVEL := -O2
 $(WASM_SMALL:%.c=$(O)/wasm/%.o): WASM_LEVEL := -Oz

@@ -74,8 +74,8 @@ const char *dt_status_text(enum dt_status status);
 
 /* ---- how a call may be carried out ---- */
 
-/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order, on up to `threads`
- * threads at once, and returns when all have returned. A job never waits for another one. */
+/* The source of the core's threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order, on up to
+ * `threads` threads at once. It returns when all calls have returned. A job never waits for another one. */
 struct dt_pool {
     unsigned threads;
     void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
@@ -88,9 +88,9 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
  *
  * A function with a parameter struct dt_options takes NULL for that. A flag that is set makes it
  * return DT_CANCELLED within some milliseconds of work; on ten million points within 100, or 200 for
- * dt_delete_many and dt_refresh where millions of them coincide. Within that time an edit is undone, and a
- * build that has begun to change the set is completed; with `disposable` the call may return in the middle
- * instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has done much more
+ * dt_delete_many and dt_refresh if millions of them coincide. Within that time an edit is undone, and a build that
+ * has begun to change the set is completed. With `disposable` the call may return in the middle instead, and the
+ * set can then only be freed. `steps` makes it return DT_TOOLONG before it has done much more
  * than that number of steps. In both cases the set is otherwise unchanged.
  *
  * A step examines a neighbour, a triangle or a point, which takes about as long as a cache miss; usual edits
@@ -144,7 +144,7 @@ struct dt_pages *dt_pages_new(size_t limit);
 /* Gives back what is kept. */
 void dt_pages_free(struct dt_pages *p);
 
-/* Sets the limit, in bytes. What is kept beyond it is released when more is given back, or by dt_pages_trim. */
+/* Sets the limit, in bytes. Kept bytes beyond it are released when more is given back, or by dt_pages_trim. */
 void dt_pages_limit(struct dt_pages *p, size_t limit);
 
 /* Releases up to `bytes` of the kept bytes, rounded up to 2 MiB, and returns the number of bytes
@@ -202,9 +202,9 @@ enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
 enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
                           const struct dt_options *opt);
 
-/* Fills a new set (dt_new) with n points as they were in another one: their ids, in
- * ascending order and below next_id, their places, and for each its representative's id (its own
- * unless it is an alias). next_id is the id that the next point will get. DT_CORRUPT: these cannot come from a
+/* Fills a new set (dt_new) with n points as they were in another one: their ids, their places, and for each its
+ * representative's id (its own unless it is an alias). The ids are in ascending order and below next_id, the id that
+ * the next point will get. DT_CORRUPT: these cannot come from a
  * set, or t is not new; the set is unchanged. opt may be NULL: its flag is polled. Cost: linear. */
 enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
                           const uint32_t *representatives, size_t n, uint32_t next_id,
@@ -226,8 +226,8 @@ void dt_touched_end(struct dt *t);
 
 size_t dt_touched_count(const struct dt *t); /* how many keys there are to be taken */
 
-/* What edits have touched since the last call, in no order, and possibly repeated: keys made of an id, shifted by 32,
- * and one of the numbers below; new ids are not among them. With values: those of points that are not new. Keys are
+/* Returns the keys that edits have touched since the last call, in no order, and possibly repeated. A key is an id, shifted by
+ * 32, and one of the numbers below. New ids are not among them, nor values of new points. Keys are
  * borrowed until the next edit. False: everything may have changed, or every value; also if edits have not noted it.
  * Cost: O(1); while all points are on one line, O(n). */
 enum { DT_TOUCHED_ROW, DT_TOUCHED_RING, DT_TOUCHED_VALUE /* plus dt_field_number */ };
@@ -256,7 +256,7 @@ enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt);
 
 /* dt_triangulate in two steps, for points that a large batch has sorted (dt_build_suits). dt_build only reads, so queries
- * may continue meanwhile; dt_built installs what it has made, if t has not been edited since. Cost of dt_built: constant. */
+ * may continue meanwhile. dt_built installs the result, if t has not been edited since. Cost of dt_built: constant. */
 struct dt_build;
 bool dt_build_suits(const struct dt *t, const struct dt_options *opt);
 enum dt_status dt_build(const struct dt *t, const struct dt_options *opt, struct dt_build **out);
@@ -326,13 +326,13 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
  *
  * A reader that takes longer than edits may wait begins a view and reads the set as it was at that moment,
  * piece by piece, while edits continue between the pieces. An edit saves what it is about to change, once for all
- * views that were open by then: about 40 bytes for each point changed and, if a view is open that reads the
- * triangulation, for each of their neighbours, and at most 8 bytes for each id of the set. Nothing is saved
+ * views that are open. That takes about 40 bytes for each point changed, and at most 8 bytes for each id of the set. If an
+ * open view reads the triangulation, it takes 40 bytes for each neighbour, too. Nothing is saved
  * while no view is open, and nothing is copied at the beginning.
  *
- * A function that reads through a view takes the set as const: several threads may read through the same view
- * or several ones, but not during an edit. If memory for saving runs out, the edit succeeds, and what reads
- * through the views that were open answers DT_NOMEM from then on; so does what reads the triangulation after
+ * A function that reads through a view takes the set as const: several threads may read through the same view or
+ * several ones, but not during an edit. If memory for saving runs out, the edit succeeds, and functions that read
+ * through the views that were open return DT_NOMEM from then on. So do functions that read the triangulation after
  * an edit that dt_view_blocks has warned of. A copy of the set (dt_clone) has no views. */
 
 /* A view of the present state: of the rows of points and, with `rings`, also of the triangulation, which must
@@ -348,12 +348,12 @@ void dt_view_end(struct dt_view *v);
  * the set. Cost: bounded. */
 bool dt_view_tidy(struct dt *t);
 
-/* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
- * that to be built again: the caller may prefer to edit a copy. May run beside dt_view_begin. (To build a
- * triangulation again that is current changes nothing that views read.) */
+/* Whether an edit of n points at once would end views that read the triangulation, because it postpones a rebuild.
+ * The caller may prefer to edit a copy. May run beside dt_view_begin. (A rebuild of a current
+ * triangulation changes nothing that views read.) */
 bool dt_view_blocks(const struct dt *t, size_t n);
 
-/* What dt_next_id and dt_summary answered at the moment of the view (memory: 0). */
+/* The answers of dt_next_id and dt_summary at the moment of the view (memory: 0). */
 uint32_t dt_view_next_id(const struct dt_view *v);
 void dt_view_summary(const struct dt_view *v, struct dt_summary *out);
 
@@ -375,8 +375,8 @@ enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_
 
 /* ---- whole-set tables, read row by row ----
  *
- * A table is read through a cursor, a plain value of the caller's: that of a view, which must be open until
- * the last read, or that of now (NULL), where the set must not change between begin and the last read. Rows
+ * A table is read through a cursor, a plain value of the caller's. The cursor of a view needs the view open until the last
+ * read. The cursor of the present (NULL) needs the set unchanged between begin and the last read. Rows
  * come as words in canonical order:
  *   DT_POINTS      id                         every live id, ascending
  *   DT_COINCIDENT  id representative          every alias, ascending
@@ -402,17 +402,17 @@ struct dt_cursor {
 enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,
                               bool cw, struct dt_cursor *c);
 
-/* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words say what was
- * written; *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
+/* Writes the whole rows that fit into out[cap], at most max_rows. *rows and *words count the written ones;
+ * *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
  * (at most the number of points + 2; 8 are enough for all tables but DT_LISTS). At vertices of
  * very high degree: DT_NOMEM, or DT_TOOLONG to be called again, as none of some thousand points begins a row. */
 enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
                              size_t max_rows, size_t *rows, size_t *words);
 
-/* Cuts off the first part of what *c has not read yet: the rows of about `ids` ids, possibly none, or
- * all those along the hull. *c advances past them; *part is read separately. Several threads may
+/* Cuts off the first part of the rows that *c has not read yet: the rows of about `ids` ids, possibly none, or
+ * all rows along the hull. The cursor *c advances past them; *part is read separately. Several threads may
  * read a part each, and their rows in the order of the cuts are those of *c. False: nothing is left.
- * Cost: O(ids / 4096) where few points have been deleted. */
+ * Cost: O(ids / 4096) if few points have been deleted. */
 bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct dt_cursor *part);
 
 /* ---- upkeep ---- */
@@ -438,18 +438,18 @@ void dt_renewed(struct dt *t, struct dt_renewal *r);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */
 
-/* How many neighbours the representative of id has, `limit` if it has more; 0 if there is no such id or
- * no triangulation. Cost: O(that). So what dt_ring, dt_triangles_at_point and the deletion of a
- * point would cost can be estimated; among points on one line, dt_ring walks along all of them. */
+/* Returns the number of neighbours of the representative of id, `limit` if it has more; 0 if there is no such id or
+ * no triangulation. Cost: O(that number). It estimates the cost of dt_ring, dt_triangles_at_point and the deletion of a
+ * point; among points on one line, dt_ring walks along all of them. */
 uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit);
 
-/* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest neighbour, a boundary
- * point's at its successor on the hull). *rep is the representative, *boundary whether it lies on the hull. */
+/* Appends the ring of id: its neighbours in order. An interior point's ring starts at the smallest neighbour, a boundary
+ * point's ring at its successor on the hull. *rep is the representative, *boundary whether it lies on the hull. */
 enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep,
                        bool *boundary);
 
-/* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in hull order), replaced
- * by their representatives, each once; *kept is how many remain, *interior how many of those are interior. Cost:
+/* Sorts n ids into the order of DT_LISTS: interior points by id, then boundary points in hull order. Ids are replaced
+ * by their representatives, each once. *kept is how many remain, *interior how many of those are interior. Cost:
  * O(n log n), and O(hull) if two or more are boundary points. */
 enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n,
                               const struct dt_options *opt, size_t *kept, size_t *interior);
@@ -472,13 +472,13 @@ struct dt_location {
 };
 
 /* A place in question, and, from dt_fetch_places, where it is in the triangulation: a hint that any later edit
- * may invalidate. UINT32_MAX: nothing is known. Whatever it is, answers are the same. */
+ * may invalidate. UINT32_MAX: no hint. Answers do not depend on the hint. */
 struct dt_place {
     struct dt_point at;
     uint32_t near;
 };
 
-/* Where q lies. Exact. Cost: constant expected, with the grid. */
+/* Locates q. Exact. Cost: constant expected, with the grid. */
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out);
 enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
                                struct dt_location *out);
@@ -503,15 +503,15 @@ void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
  *
  * Every place gets a row of the answer. DT_TOOLONG and DT_CANCELLED: *done of them have one, and the call
  * may be repeated for the others; all n have one if DT_OK. out has room for n rows. The view must be one
- * that reads rings. Cost: a third of that of single questions, because they wait for memory together; where
- * an edit has changed the set since the view began, up to ten times as much. */
+ * that reads rings. Cost: a third of the cost of single questions, because they wait for memory together; up to ten
+ * times the cost if an edit has changed the set since the view began. */
 
 /* Three ids: of the triangles that contain the place, their sides included, the first in DT_TRIANGLES;
  * DT_NONE three times if there is none. */
 enum dt_status dt_locate_many(const struct dt *t, const struct dt_view *v, const struct dt_point *p,
                               size_t n, const struct dt_options *opt, uint32_t *out, size_t *done);
 
-/* k ids: those of dt_nearest, padded with DT_NONE. */
+/* The k ids that dt_nearest gives, padded with DT_NONE. */
 enum dt_status dt_nearest_many(const struct dt *t, const struct dt_view *v,
                                const struct dt_point *p, size_t n, uint32_t k,
                                const struct dt_options *opt, uint32_t *out, size_t *done);
@@ -571,7 +571,7 @@ size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out);
 /* Selects what belongs to the result from these rows. *done: there are no more rows. */
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);
 
-/* Appends what has not been appended yet: the ids in *out are then those that the search of the same
+/* Appends the results that have not been appended yet. The ids in *out are then those that the search of the same
  * name gives, in the same order. opt may be NULL: its flag is polled. */
 enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out);
 
@@ -589,7 +589,7 @@ struct dt_sift {
     size_t rows;
 };
 
-/* Looks at about `rows` rows, and appends to *out the triangles, or the points. *done: there are no more. */
+/* Looks at about `rows` rows, and appends to *out the triangles, or the points. *done: all rows have been seen. */
 enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, struct dt_ids *out,
                             bool *done);
 

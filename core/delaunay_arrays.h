@@ -4,8 +4,8 @@
  * A struct dt_arrays is a triangulation of points with the ids 0, 1, 2, ..., ready for searches. Points are coincident if they are
  * equal. It never changes, so all functions but dt_arrays_free may run in several threads at once.
  *
- * Every function computes with the floating-point environment in which programs start, whatever rounding mode or flush to zero
- * the caller has set, and restores that of the caller.
+ * Every function computes with the floating-point environment in which programs start, and restores the caller's, with its
+ * rounding mode and flush to zero.
  *
  * `workers`: on how many threads it may run, at most 64, the caller's included; 0 counts as 1. Threads end with the call, so
  * none is left for a process that forks. Results do not depend on the number. */
@@ -21,10 +21,10 @@ extern "C" {
 
 /* ---- of any set ----
  *
- * All triangles at once: triangles[3n], as the table DT_TRIANGLES has them; and, unless it is NULL, halfedges[3n]. Half edge 3i + k
- * runs from triangles[3i + k] to the next corner of the triangle; halfedges[3i + k] is the one that runs back along the
- * same edge, DT_NONE on the hull. n: dt_summary.triangles. Cost: linear; 4 bytes for each id ever given, and 16 for each
- * triangle, meanwhile. */
+ * Writes all triangles at once: triangles[3n], as the table DT_TRIANGLES has them; and, unless it is NULL, halfedges[3n]. Half
+ * edge 3i + k runs from triangles[3i + k] to the next corner of the triangle. The half edge halfedges[3i + k] runs back along
+ * the same edge, DT_NONE on the hull. n: dt_summary.triangles. Cost: linear; 4 bytes for each id ever given, and 16 for
+ * each triangle, meanwhile. */
 enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_t *halfedges);
 
 /* ---- of points that are triangulated together ---- */
@@ -67,21 +67,21 @@ enum dt_status dt_arrays_faces(const struct dt_arrays *a, uint32_t *face, struct
 enum dt_status dt_arrays_regions(const struct dt_arrays *a, struct dt_region **rows, size_t *n,
                                  struct dt_region *inside);
 
-/* Those of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
+/* The counts of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
 void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5]);
 
 /* All rows of DT_COINCIDENT, DT_EDGES, DT_HULL or DT_POINTS into out[], which has room for as many as dt_arrays_counts says. */
 enum dt_status dt_arrays_table(const struct dt_arrays *a, enum dt_table table, uint32_t *out);
 
-/* out[3 r + k] = 3 s + j: the side from corner k to the next corner of row r of DT_TRIANGLES is the side that begins at corner j of
- * row s; DT_NONE on the hull. Cost: linear. */
+/* Sets out[3 r + k] to 3 s + j, or to DT_NONE on the hull. The side from corner k to the next corner of row r of DT_TRIANGLES is
+ * the side that begins at corner j of row s. Cost: linear. */
 void dt_arrays_twins(const struct dt_arrays *a, uint32_t *out);
 
 /* ---- places: q[n], in any order ----
  *
- * A coordinate that is neither finite nor within 2^201 is outside of everything; one below 2^-142 counts as 0. Where rounding
- * has put a place outside the hull that should be on it, it belongs to the triangle at that edge: if it is no farther from the edge
- * than tol times the width and height of the box of all points, added; 0: exact. */
+ * A coordinate that is neither finite nor within 2^201 is outside of everything; one below 2^-142 counts as 0. Rounding may put
+ * a place outside the hull that should be on it. It belongs to the triangle at that edge if its distance from the edge
+ * is at most tol times the sum of width and height of the box of all points. A tol of 0 is exact. */
 
 /* The row in DT_TRIANGLES of the first triangle that contains each place, DT_NONE: none does. Cost: as dt_locate_many. */
 enum dt_status dt_arrays_locate(const struct dt_arrays *a, const struct dt_point *q, size_t n,
@@ -100,7 +100,7 @@ enum dt_status dt_arrays_values(const struct dt_arrays *a, const double *value,
 enum dt_status dt_arrays_nearest(const struct dt_arrays *a, const struct dt_point *q, size_t n,
                                  uint32_t k, unsigned workers, uint32_t *id, double *distance);
 
-/* The points at most r[i] from place i, aliases included, ascending: end[n] words of out->v, those of place i before end[i].
+/* The points at most r[i] from place i, aliases included, ascending: end[n] words of out->v, the words of place i before end[i].
  * Exact. *out: start with {0}; the caller releases out->v by dt_arrays_release. Places are refused as above, and r that is
  * negative or refused by dt_coordinate_ok; infinite r is not. */
 enum dt_status dt_arrays_within(const struct dt_arrays *a, const struct dt_point *q,

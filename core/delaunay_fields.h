@@ -19,8 +19,8 @@ extern "C" {
 #define DT_FIELD_NAME 64  /* bytes of a name, from 1 on; any but NUL */
 #define DT_FIELD_PAGE 512 /* ids whose values lie together: from a multiple of it on */
 
-/* Borrowed from its set: valid until the field is dropped or the set is freed; if it was read through a view, until
- * that ends or cannot be read any more (dt_view_rows, which may be asked for no row, does not answer DT_OK). */
+/* Borrowed from its set: valid until the field is dropped or the set is freed. A field that was read through a view is valid
+ * until the view ends or cannot be read any more (dt_view_rows, even when asked for no row, does not return DT_OK). */
 struct dt_field;
 
 const char *dt_field_name(const struct dt_field *f); /* ends with NUL; borrowed from the field */
@@ -51,7 +51,7 @@ void dt_field_values(const struct dt_field *f, const struct dt_view *v, const ui
                      size_t n, double *out);
 
 /* The values of the ids from *from, a multiple of DT_FIELD_PAGE, on: DT_FIELD_PAGE of them, valid until the next
- * edit. Where all are missing there is no page: *from advances to the next existing one. NULL: there is none.
+ * edit. If all values are missing there is no page: *from advances to the next existing one. NULL: there is none.
  * Cost: constant, amortised over the pages of a field. */
 const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint64_t *from);
 

@@ -92,8 +92,8 @@ void body_words(struct body *b);
  * linear in n. bytes may be NULL if n is 0. */
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last);
 
-/* Where the next bytes of a binary body belong, for a caller that can have them written there: *n of them at most. NULL: they have
- * to be fed, because few points have come yet, the body has a fault, or there is no memory for more. */
+/* Returns the place of the next bytes of a binary body, for a caller that can have them written to it: *n of them at most. NULL:
+ * they have to be fed, because few points have come yet, the body has a fault, or there is no memory for more. */
 char *body_room(struct body *b, size_t *n);
 
 /* The first n of these bytes are there, and are parsed. Check b->complete after each call. */

@@ -21,12 +21,12 @@ static inline bool proto_is_coordinate(double v)
     return size == 0 || (size >= PROTO_COORDINATE_LEAST && size <= PROTO_COORDINATE_MOST);
 }
 
-/* Reads the decimal number that is all of s[0 .. len): an optional sign, digits with at most one
- * '.' among, before or after them, optionally 'e' or 'E' with an optional sign and digits. Blanks,
+/* Reads the decimal number that is all of s[0 .. len): an optional sign, digits with at most one '.' among, before or
+ * after them. Optionally 'e' or 'E' follows, with an optional sign and digits. Blanks,
  * NaN, infinities and hexadecimal are refused: false, *v unchanged.
  *
- * *v is the double nearest to the number, ties to even, for any number of digits, with two conventions: a number
- * too large for a double becomes an infinity, and a number that is not zero never becomes zero, but at least the
+ * The result is the double nearest to the number, ties to even, for any number of digits, with two conventions. A
+ * number too large for a double becomes an infinity. A number that is not zero never becomes zero, but at least the
  * smallest double of its sign. So a check of the range of *v is a check of the number. Cost: linear in
  * the digits; much more for hundreds of digits near a tie. */
 bool proto_read_double(const char *s, size_t len, double *v);
@@ -45,8 +45,8 @@ bool proto_read_u64(const char *s, size_t len, uint64_t *v);
 /* The same for hexadecimal digits in lower case. */
 bool proto_read_hex(const char *s, size_t len, uint64_t *v);
 
-/* Writes the finite number v with the fewest digits that read back to v (and of those the nearest
- * to v), laid out as JavaScript does: 0.000001 <= |v| < 1e21 without an exponent, others like 1e-7
+/* Writes the finite number v with the fewest digits that read back to v (and of those the nearest to v). The
+ * layout is JavaScript's: 0.000001 <= |v| < 1e21 without an exponent, others like 1e-7
  * or 1.5e+22. The string is not terminated; dst must have room for PROTO_NUMBER_MAX bytes. Returns
  * its length, at most 25. */
 size_t proto_write_double(char *dst, double v);

@@ -10,8 +10,8 @@ struct proto_decimal {
     int64_t exponent;
 };
 
-/* The double nearest to d, ties to even, as bits; more than the largest double gives infinity. d
- * must lie between 1e-345 and 1e310. guess (the bits of a double >= 0) may be anything, but each
+/* Returns the double nearest to d, ties to even, as bits; more than the largest double gives infinity. The number d
+ * must lie between 1e-345 and 1e310. The guess (the bits of a double >= 0) may be anything, but each
  * step of 1 that it is off costs a comparison of numbers of up to 3000 bits. */
 uint64_t proto_round_exactly(const struct proto_decimal *d, uint64_t guess);
 

@@ -17,7 +17,7 @@
 #define DIGITS 19 /* any 19 digits fit a 64-bit word */
 #define INFINITY_BITS ((uint64_t)2047 << 52)
 
-/* What the text says: (digits in text .. text_end, a '.' ignored) * 10^exponent. */
+/* The number in the text: (digits in text .. text_end, a '.' ignored) * 10^exponent. */
 struct scan {
     const char *text, *text_end;
     uint64_t word; /* the digits as a number, modulo 2^64 */

@@ -2,8 +2,8 @@
  *
  * The digits of a double come from Schubfach [Giulietti, "The Schubfach way to render doubles",
  * 2021]. The numbers that read back to v fill an interval around it, from midpoint to midpoint.
- * With k chosen so that 10^k <= width < 10^(k+1), the grid of multiples of 10^k has a point in the
- * interval, that of 10^(k+1) at most one. So the shortest is that one if it is there, else the
+ * Choose k so that 10^k <= width < 10^(k+1). The multiples of 10^k have a point in the interval, the
+ * multiples of 10^(k+1) at most one. So the shortest is that one if it exists, else the
  * multiple of 10^k nearest to v. Both neighbours and both bounds are known exactly enough from
  * three products with a power of ten of 126 bits and more, rounded to odd.
  *
@@ -132,7 +132,7 @@ static void write_four(char *dst, uint32_t v)
     write_pair(dst + 2, v % 100);
 }
 
-/* Writes the n digits of v, which has no more. Eights keep the divisions independent of one
+/* Writes the n digits of v, which has at most n. Eights keep the divisions independent of one
  * another. */
 static void write_digits(char *dst, uint64_t v, size_t n)
 {

@@ -38,8 +38,8 @@ struct reply_reader {
     const char *fault;              /* why reply_read returned -1: a static sentence */
 };
 
-/* Reads the next part from bytes[n]. Returns the number of bytes consumed; 0 if it needs more (call it again with the
- * same bytes and more after them); -1 if this is not a reply of the protocol: the reason is in r->fault, and the
+/* Reads the next part from bytes[n]. Returns the number of bytes consumed. Returns 0 if it needs more: call it again with
+ * the same bytes and more after them. Returns -1 if this is not a reply of the protocol: the reason is in r->fault, and the
  * connection is unusable. Cost: linear in the bytes, for pieces of any size. */
 ptrdiff_t reply_read(struct reply_reader *r, const char *bytes, size_t n, struct reply_part *part);
 

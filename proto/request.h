@@ -43,8 +43,8 @@ bool word_is_set_name(const struct word *w);
 /* Whether the word may name a field: a set's name that begins with a letter or `_`. */
 bool word_is_field_name(const struct word *w);
 
-/* Whether the line is a request that the server answers without more input. It is not if it is blank, a comment, contains a line break
- * or a NUL byte, or if a body follows it: LOAD and every command whose name ends in B, also after TIMEOUT. */
+/* Whether the line is a request that the server answers without more input. It is not if it is blank or a comment, or contains a
+ * line break or a NUL byte. It is not if a body follows: LOAD and every command whose name ends in B, also after TIMEOUT. */
 bool line_is_whole_request(const char *text, size_t len);
 
 /* Whether the first line is that of a browser or another HTTP client: it ends in " HTTP/1.x". */

@@ -74,7 +74,7 @@ static bool ends_with_places(const struct word *word, size_t words, long long le
     return i == last && len != INSIDE && !(number && len > 0 && len <= DIGITS);
 }
 
-/* Whether a request of so many words, of which all but the last are at `word`, ends with a body of `len` bytes. */
+/* Whether a request of `words` words, of which all but the last are at `word`, ends with a body of `len` bytes. */
 static bool ends_with_body(const struct word *word, size_t words, long long len)
 {
     if (words < 4)

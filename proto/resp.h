@@ -28,16 +28,16 @@ struct resp {
     enum resp_fault fault; /* if -1 is returned */
 };
 
-/* Parses the request at the front of bytes[n], whose first byte is '*'. Returns the number of bytes consumed (the words
- * of q borrow them; q->n is 0 for an empty array, which is no request), 0 if it is incomplete, -1 if it is not such an
+/* Parses the request at the front of bytes[n], whose first byte is '*'. Returns the number of bytes consumed; the words
+ * of q borrow them, and q->n is 0 for an empty array, which is no request. Returns 0 if it is incomplete, -1 if it is not such an
  * array or too long. Cost: linear in the request; if it arrives in small pieces, callers should wait for `need`
  * bytes. */
 ptrdiff_t resp_read(const char *bytes, size_t n, struct request *q, struct resp *out);
 
 const char *resp_fault_text(enum resp_fault fault);
 
-/* Converts bytes[n] of line replies to RESP, appended to out: `OK 0 keys` to the simple string `OK keys`, rows to an
- * array of bulk strings, raw bytes to a bulk string, `ERR CODE text` to the error `CODE text`; comments are left out.
+/* Converts bytes[n] of line replies to RESP, appended to out. `OK 0 keys` becomes the simple string `OK keys`, rows an
+ * array of bulk strings, raw bytes a bulk string, `ERR CODE text` the error `CODE text`; comments are left out.
  * The bytes end with a line or within raw bytes; r has the position between calls. False: not a reply, which would
  * be a bug. */
 bool resp_reframe(struct reply_reader *r, const char *bytes, size_t n, struct buf *out);

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-/* What separates words of a line. Most characters are decided by the first comparison. */
+/* A separator of words in a line. Most characters are decided by the first comparison. */
 static inline bool text_is_blank(char c)
 {
     return (unsigned char)c <= ' ' && (c == ' ' || c == '\t');

@@ -1,6 +1,6 @@
 #!/bin/sh
-# node.sh FILE... - runs tests of Node and prints what they print, a line `SKIP name: reason` for each that is skipped, and at the end one
-# line: N passed, N failed; or N passed, N failed, N skipped.
+# node.sh FILE... - runs tests of Node and prints their output. Prints a line `SKIP name: reason` for each test that is skipped.
+# The last line is: N passed, N failed; or N passed, N failed, N skipped.
 tap=$(mktemp)
 trap 'rm -f "$tap"' EXIT
 node --test --test-reporter=spec --test-reporter-destination=stdout --test-reporter=tap --test-reporter-destination="$tap" "$@"

@@ -249,7 +249,7 @@ static void end(struct run *r, int status, const struct rusage *used)
     r->test = NULL;
 }
 
-/* Waits for the end of a test; the run that is free then. */
+/* Waits for the end of a test; returns the run that has become free. */
 static struct run *wait_for_one(void)
 {
     int status;

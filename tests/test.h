@@ -6,8 +6,8 @@
  *         CHECK(1 + 1 == 2);
  *     }
  *
- * A test binary takes words, which select the tests whose name or file contains one of them (without words: all), -l to
- * list these tests, -s SEED, -j N to run N tests at once. A word that selects no test fails; with -a it does not, because it
+ * A test binary takes words, which select the tests whose name or file contains one of them (without words: all). With -l it lists
+ * these tests; -s SEED sets the seed; -j N runs N tests at once. A word that selects no test fails; with -a it does not, because it
  * may be for another binary. A test that draws random numbers uses test_random(), whose seed is printed when the test
  * fails. Tests with the longest time limits begin first. */
 #ifndef TEST_H

@@ -23,7 +23,7 @@ static double *make_points(size_t n)
     return xy;
 }
 
-/* A little-endian word, whatever this machine's order. */
+/* Reads a little-endian word, on a machine of any byte order. */
 static uint32_t word(const unsigned char *at)
 {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;

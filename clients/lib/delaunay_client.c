@@ -254,7 +254,7 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
     return drain(c, SEND_AT);
 }
 
-/* What follows a request line: the points, and k values for each of them. */
+/* The bytes after a request line: the points, and k values for each of them. */
 struct body {
     const double *xy, *value; /* borrow 2 n, k n */
     size_t n, k;

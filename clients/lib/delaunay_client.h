@@ -67,9 +67,9 @@ typedef bool delaunay_part_fn(void *ctx, const struct delaunay_part *part);
 /* Called with the points sent so far, of how many. */
 typedef void delaunay_progress_fn(void *ctx, size_t done, size_t total);
 
-/* Connects. host is one of: a name or address, with the port beside it; the path of a Unix socket, which contains a '/'; a URL
- * delaunay://[:token@]host[:port] or unix://[:token@]/path, whose token is sent. For the last two port may be NULL. NULL on failure,
- * with a sentence in why[room]. The caller owns the client. Blocks. */
+/* Connects. host has one of three forms: a name or address, with the port beside it; the path of a Unix socket, which contains
+ * a '/'; a URL. `delaunay://[:token@]host[:port]` and `unix://[:token@]/path` are URLs, whose token is sent. With the last two
+ * forms port may be NULL. NULL on failure, with a sentence in why[room]. The caller owns the client. Blocks. */
 struct delaunay_client *delaunay_connect(const char *host, const char *port, char *why,
                                          size_t room);
 
@@ -97,16 +97,16 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
 enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_fn *part, void *ctx);
 
 /* The same for a reply in binary form (`POINTS set BINARY` and its like; PROTOCOL.md, section 7):
- * all its bytes in *bytes, *n of them, which the caller frees with free(). Where the result is not
+ * all its bytes in *bytes, *n of them, which the caller frees with free(). If the result is not
  * DELAUNAY_OK there are none, and *bytes is NULL. Words are little-endian, as on the wire. */
 enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n);
 
-/* For those who read events (WATCH) themselves; mirrors do. From now on there may be events between replies: receive everything by
- * delaunay_receive_part then. */
+/* For callers who read events (WATCH) themselves; mirrors do. From now on there may be events between replies, so the caller must
+ * receive everything by delaunay_receive_part. */
 void delaunay_expect_events(struct delaunay_client *c);
 
-/* Passes the next part of a reply or event to part, which may be NULL, or waits until something has been sent or received. *last:
- * a part has been passed, and the reply or event ends with it. DELAUNAY_TIMEOUT: nothing for timeout_ms (-1: no limit). */
+/* Passes the next part of a reply or event to part, which may be NULL, or waits until bytes have been sent or received. If *last, a
+ * part has been passed, and the reply or event ends with it. DELAUNAY_TIMEOUT: nothing for timeout_ms (-1: no limit). */
 enum delaunay_result delaunay_receive_part(struct delaunay_client *c, int timeout_ms,
                                            delaunay_part_fn *part, void *ctx, bool *last);
 
@@ -125,13 +125,13 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx);
 
-/* The same with the values of fields at the points, `fields` names with commas between: value[n * k], where k is their number,
- * those of the first point first; nan: none. fields NULL or "": no fields, value may be NULL. */
+/* The same with the values of k fields at the points. `fields` has the k names with commas between. The array value[n * k] has the
+ * values of the first point first; nan: none. fields NULL or "": no fields, value may be NULL. */
 enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char *set,
                                           const char *fields, const double *xy, const double *value,
                                           size_t n, delaunay_progress_fn *progress, void *ctx);
 
-/* What a constraint is. */
+/* The kind of a constraint. */
 struct delaunay_constraint {
     uint32_t number;
     bool border; /* otherwise a line */
@@ -144,8 +144,8 @@ enum delaunay_result delaunay_send_constraints(struct delaunay_client *c, const 
                                                const struct delaunay_constraint *what,
                                                const uint32_t *pair, size_t n);
 
-/* The triangles of the n places x, y of xy[2n] in one request (LOCATEB), into triangle[3n]: the three ids of that which
- * contains the place, of several ones the first in TRIANGLES; outside the hull DELAUNAY_NONE three times. Where the
+/* Finds the triangles of the n places x, y of xy[2n] in one request (LOCATEB). Each place gets three ids in triangle[3n]: of the
+ * triangle that contains it, of several triangles the first in TRIANGLES, outside the hull DELAUNAY_NONE three times. If the
  * result is not DELAUNAY_OK nothing has been written. With replies still to come, receive those first. */
 enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const char *set,
                                             const double *xy, size_t n, uint32_t *triangle);
@@ -179,10 +179,10 @@ struct delaunay_segment {
     double places[4];
 };
 
-/* What has changed from one version of a set to another: what mirrors report. */
+/* The difference between two versions of a set, as mirrors report it. */
 struct delaunay_change {
     uint64_t version;
-    bool reset; /* the server sent everything; what follows is the difference all the same */
+    bool reset; /* the server sent everything; the fields below are still the difference */
     const uint32_t *added, *moved, *gone; /* ids; moved: other coordinates or values */
     size_t n_added, n_moved, n_gone;
     const uint32_t *triangles_added,

@@ -212,7 +212,7 @@ static bool compare_one(struct constraints *s, const struct constraint_said *sai
     return same || add(&s->added, &said->what);
 }
 
-/* Those that are not declared any more, though nothing said so. */
+/* Releases the constraints that are not declared any more, though no row said so. */
 static bool release_others(struct constraints *s)
 {
     if (!constraints_sort(s))

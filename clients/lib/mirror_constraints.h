@@ -17,7 +17,7 @@ struct constraint_list {
     size_t n, cap;
 };
 
-/* What an event says of a constraint. */
+/* The statement of an event about a constraint. */
 struct constraint_said {
     struct delaunay_segment what; /* first */
     bool declared;

@@ -1,9 +1,9 @@
 /* mirror_copy.c - what an event changes is found before it is applied: old rings are in the copy, new ones in the event.
  *
  * A triangle that comes or goes changes the rings of its three corners, so the rings of the ids that an event names are enough.
- * Each triangle of these rings is looked at once, from the smallest of its corners that the event names, and looked for in the
- * other state, in the shortest ring of its corners: few triangles have long rings at all corners, so the cost is linear even
- * where one point is joined to all others [Chiba and Nishizeki, "Arboricity and subgraph listing algorithms", 1985]. */
+ * Each triangle of these rings is examined once, from the smallest of its corners that the event names. It is searched in the
+ * other state, in the shortest ring of its corners. Few triangles have long rings at all corners, so the cost is linear even
+ * if one point is joined to all others [Chiba and Nishizeki, "Arboricity and subgraph listing algorithms", 1985]. */
 #include "clients/lib/mirror_copy.h"
 
 #include <math.h>
@@ -267,7 +267,7 @@ static struct ring new_ring(const struct copy *c, uint32_t id)
 
 typedef struct ring ring_fn(const struct copy *c, uint32_t id);
 
-/* The place of id in a ring; its length if it is not there. */
+/* The place of id in a ring; the length of the ring if it lacks the id. */
 static uint32_t find(struct ring r, uint32_t id)
 {
     uint32_t k = 0;

@@ -19,7 +19,7 @@ struct copy_place {
     bool present, ringed, inner; /* ringed: it has a ring, of len neighbours */
 };
 
-/* What an event says about an id. */
+/* The statement of an event about an id. */
 struct copy_entry {
     uint32_t id, len;
     double x, y;
@@ -56,7 +56,7 @@ struct copy {
     struct copy_words added, moved, gone, triangles_added, triangles_removed;
 };
 
-/* All zero but for `fields`: an empty copy. */
+/* An empty copy is all zero, except `fields`. */
 void copy_free(struct copy *c);
 
 /* Forgets what has been gathered. Cost: linear in that. */

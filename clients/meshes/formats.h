@@ -1,9 +1,9 @@
 /* formats.h - writes a triangulation in the formats of other programs.
  *
- * Points are numbered by their place: 0, 1, 2, ... in the order of their ids (in OBJ and 2DM, whose
- * readers expect it, from 1), and that is the id itself as long as nothing has been deleted.
- * Aliases are points without a triangle. In OBJ, PLY, OFF and 2DM points have the height of the model's
- * field z, or 0 if there is no such field; no height may be missing (model_drop_missing). .node has all fields as attributes. */
+ * Points are numbered by their place: 0, 1, 2, ... in the order of their ids. In OBJ and 2DM, whose readers expect it, numbers
+ * begin at 1. The number is the id itself as long as no point has been deleted.
+ * Aliases are points without a triangle. In OBJ, PLY, OFF and 2DM points have the height of the model's field z, or 0 if there
+ * is no such field. No height may be missing (model_drop_missing). .node has all fields as attributes. */
 #ifndef CLIENTS_FORMATS_H
 #define CLIENTS_FORMATS_H
 

@@ -268,8 +268,8 @@ static bool write_obj(FILE *out, const struct model *m)
 
 /* ---- the .poly files of Shewchuk's Triangle ---- */
 
-/* The number of a segment with these ends: that of the first line there, or else of the first border. Returns how many constraints have
- * them. */
+/* The number of a segment with these ends: the number of the first line between them, or else of the first border. Returns how
+ * many constraints have these ends. */
 static size_t next_segment(const struct model *m, size_t i)
 {
     size_t n = 1;

@@ -267,7 +267,7 @@ static enum delaunay_result paint_region(struct delaunay_client *c, const char *
     return DELAUNAY_OK;
 }
 
-/* The triangles have been fetched; the set is of the version `before` if it still is in the end. */
+/* The triangles have been fetched; the set must still have the version `before` at the end. */
 static enum delaunay_result fetch_regions(struct delaunay_client *c, const char *set,
                                           uint64_t before, struct model *m)
 {

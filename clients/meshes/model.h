@@ -54,8 +54,8 @@ enum model_parts {
 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
- * The requests are pipelined. Everything is of one state of the set: points and values come in one reply; the
- * set's version before and after parts of the mesh must be the same, else all is fetched again, ten times at most.
+ * The requests are pipelined. All parts belong to one state of the set: points and values come in one reply. The
+ * set's version before and after parts of the mesh must be the same; otherwise all is fetched again, ten times at most.
  * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);

@@ -32,7 +32,7 @@ static int compare_arcs(const void *a, const void *b)
     return r->to < s->to ? -1 : r->to > s->to;
 }
 
-/* The place of an arc that is there. */
+/* The place of an arc that the walk has. */
 static size_t find_arc(const struct walk *w, uint32_t from, uint32_t to)
 {
     const struct arc key = {.from = from, .to = to};
@@ -47,7 +47,7 @@ static size_t find_arc(const struct walk *w, uint32_t from, uint32_t to)
     return lo;
 }
 
-/* How many constraints there are at the point of arc i, which is its first. */
+/* Returns how many constraints meet at the point of arc i, which is its first. */
 static size_t degree(const struct walk *w, size_t i)
 {
     size_t n = 1;

@@ -21,7 +21,7 @@ struct heading {
  * separators between words do not count; a heading with any other word names no coordinate. */
 struct heading heading_read(const char *text, size_t len);
 
-/* Which part of an angle the heading names: 'd' for lat_deg, 'm' for Lon M, 's' for latitude_seconds; 0 if none. Sets *axis. */
+/* The part of an angle that the heading names: 'd' for lat_deg, 'm' for Lon M, 's' for latitude_seconds; 0 if none. Sets *axis. */
 char heading_part(const char *text, size_t len, enum axis *axis);
 
 /* The columns of x and y among headings of a table, found one after the other. */

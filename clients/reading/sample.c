@@ -142,7 +142,7 @@ static bool are_most(size_t some, size_t rows)
     return rows - some <= rows / 10 + (rows > 1);
 }
 
-/* How well a separator fits, the best one first. */
+/* Returns how well a separator fits, 4 at best. */
 static int rank(const struct fit *f)
 {
     if (f->headings)

@@ -7,7 +7,7 @@
 /* The number of the reference system in `SRID=n;POINT ...`; an empty value if it has none. */
 struct value wkt_srid(struct value v);
 
-/* What follows that prefix. */
+/* The text after that prefix. */
 struct value wkt_without_srid(struct value v);
 
 /* Pass a word, in upper or lower case, and blanks after it; the kind of a geometry with its Z, M or ZM. *flat: it has M, but not Z. False,

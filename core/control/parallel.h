@@ -7,7 +7,7 @@
 #define DT_PARALLEL 4096u /* fewer points are not worth several threads */
 #define DT_MAX_THREADS 64u
 
-/* How many threads pay off for n points: 1 without a pool. */
+/* Returns how many threads pay off for n points: 1 without a pool. */
 static inline unsigned dt_threads_for(const struct dt_pool *pool, uint32_t n)
 {
     if (pool == NULL || pool->threads < 2 || n < DT_PARALLEL)
@@ -27,7 +27,7 @@ static inline void dt_run(const struct dt_pool *pool, unsigned n,
         job(arg, i);
 }
 
-/* Where slice i of `slices` starts in an array of n; slice i + 1 starts where it ends. */
+/* Returns the start of slice i of `slices` in an array of n, which is the end of slice i - 1. */
 static inline uint32_t dt_slice(uint32_t n, unsigned i, unsigned slices)
 {
     return (uint32_t)((uint64_t)n * i / slices);

@@ -57,7 +57,7 @@ static inline bool dt_work_is_limited(const struct dt_stop *work)
     return work != NULL && work->left <= UINT32_MAX;
 }
 
-/* Whether so many steps are left. NULL: no end. */
+/* Whether at least `steps` steps are left. NULL: no end. */
 static inline bool dt_work_allows(const struct dt_stop *work, uint64_t steps)
 {
     return work == NULL || steps <= work->left;
@@ -92,7 +92,7 @@ static inline struct dt_piece dt_pieces(uint32_t begin, uint32_t end)
     return (struct dt_piece){begin, begin, end};
 }
 
-/* Polls and advances to the next piece, of so many items; false: the pass is over, or stopped. */
+/* Polls and advances to the next piece, of at most `items` items; false: the pass is over, or stopped. */
 static inline bool dt_next_piece_of(struct dt_stop *s, uint32_t items, struct dt_piece *at)
 {
     at->a = at->b;

@@ -2,8 +2,8 @@
  *
  * A round finds all crossings of the existing parts, rounds each crossing to a place, and cuts the parts at that place.
  * Rounding moves parts, so that these may cross others in the next round. Two parts that are almost parallel could cross
- * again for many rounds, one unit of the last place further each time. So from the second round on, such parts are cut
- * at an end of one of them if that end is near the other part: within one unit, two, four and so on.
+ * again for many rounds, one unit of the last place further each time. So from the second round on, such parts
+ * are cut at an end of one of them if that end is near the other: within one unit, two, four and so on.
  *
  * Nothing depends on the order of constraints: crossings are found exactly, and new points are numbered in the order of
  * their places. Rounding is monotone, so that places follow one another along a part as the crossings do. */

@@ -11,9 +11,10 @@
  * The near base. A determinant is the same, up to its sign, from any base point, but rounding errors of a
  * difference to a far point cannot be recovered.
  *
- *     orient2d  (q - p) x (s - p)
- *     incircle  dt(q) cr(t) - dt(t) cr(q),  cr(v) = (s - p) x (v - p) = (s - p) x (v - s),
- *                                           dt(v) = (v - p) . (v - s)              (see sight.h)
+ *     orient2d  =  (q - p) x (s - p)
+ *     incircle  =  dt(q) cr(t) - dt(t) cr(q)                                         (see sight.h)
+ *     cr(v)  =  (s - p) x (v - p)  =  (s - p) x (v - s)
+ *     dt(v)  =  (v - p) . (v - s)
  *
  * Here p and q are the two points closest to each other, s and t the others. cr takes the smaller one of
  * v - p and v - s:

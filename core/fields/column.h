@@ -2,7 +2,7 @@
  *
  *      field -> block[id / 32768] -> slot[id / 512 % 64] -> page: value[id % 512]
  *
- * Where there is no block or no page, all values are missing; so memory follows the ids that have values.
+ * If a block or a page does not exist, its values are missing; so memory follows the ids that have values.
  *
  * Copies of a set share pages: the first that writes to a shared page makes its own.
  *
@@ -12,7 +12,7 @@
  *      slot -> page, since 7 -> put aside, since 4 until 7 -> put aside, since 0 until 4
  *              views 8, 9, ..            views 5, 6, 7                  views 1 to 4
  *
- * So nothing is copied while no view is open, and a page at most once for the views that were open by then.
+ * So nothing is copied while no view is open, and a page at most once for all views that are open.
  * Pages put aside are in one queue of the set, the earliest first, and go when no view reads them any more. */
 #ifndef DT_COLUMN_H
 #define DT_COLUMN_H
@@ -62,7 +62,7 @@ struct dt_field {
     struct dt_field *next; /* among those that are dropped */
 };
 
-/* What the fields of a set share. Start with {0}. */
+/* The state that the fields of a set share. Start with {0}. */
 struct dt_shelf {
     struct dt_aside *first, *last; /* the queue of pages put aside; owns */
     uint64_t serial;               /* of the view that began last */
@@ -104,7 +104,7 @@ struct dt_field *dt_field_copy(struct dt_shelf *s, const struct dt_field *c, str
 /* Makes the page of id one that may be written to. DT_NOMEM: all values are as before. */
 enum dt_status dt_field_open(struct dt_shelf *s, struct dt_field *c, uint32_t id);
 
-/* n ids: those of id[], or, if that is NULL, `first` and those after it. */
+/* n ids: the ids of id[], or, if that is NULL, `first` and those after it. */
 struct dt_field_ids {
     const uint32_t *id; /* borrows */
     uint32_t first;
@@ -117,7 +117,7 @@ static inline uint32_t dt_field_id(const struct dt_field_ids *ids, size_t i)
 }
 
 /* Writes the values, finite or nan, to the pages of the ids, which have been opened; v is NULL: takes them away. Of several
- * for an id the last one counts. Where there is no page, all are missing, and none may be written but nan. */
+ * for an id the last one counts. If a page does not exist, its values are missing, and only nan may be written to it. */
 void dt_field_write(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids,
                     const double *v);
 

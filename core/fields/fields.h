@@ -47,8 +47,8 @@ static inline bool dt_fields_keep(const struct dt_fields *f)
     return f->shelf.first != NULL || f->dropped != NULL;
 }
 
-/* Takes note of the views: the serial of the last one, of the latest and the oldest one that are read (0 and
- * UINT64_MAX if none is), and frees some of what is kept for nobody. Returns whether something was freed. */
+/* Takes note of the views: the serials of the last one, and of the latest and the oldest that are read (0 and
+ * UINT64_MAX if none is). Frees some of the pages that no view reads. Returns whether something was freed. */
 bool dt_fields_review(struct dt_fields *f, uint64_t serial, uint64_t latest, uint64_t oldest);
 
 #endif

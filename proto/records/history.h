@@ -25,7 +25,7 @@ struct history history_begin(uint64_t random);
 /* Its next generation. */
 struct history history_next(const struct history *h, uint32_t random);
 
-/* What a history is in relation to another one, `own`. */
+/* The relation of a history to another one, `own`. */
 enum history_relation {
     HISTORY_SAME,
     HISTORY_NEWER,    /* a later generation of the same origin */

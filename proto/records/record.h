@@ -15,9 +15,9 @@
  *     60  u32 CRC-32C of the above
  *
  * In a log, every record has a log sequence number (lsn), one more than the record before, and the
- * segment's header has that of its first one. `synced` is an lsn up to which everything was known
- * to be on the disk when the record was made: so a damaged record that a later one covers by `synced`
- * is corruption, and one that no later record covers is the torn end after a crash.
+ * segment's header has the lsn of its first one. `synced` is an lsn up to which everything was known
+ * to be on the disk when the record was made. So a damaged record that a later one covers by `synced`
+ * is corruption. A damaged record that no later one covers is the torn end after a crash.
  *
  * A life is the time from a start of the daemon to its end. The versions of sets that clients see contain its
  * number, so that no two lives use the same version; 0: unknown, the sets get new versions.
@@ -27,9 +27,9 @@
  * two logs that have the same position had the same changes up to it.
  *
  * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
- * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
- * which the changes of this set are contained, then its points; then, if it has fields, at least one
- * RECORD_VALUES for each of them, and RECORD_SET_END. RECORD_END comes last.
+ * change is contained in it. Each set has a RECORD_SET, whose `synced` is the lsn up to which the changes of
+ * this set are contained, and then its points. If it has fields, at least one
+ * RECORD_VALUES for each of them, and RECORD_SET_END follow. RECORD_END comes last.
  *
  * Upgrades. A program reads every version up to its own and writes its own; it refuses files of later
  * versions. A change of the meaning or the place of a byte, or a new type, increments RECORD_VERSION; the
@@ -80,7 +80,7 @@ struct segment {
     const char *fault; /* why segment_read returned -1 */
 };
 
-/* What the headers of a daemon's segments say about it. */
+/* The facts about a daemon that the headers of its segments have. */
 struct lineage {
     uint32_t life;
     struct history history;
@@ -161,7 +161,7 @@ struct record {
     const char *fault; /* why record_read returned -1 */
 };
 
-/* Writes the header, segment_header_size(s->version) bytes of it. */
+/* Writes the first segment_header_size(s->version) bytes of the header. */
 void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s);
 
 /* Bytes of the header of a segment of that version. */
@@ -191,8 +191,8 @@ void record_copy(struct buf *out, const char *bytes, size_t n, uint64_t synced);
  * invalid, see r->fault. Never reads beyond n; checks every length against the limits first. */
 ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);
 
-/* The digest of a log after the record bytes[n], as it was written; `before`: the digest before it. What a record says
- * about its surroundings, `synced` and the checksum, does not count. Never 0. */
+/* The digest of a log after the record bytes[n], as it was written; `before`: the digest before it. Two parts of a record depend
+ * on its surroundings, `synced` and the checksum, and do not count. Never 0. */
 uint64_t record_digest(uint64_t before, const char *bytes, size_t n);
 
 /* Fields of the header of a damaged record, which may be wrong. */

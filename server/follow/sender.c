@@ -268,7 +268,7 @@ static enum step put_record(struct sending *g, unsigned *tries)
 }
 
 /* Nothing is to be sent: waits. While the follower has not acknowledged what was sent, new changes are gathered. One
- * transmission costs both daemons, and the follower's disk, the same as many changes. */
+ * transmission costs both daemons, and the follower's disk, the same as a lot of changes. */
 static bool idle(struct sending *g, int64_t *beat_ms)
 {
     if (!flush(g))

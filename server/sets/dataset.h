@@ -119,7 +119,7 @@ struct dataset *registry_next_expiring(struct registry *r);
 void registry_tidy(struct registry *r);
 /* The sets of `from`, which becomes empty, replace the sets of r. The temporary ones stay unless `from` has a set of
  * their name. A set of a name that both have gets the contents and the version of the other one, and clients continue to
- * watch it. same: sets of equal versions are equal, so they stay. Otherwise such sets are dropped. No set that is
+ * watch it. If `same`, sets of equal versions are equal, so they stay. Otherwise such sets are dropped. No set that is
  * replaced or dropped may have a writer. False: out of memory; nothing has changed. */
 bool registry_replace(struct registry *r, struct registry *from, bool same);
 /* Calls visit for every born set, in no particular order. */

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The daemon with programs of others, and our clients in other languages: redis-cli, redis-benchmark, hiredis, redis-py, the
+# The daemon with other programs, and our clients in other languages. These are redis-cli, redis-benchmark, hiredis, redis-py, the
 # Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two daemons.
 #
 #     clients.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed

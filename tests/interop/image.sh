@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Checks the Dockerfile without an engine to build it: the files that it copies are enough to build, the files that it takes
-# from the build exist, and its user, entry point and health check work with the installed daemon.
+# Checks the Dockerfile without an engine to build it. The files that it copies must be enough to build. The files that it takes
+# from the build must exist. Its user, entry point and health check must work with the installed daemon.
 #
 #     image.sh BUILD_DIR          exits with 0 if all is well; otherwise a line says what is wrong
 set -eu

@@ -133,7 +133,7 @@ static bool choose_place(job &j, const oracle &o, double p[2])
 
 using weights = std::map<uint32_t, exact>;
 
-/* How many means of three and more values and edges of shapes have been compared. */
+/* The number of means of three and more values, and of edges of shapes, that have been compared. */
 static size_t means, edges;
 
 /* CGAL's coordinates of a place; none outside the hull. */

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# A rolling upgrade of a leader and a follower, as the manual describes it, with two builds: this one, and one of the same sources
-# whose files have the next version of the format.
+# A rolling upgrade of a leader and a follower, as the manual describes it, with two builds. One is this build, the other has the
+# same sources, but its files have the next version of the format.
 #
 #     upgrade.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh"
 
-# What does not depend on the version of the format need not be compiled again.
+# Objects that do not depend on the version of the format need not be compiled again.
 build_next() {
     local tree=$scratch/tree header=proto/records/record.h version
     mkdir -p "$tree/build" && cp -a Makefile core proto server "$tree" && cp -a --parents clients/rules.mk tests/rules.mk tests/*/rules.mk "$tree" &&

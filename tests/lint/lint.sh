@@ -90,7 +90,7 @@ objects() { # FOLDER
     code "$1" | sed -n "s|^\(.*\)\.c\$|$build/\1.o|p"
 }
 
-# What an object file defines or uses, as `FILE NAME TYPE`.
+# The symbols that an object file defines or uses, as `FILE NAME TYPE`.
 symbols() { # FOLDER
     objects "$1" | xargs nm -A --format=posix | sed -E "s|^$build/([^:]*)\.o: ([^ ]+) (.).*|\1.c \2 \3|"
 }

@@ -6,7 +6,7 @@ RELATIONS = {"<": ["<=", ">"], "<=": ["<", "=="], ">": [">=", "<"], ">=": [">", 
 OTHERS = {"&&": ["||"], "||": ["&&"], "+": ["-"], "-": ["+"], "*": ["+"], "/": ["*"], "%": ["/"], "&": ["|"], "|": ["&"], "<<": [">>"], ">>": ["<<"],
           "++": ["--"], "--": ["++"], "+=": ["-=", "="], "-=": ["+=", "="], "|=": ["&=", "="], "&=": ["|=", "="]}
 OPERATORS = {**RELATIONS, **OTHERS}
-# Binary operators with blanks around them, so that pointers, signs and addresses are left alone; those of one operand without.
+# Binary operators have blanks around them, so that pointers, signs and addresses are left alone. Unary operators have none.
 OPERATOR = re.compile(r"(?<= )(?:" + "|".join(re.escape(o) for o in sorted(OPERATORS, key=len, reverse=True) if o not in ("++", "--")) + r")(?= )|\+\+|--")
 NUMBER = re.compile(r"(?<![\w.\"'])(\d+)(?=[uUlL]*(?![\w.xX]))")
 KEYWORDS = {"return", "if", "for", "while", "else", "switch", "case", "goto", "do", "break", "continue", "default", "static", "const", "struct",

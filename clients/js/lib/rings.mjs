@@ -1,6 +1,6 @@
-// What an event of WATCH says, and the triangles that rings contain: for mirror.mjs, and for the page in clients/web, which a browser
-// runs. A ring is {inner, ring}: the neighbours of a point counterclockwise; those of an inner point go all around it, those of a
-// boundary point from the next point on the hull to the previous one.
+// The rows of an event of WATCH, and the triangles that rings contain: for mirror.mjs, and for the page in clients/web, which a browser
+// runs. A ring is {inner, ring}: the neighbours of a point counterclockwise. The ring of an inner point goes all around it, the ring of
+// a boundary point from the next point on the hull to the previous one.
 
 /** The parts of an event, gathered row by row: the last row about an id counts, and the row of a point ends what was said of its ring
  * before. */
@@ -48,11 +48,11 @@ export class Gathered {
   }
 }
 
-/** Calls found(a, b, c) once for each triangle at a point of `rings`, a Map; counterclockwise, from the smallest of the points that
- * are in it. ringOf(id) is the ring of any point, undefined if unknown.
+/** Calls found(a, b, c) once for each triangle at a point of `rings`, a Map. The corners are counterclockwise, from the smallest of
+ * those in `rings`. ringOf(id) is the ring of any point, undefined if unknown.
  *
- * Two points of a ring that follow each other make a triangle with its point, unless all points are on a line: then a ring has two
- * points, and they are no neighbours. Where this cannot be seen, since both rings are unknown, isTriangle(id, a, b) decides. */
+ * Two points of a ring that follow each other make a triangle with its point, unless all points are on a line. On a line a ring has
+ * two points, which are no neighbours. If both of their rings are unknown, isTriangle(id, a, b) decides. */
 export function eachTriangle(rings, ringOf, isTriangle, found) {
   for (const [id, { inner, ring }] of rings) {
     if (!inner && ring.length === 2 && !areJoined(id, ring, ringOf, isTriangle)) continue;

@@ -1,5 +1,5 @@
 // Conversations with the daemon through the gateway: requests in lines, replies in their order, events between them (PROTOCOL.md,
-// sections 2, 7 and WATCH). A Connection is a WebSocket. What may be large is fetched by HTTP, which browsers read in less than half
+// sections 2, 7 and WATCH). A Connection is a WebSocket. Large replies are fetched by HTTP, which browsers read in less than half
 // the time.
 
 const LF = 10;
@@ -140,7 +140,7 @@ class Reader {
     for (const { reject } of this.#waiting.splice(0)) reject(error);
   }
 
-  /** What is waited for has come, without bytes. */
+  /** The awaited reply has come, without bytes. */
   pass() {
     this.#next().answer(null);
   }
@@ -179,7 +179,7 @@ class Reader {
     }
   }
 
-  /** So many lines follow, which become rows. */
+  /** This number of lines follows; the lines become rows. */
   #begin(expected, rows, done) {
     if (expected === 0) done(null);
     else this.#open = { rows, expected, done };

@@ -39,8 +39,8 @@ export class Follower {
   #sampledAt = 0;
   #following = 0; // how often another set was chosen
 
-  /** connection(): the one that is open; fetchAll(requests, most): replies; most: points of a set that is mirrored whole; onShow(box,
-   * dots): the mesh is another one; onChange(changes): the mesh has changed as Mesh.apply says, or, with null, the set; onDropped(set). */
+  /** connection() returns the open one, fetchAll(requests, most) the replies. Sets of at most `most` points are mirrored whole. Calls
+   * onShow(box, dots) for another mesh, and onDropped(set). Calls onChange(changes) as Mesh.apply says; null: the set has changed. */
   constructor({ connection, fetchAll, mesh, view, most, onShow, onChange, onDropped }) {
     Object.assign(this, { connection, fetchAll, mesh, view, most, onShow, onChange, onDropped });
   }
@@ -111,8 +111,8 @@ export class Follower {
     return this.kind === 'whole' ? boxOf(this.mesh) : boxAround(this.fetchAll, this.set);
   }
 
-  /** Makes the mesh that of the view, if it is not and the set is large: a sample at once, then a box around the view if that has not too
-   * many triangles. Resolves to whether the mesh is what it should be. While a set is being loaded it is not looked at. */
+  /** Fits the mesh to the view, if it does not fit and the set is large. First it loads a sample, then a box around the view if the box
+   * has not too many triangles. Resolves to whether the mesh fits. A set that is being loaded is not examined. */
   async look() {
     if (this.set === null || !this.#isPart) return true;
     const { x, y, scale, width, height } = this.view;

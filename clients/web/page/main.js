@@ -28,7 +28,7 @@ let access = 'unknown'; // to the daemon; 'given' or 'refused'
 let refusedAt = 0; // when a request was refused last
 let totals = null; // STAT of the set
 
-/** What the address says behind `#`: set=NAME, token=TOKEN, most=POINTS. */
+/** Reads the address behind `#`: set=NAME, token=TOKEN, most=POINTS. */
 const given = (name) => new URLSearchParams(location.hash.slice(1)).get(name);
 
 /* ---- drawing ---- */
@@ -360,7 +360,7 @@ async function enter() {
   }
 }
 
-/** Continues to follow the set, if it is still there. */
+/** Continues to follow the set, if it still exists. */
 async function resume() {
   try {
     await follower.resume();

@@ -119,7 +119,7 @@ export class Mesh {
     return this.#idOf.push(id) - 1;
   }
 
-  /** What a Gathered says, with numbers for ids. */
+  /** A Gathered with numbers for ids. */
   #numbered({ points, rings, gone }) {
     if (this.#numbers === null) return { points, rings, gone };
     const number = (id) => this.#number(id);
@@ -171,8 +171,8 @@ export class Mesh {
     return id + 1 < this.#starts.length ? this.#incident.subarray(this.#starts[id], this.#starts[id + 1]) : [];
   }
 
-  /** Applies an event, a Gathered. Returns {points, slots, box}: points and slots that have changed, and the box [x0, y0, x1, y1] around all
-   * triangles that were removed or added and all points that changed; null if nothing is to be drawn. */
+  /** Applies an event, a Gathered. Returns {points, slots, box}: points and slots that have changed, and a box [x0, y0, x1, y1]. The box
+   * is around all triangles that were removed or added and all points that changed; null if nothing is to be drawn. */
   apply(gathered, version) {
     const { points, rings, gone } = this.#numbered(gathered);
     const ids = new Set([...points.keys(), ...rings.keys(), ...gone]);

@@ -1,5 +1,5 @@
-// What lies over the triangles, drawn by a 2D canvas: hull, Voronoi cells, contours, and what is under the pointer. Cells and contours
-// are asked for as far as they are on the screen, and again when the set or the view has changed. Where the mesh is that of a box, the
+// The layers over the triangles, drawn by a 2D canvas: hull, Voronoi cells, contours, and the mark under the pointer. The page asks for
+// the cells and contours that are on the screen, and again when the set or the view has changed. If the mesh covers only a box, the
 // triangles in view that reach out of the box are drawn here, too.
 
 import { placesOf } from './sample.js';
@@ -30,8 +30,8 @@ export class Overlay {
     this.#lines = NO_LINES;
   }
 
-  /** Asks for the layers that are shown, and for what reaches out of `mesh` if it is that of a box (null otherwise). points: how many are in
-   * view; hull: how many are on the hull. Returns what cannot be shown, as text. */
+  /** Asks for the layers that are shown, and for triangles that reach out of `mesh` if it covers only a box (null otherwise). `points` is
+   * the number in view, `hull` the number on the hull. Returns a text of the layers that cannot be shown. */
   async refresh(fetchAll, set, view, { field, points, hull, isLarge, mesh }) {
     const notes = [];
     const box = view.box().join(' ');

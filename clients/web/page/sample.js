@@ -1,4 +1,4 @@
-// What can be known about a set of any size at once: a sample of the triangles in view, those at the places of a grid. It has all triangles
+// A sample of the triangles in view, those at the places of a grid: it can be known at once for a set of any size. It has all triangles
 // that are larger than a cell of the grid; of smaller ones it has one for each cell.
 
 const PLACES = 20000; // of the grid
@@ -8,8 +8,9 @@ const FAR = 1e50; // beyond all points
 
 const NOWHERE = 0xffffffff;
 
-/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles: three ids each, places: Map id -> [x, y, value] of their
- * corners, small: an id of each triangle that is smaller than two cells, estimate: about how many triangles are in view, cell: pixels}. */
+/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, small, estimate, cell}. triangles: three ids each.
+ * places: Map id -> [x, y, value] of their corners. small: an id of each triangle that is smaller than two cells. estimate: about how
+ * many triangles are in view. cell: pixels. */
 export async function sampleOf(fetchAll, set, view, field) {
   const cell = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES));
   const grid = gridOf(view, cell);

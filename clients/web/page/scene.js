@@ -1,8 +1,8 @@
 // The triangulation drawn by WebGL 2. Coordinates are in a texture with a texel for each id; a vertex is the id of a corner, as the
 // binary reply to TRIANGLES has it. So a point that moves is one texel, and a triangle that changes is twelve bytes.
 //
-// The picture is kept in a texture. What events have changed since the last frame is drawn again, from the tiles of triangles that meet
-// it; while the view moves, the picture is moved with it, and drawn again when there is time.
+// The picture is kept in a texture. Changes since the last frame are drawn again, from the tiles of triangles that meet them. While the
+// view moves, the picture is moved with it, and drawn again when there is time.
 
 import { Tiles, meets, widen } from './tiles.js';
 
@@ -17,7 +17,7 @@ const MOST_PARTS = 32; // that are drawn again in a frame; more, and the whole p
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D;`;
 
-/** Where a corner is, and its value. */
+/** The place of a corner, and its value. */
 const PLACE = `
 in uint id;
 uniform sampler2D points, values;
@@ -29,7 +29,7 @@ vec4 place(ivec2 at) {
 }
 ivec2 texel() { return ivec2(int(id) % ${ROW}, int(id) / ${ROW}); }`;
 
-/** The colour of the ground, with so much of a line on it. */
+/** The colour of the ground, mixed with the share `line` of a line on it. */
 const PAINT = `
 uniform vec2 range;      // the least value, and 1 / (greatest - least)
 uniform vec4 fill, edge;

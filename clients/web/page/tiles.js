@@ -1,5 +1,5 @@
-// Triangles sorted by where they are, in the tiles of a grid, and in each tile by size, the largest first. So what is in view is found
-// fast, and of each tile what is large enough to be seen: its first triangles.
+// Triangles sorted by their place, in the tiles of a grid, and in each tile by size, the largest first. So the triangles in view are
+// found fast, and of each tile the first ones, which are large enough to be seen.
 
 const TILE = 512; // triangles in a tile, about
 const MOST_TILES = 128; // along each side
@@ -79,8 +79,8 @@ export class Tiles {
     });
   }
 
-  /** How many of the first slots of a tile are all that are longer than some pixels, and shorter ones of more than half that length; a unit
-   * has so many pixels. What events have put into slots since is as large as what was there, or not. */
+  /** Returns how many of the first slots of a tile have all triangles longer than `pixels` pixels, and some of more than half that
+   * length. A unit of the plane has `unit` pixels. Triangles that events have put into slots since may be larger or smaller. */
   large({ first, count, sizes, open }, pixels, unit) {
     const bits = Math.floor(Math.log2(pixels / (unit * this.#step)));
     if (open || bits < 0) return count;

@@ -28,7 +28,7 @@ export class View {
     return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
   }
 
-  /** The box of the plane on the screen, with so much of its width and height more on each side. */
+  /** The box of the plane on the screen, with `margin` times its width and height more on each side. */
   box(margin = 0) {
     const [x0, y1] = this.toPlane(-margin * this.width, -margin * this.height);
     const [x1, y0] = this.toPlane((1 + margin) * this.width, (1 + margin) * this.height);
@@ -40,7 +40,7 @@ export class View {
     this.y += dy / this.scale;
   }
 
-  /** What is at this place of the screen stays there. */
+  /** Zooms by a factor; the point at this place of the screen stays at this place. */
   zoom(factor, px, py) {
     const [x, y] = this.toPlane(px, py);
     this.scale *= factor;

@@ -30,7 +30,7 @@ async function behindGateway(answer) {
   return server;
 }
 
-/** How much of the triangles' canvas is drawn. */
+/** Returns how much of the triangles' canvas is drawn. */
 const drawn = (page) =>
   page.evaluate(async () => {
     await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));

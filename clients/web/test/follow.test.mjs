@@ -1,4 +1,4 @@
-// What the page follows, without a browser: requests are answered when the test says so.
+// Follower without a browser: requests are answered when the test says so.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate as turn } from 'node:timers/promises';

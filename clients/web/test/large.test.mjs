@@ -51,7 +51,7 @@ async function checkPart(page, set) {
   assert.deepEqual(page.faults, []);
 }
 
-/** How many pixels of a canvas in the box of the screen are drawn, and of how many. */
+/** Returns how many pixels of a canvas in the box of the screen are drawn, and of how many. */
 const drawn = (page, id) =>
   page.evaluate(async (name) => {
     await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));

@@ -54,7 +54,7 @@ const picture = (page) =>
     return Array.from(copy.getImageData(0, 0, mesh.width, mesh.height).data);
   });
 
-/** How many pixels of two pictures differ by more than rounding. */
+/** Counts the pixels of two pictures that differ by more than rounding. */
 function different(a, b) {
   assert.equal(a.length, b.length);
   let n = 0;

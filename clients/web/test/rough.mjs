@@ -11,7 +11,7 @@ export function sequence(seed) {
   return next;
 }
 
-/** What happens to one direction of a connection. */
+/** The faults of one direction of a connection. */
 function faultsOf(random) {
   const kind = ['none', 'split', 'slow', 'pause', 'cut'][Math.floor(5 * random())];
   return {
@@ -59,7 +59,7 @@ async function pass(from, to, faults) {
   to.end();
 }
 
-/** Listens before a port. Returns {port, random, faulty}: the next so many connections have faults, which the sequence decides. */
+/** Listens before a port. Returns {port, random, faulty}: the next `faulty` connections have faults, which the sequence decides. */
 export async function roughly(target) {
   const proxy = { random: null, faulty: 0 };
   const server = createServer({ allowHalfOpen: true }, (near) => {

@@ -81,7 +81,7 @@ export async function makeSet(name, n, seed = 1) {
   if (refused !== undefined) throw new Error(refused);
 }
 
-/** A page at an address behind `/`; visited(page) is called when its document is there. */
+/** A page at an address behind `/`; visited(page) is called when its document exists. */
 export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, visited = () => {} } = {}) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
   await page.setViewport(size);
@@ -139,7 +139,7 @@ export async function settled(page, set) {
   await waitFor(page, (v) => window.app.mesh.version >= v, {}, now);
 }
 
-/** Where a place of the plane is on the page. */
+/** Returns the position on the page of a place of the plane. */
 export const onPage = (page, x, y) =>
   page.evaluate(
     ([px, py]) => {

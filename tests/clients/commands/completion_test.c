@@ -1,4 +1,4 @@
-/* completion_test.c - what the shells' completion offers; the manual page documents all of it. */
+/* completion_test.c - the words that the shells' completion offers; the manual page documents each of them. */
 #include <string.h>
 #include <unistd.h>
 

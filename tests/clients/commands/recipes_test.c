@@ -5,7 +5,7 @@
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
-/* What the blocks of the section show, each `$ command` with its output, and what running these commands shows. */
+/* The blocks of the section show commands, each `$ command` with its output; running these commands shows the same. */
 TEST(recipes_answer_what_the_readme_says)
 {
     int status;

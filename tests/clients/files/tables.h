@@ -4,7 +4,7 @@
 
 #include "clients/files/source.h"
 
-/* What a file became: `x y z; ...` with all fields, or `line: fault` if it was refused; and the notes, one a line. */
+/* The result of a file: `x y z; ...` with all fields, or `line: fault` if it was refused; and the notes, one a line. */
 struct outcome {
     char points[4000], notes[8000];
     bool read;

@@ -67,7 +67,7 @@ static size_t position(const struct ledger *l, const uint32_t *t)
     return k;
 }
 
-/* What comes must be new, what goes must have been there. */
+/* An added triangle must be new, a removed one must have been in the ledger. */
 static void note(struct ledger *l, const struct delaunay_change *change)
 {
     for (size_t i = 0; i < change->n_triangles_removed; i++) {

@@ -59,7 +59,7 @@ struct code {
     size_t n;
 };
 
-/* Compares with each code in turn. */
+/* Compares with each code, one after the other. */
 static unsigned next_symbol(struct bits *b, const struct code *c)
 {
     unsigned seen = 0, first = 0;

@@ -25,7 +25,7 @@ async function converse(set, ask, typed) {
   assert.deepEqual(await Promise.all(Array.from({ length: 500 }, () => ask('EXISTS', set))), Array(500).fill(1));
 }
 
-// What libraries' users expect of them, and how the errors read.
+// Calls that users of the libraries expect to work, and the errors' texts.
 async function behave(client, set, names) {
   assert.equal(await client.expire(set, 1000), 1);
   assert.equal(await client.expire(set, 5, 'NX'), 0);

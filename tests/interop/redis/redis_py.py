@@ -53,7 +53,7 @@ assert r.client_getname() in (b"interop", "interop")
 assert r.client_kill_filter(_id="7") == 0
 assert set(r.config_get("max-*")) == {"max-clients", "max-points", "max-memory"}
 assert r.slowlog_len() >= 0 and isinstance(r.slowlog_get(5), list)
-# What libraries send by habit.
+# Requests that libraries send by habit.
 assert redis.Redis(port=int(sys.argv[1]), username="default", password="any").ping() is True
 assert r.wait(0, 10) == 0 and len(r.time()) == 2 and r.client_info()["multi"] == -1
 assert r.pexpire("p", 30000) and 0 < r.pttl("p") <= 30000 and r.expireat("p", 2000000000) and r.execute_command("EXPIRETIME", "p") == 2000000000
