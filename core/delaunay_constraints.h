@@ -244,6 +244,9 @@ enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, const struct
  * Cost: the logarithm of the borders. */
 enum dt_status dt_region_check(const struct dt *t, uint32_t number);
 
+/* Whether one of the borders, which are known, is closed. Cost: the number of borders. */
+bool dt_has_closed_border(const struct dt *t);
+
 /* Appends the rows of DT_TRIANGLES or DT_EDGES, in their order, that are inside the border of the number, or inside any
  * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. Errors of dt_region_check, but there may be no border at all. opt may be NULL: its
  * flag is polled. Cost: linear, and the sorting. */

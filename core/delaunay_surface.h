@@ -69,6 +69,7 @@ struct dt_surface {
     bool inside;     /* the surface ends at the border of the number, or at all borders: DT_NONE */
     uint32_t number;
     bool beyond; /* it goes on beyond the hull */
+    bool flat;   /* all values are 0, and there is no field: only where it is counts */
 };
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of
@@ -97,6 +98,12 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
 enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
+
+/* Which cells have their centres inside the border of the number, or inside any if that is DT_NONE, or on its edge: bit i % 8 of
+ * bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is
+ * polled, and its pool is used. Cost: a byte for each 8 cells; the time for the cells, and for the triangles along their rows. */
+enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
+                                const struct dt_options *opt, uint8_t *bits);
 
 /* ---- profiles: the linear surface along a way of straight pieces ----
  *

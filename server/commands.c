@@ -153,9 +153,9 @@ const struct command commands[] = {
      "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
-    {"RASTER", 9, 18, SEARCHES, cmd_raster,
+    {"RASTER", 9, 20, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] "
-     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [BINARY]",
+     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [CLIP other] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},

@@ -161,6 +161,15 @@ enum dt_status dt_enclosure_of(const struct dt *t, uint32_t number, struct dt_en
     return region->closed ? DT_OK : DT_OPEN;
 }
 
+bool dt_has_closed_border(const struct dt *t)
+{
+    const struct dt_regions *r = regions_of(t);
+    bool closed = false;
+    for (uint32_t i = 0; r != NULL && i < r->n; i++)
+        closed = closed || r->region[i].closed;
+    return closed;
+}
+
 enum dt_status dt_region_check(const struct dt *t, uint32_t number)
 {
     struct dt_enclosure in;

@@ -1,4 +1,4 @@
-/* outside.c - values outside the hull: those of the nearest place of the hull.
+/* outside.c - values outside the hull: the value at the nearest place of the hull.
  *
  *          q                A convex hull has one place that is nearest to q: its foot. Along the edges that q sees,
  *          .                the distance falls up to the foot and then grows. So a walk from one of these edges goes

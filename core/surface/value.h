@@ -137,8 +137,8 @@ bool dt_foot_value(struct dt_valuer *v, struct dt_point q, uint32_t ghost, doubl
 /* Whether q is on the outer side of the edge of the ghost. */
 bool dt_foot_sees(const struct dt *t, uint32_t ghost, struct dt_point q);
 
-/* Walks to the place of the hull that is nearest to q, outside. It begins at the edge of *ghost, which q sees or, on a line, is
- * beyond. *corner: the place is the first point of *ghost's edge; otherwise it is inside of that edge. DT_CANCELLED,
+/* Walks to the place of the hull that is nearest to q, outside. It begins at the edge of *ghost, which q sees; on a line q may
+ * be beyond its end. *corner: the place is the first point of *ghost's edge, else it is inside of that edge. DT_CANCELLED,
  * DT_TOOLONG. Cost: the number of edges between. */
 enum dt_status dt_foot_find(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, bool *corner);
 

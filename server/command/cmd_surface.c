@@ -5,6 +5,7 @@
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
 #include "server/ops/limits.h"
+#include "server/replies/clip.h"
 #include "server/replies/profile.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"
@@ -64,7 +65,8 @@ enum option {
     OPTION_EVERY = 8,
     OPTION_BASE = 16,
     OPTION_INSIDE = 32,
-    OPTION_OUTSIDE = 64
+    OPTION_OUTSIDE = 64,
+    OPTION_CLIP = 128
 };
 
 /* The options of values at places. */
@@ -75,10 +77,10 @@ static enum option option_of(const struct word *w)
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {{"METHOD", OPTION_METHOD},  {"MAXEDGE", OPTION_MAXEDGE},
-                   {"BINARY", OPTION_BINARY},  {"EVERY", OPTION_EVERY},
-                   {"BASE", OPTION_BASE},      {"INSIDE", OPTION_INSIDE},
-                   {"OUTSIDE", OPTION_OUTSIDE}};
+    } options[] = {{"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE},
+                   {"BINARY", OPTION_BINARY},   {"EVERY", OPTION_EVERY},
+                   {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
+                   {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -123,6 +125,9 @@ static bool read_option(struct answer *a, enum option option, const struct word 
             return true;
         answer_usage(a);
         return false;
+    case OPTION_CLIP:
+        out->other = w;
+        return true;
     case OPTION_MAXEDGE:
         return read_length(a, w, "length", &out->max_edge);
     case OPTION_EVERY:
@@ -277,12 +282,20 @@ static bool read_raster(struct answer *a, const struct request *q, struct dt_ras
     return good;
 }
 
+/* Finds the set of CLIP, if there is one, and sees to its regions; otherwise as is_ready. */
+static bool find_clip(struct server *s, struct answer *a, struct surface *q)
+{
+    if (q->other == NULL)
+        return true;
+    return command_find_other(s, a, q->other, &q->clip) && clip_ready(s, a, q->clip);
+}
+
 void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
     if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
-        read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY, &surface) &&
-        is_ready(s, a, set, &surface))
+        read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY | OPTION_CLIP, &surface) &&
+        is_ready(s, a, set, &surface) && find_clip(s, a, &surface))
         surface_answer(s, a, set, &surface);
 }
 

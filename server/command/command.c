@@ -158,6 +158,19 @@ static bool check_state(struct server *s, struct answer *a, const struct command
     return (c->flags & CMD_SEARCH) == 0 || upkeep_prepare(s, a, set);
 }
 
+bool command_find_other(struct server *s, struct answer *a, const struct word *name,
+                        struct dataset **set)
+{
+    struct word word[2] = {*name, *name};
+    const struct request q = {.word = word, .n = 2};
+    uint64_t shown = a->shown;
+    if (!check_set(s, a, a->command, &q, set) || !check_state(s, a, a->command, &q, *set))
+        return false;
+    note_changes(s, a, a->command, *set);
+    a->shown = shown > a->shown ? shown : a->shown;
+    return true;
+}
+
 /* ---- bodies of refused requests ---- */
 
 /* The command of that name, if its requests have a body; else NULL. */

@@ -97,6 +97,11 @@ void command_skip_body(struct server *s, const struct request *q, struct answer 
 /* Out of memory while a reply was written: replaces what follows `mark` by the error. */
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 
+/* Finds another set, beside that of the request, as the command needs its own. False: there is none, or it cannot be used now; the
+ * request waits, or the ERR line has been written. The reply shows the last change of that set, too. */
+bool command_find_other(struct server *s, struct answer *a, const struct word *name,
+                        struct dataset **set);
+
 /* A word of the client in an error, at most 32 bytes of it; for %.*s. */
 #define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
 

@@ -69,6 +69,7 @@ static void settle(const struct row_stream *st, struct piece *p)
 void row_stream_free_places(struct server *s, struct places *places)
 {
     dt_pages_release(places->p);
+    dt_pages_release(places->kept);
     if (places->memory.bytes == 0)
         return;
     reservation_set(&places->memory, 0);

@@ -5,6 +5,7 @@
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 #include "server/replies/answer_rows.h"
+#include "server/replies/clip.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,32 +18,43 @@ enum {
 void surface_clear(struct surface *q)
 {
     dt_pages_release(q->places.p);
+    dt_pages_release(q->places.kept);
     if (q->places.memory.bytes > 0)
         reservation_set(&q->places.memory, 0);
     free(q->level);
     q->places.p = NULL;
+    q->places.kept = NULL;
     q->level = NULL;
 }
 
 /* ---- values ---- */
 
-static void answer_values(struct server *s, struct answer *a, struct dataset *set,
-                          struct surface *q)
+struct surface_moment surface_moment(struct dataset *set, const struct surface *q)
 {
     struct version *v = set->current;
+    return (struct surface_moment){.version = v,
+                                   .field = dt_field_find(v->dt, q->field, q->field_len)};
+}
+
+void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
+                           struct surface *q)
+{
+    struct version *v = m->version;
     bool raster = q->kind == SURFACE_RASTER;
     size_t columns = raster ? q->raster.columns : 1,
            n = raster ? columns * q->raster.rows : q->places.n;
     struct rows rows = {.version = v,
+                        .view = m->view,
                         .form = ROW_SURFACE,
                         .heavy = dt_next_id(v->dt) > IDS_AT_ONCE,
                         .surface = {.dt = v->dt,
-                                    .field = dt_field_find(v->dt, q->field, q->field_len),
+                                    .field = m->field,
                                     .how = q->how,
                                     .max_edge = q->max_edge,
                                     .inside = q->inside,
                                     .beyond = q->beyond,
                                     .place = q->places.p,
+                                    .kept = q->places.kept,
                                     .raster = q->raster,
                                     .columns = columns,
                                     .binary = q->binary,
@@ -56,6 +68,7 @@ static void answer_values(struct server *s, struct answer *a, struct dataset *se
         reply_key_u64(a->out, "bytes", (uint64_t)n * sizeof(double));
     reply_end(a->out);
     answer_places(s, a, &rows, &q->places);
+    q->places = (struct places){0};
 }
 
 /* ---- contours, by a job ---- */
@@ -209,6 +222,10 @@ void surface_answer(struct server *s, struct answer *a, struct dataset *set, str
 {
     if (q->kind == SURFACE_CONTOUR)
         answer_contour(s, a, set, q);
-    else
-        answer_values(s, a, set, q);
+    else if (q->clip != NULL)
+        clip_answer(s, a, set, q);
+    else {
+        struct surface_moment now = surface_moment(set, q);
+        surface_answer_values(s, a, &now, q);
+    }
 }

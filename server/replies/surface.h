@@ -21,13 +21,30 @@ struct surface {
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
     bool beyond;          /* OUTSIDE nearest */
-    struct places places; /* SURFACE_PLACES, SURFACE_PROFILE */
+    struct places
+        places; /* SURFACE_PLACES, SURFACE_PROFILE; SURFACE_RASTER: the cells that are kept */
     struct dt_raster raster;
     double
         *level; /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
     uint32_t levels;
     double step, base;
+    const struct word *other; /* CLIP: the name of a set; NULL: none */
+    struct dataset *clip;     /* borrows, for the request; SURFACE_RASTER: CLIP; NULL: none */
 };
+
+/* What a surface is read from. */
+struct surface_moment {
+    struct version *version; /* borrows */
+    struct dt_view *view;    /* NULL: now */
+    const struct dt_field *field;
+};
+
+/* That of the set now. */
+struct surface_moment surface_moment(struct dataset *set, const struct surface *q);
+
+/* Answers with values; what *q and *m own moves here. */
+void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
+                           struct surface *q);
 
 /* Answers, except SURFACE_PROFILE (profile.h); what *q owns moves here. The set has the field. */
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);

@@ -58,7 +58,8 @@ static inline bool row_is_of_list(enum row_form form)
 struct places {
     struct dt_point *p; /* owns, from dt_pages_grow; may be NULL if n is 0 */
     size_t n;
-    struct reservation memory; /* of p */
+    uint8_t *kept; /* owns, the same; of a raster, bits of the cells that are kept; NULL: all */
+    struct reservation memory; /* of both */
 };
 
 static inline bool row_is_of_place(enum row_form form)

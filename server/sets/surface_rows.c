@@ -4,6 +4,7 @@
 #include "core/delaunay_constraints.h"
 #include "proto/reply.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum {
@@ -25,14 +26,26 @@ static size_t batch(const struct surface_rows *r)
     return n < left ? n : left;
 }
 
+/* Clears the cells that are not kept. */
+static void clip(const struct surface_rows *r, size_t from, size_t n, double *value)
+{
+    for (size_t i = 0; i < n; i++)
+        if ((r->kept[(from + i) / 8] >> (from + i) % 8 & 1) == 0)
+            value[i] = (double)NAN;
+}
+
 static enum dt_status find(const struct surface_rows *r, const struct dt_surface *s, size_t n,
                            const struct pace *pace, size_t *done)
 {
     struct dt_options opt = pace_options(pace, STEPS_A_VISIT);
     size_t from = r->at + r->found;
     double *to = r->value + r->found;
-    return r->place != NULL ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)
-                            : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
+    enum dt_status status = r->place != NULL
+                                ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)
+                                : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
+    if (r->kept != NULL)
+        clip(r, from, *done, to);
+    return status;
 }
 
 /* Bytes of that number of values, whole rows if they are text. */

@@ -25,6 +25,7 @@ struct surface_rows {
     struct inside inside;
     bool beyond;                  /* OUTSIDE nearest */
     const struct dt_point *place; /* borrows; NULL: the cells of the raster */
+    const uint8_t *kept;          /* borrows; bits of the cells that are kept; NULL: all */
     struct dt_raster raster;
     size_t columns; /* values in a row */
     bool binary;

@@ -64,21 +64,33 @@ void local_collect_all(struct local *l)
         collect(l, &nobody);
 }
 
-struct answer local_begin(struct local *l, const char *request)
-{
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
-    buf_consume(&l->out, buf_len(&l->out));
-    CHECK(request_split(&l->server.reactor->request, request, strlen(request)));
-    command_run(&l->server, &l->server.reactor->request, &a);
-    CHECK(a.next == ANSWER_STREAM);
-    return a;
-}
-
 /* Waits until the answer's job has come back. */
 static void wait_for_job(struct local *l, struct answer *a)
 {
     while (has_job(a))
         collect(l, a);
+}
+
+struct answer local_run(struct local *l, const char *request)
+{
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    buf_consume(&l->out, buf_len(&l->out));
+    CHECK(request_split(&l->server.reactor->request, request, strlen(request)));
+    command_run(&l->server, &l->server.reactor->request, &a);
+    return a;
+}
+
+void local_wait(struct local *l, struct answer *a)
+{
+    wait_for_job(l, a);
+    CHECK(a->next == ANSWER_STREAM);
+}
+
+struct answer local_begin(struct local *l, const char *request)
+{
+    struct answer a = local_run(l, request);
+    local_wait(l, &a);
+    return a;
 }
 
 /* Takes the available bytes of the answer's stream, or waits for the next piece. */

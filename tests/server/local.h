@@ -23,6 +23,10 @@ const char *local_ask(struct local *l, const char *lines);
 /* Carries out one request, whose reply comes from a stream, without refilling it. */
 struct answer local_begin(struct local *l, const char *request);
 
+/* The same in two steps: without waiting for a job before the stream, and that. */
+struct answer local_run(struct local *l, const char *request);
+void local_wait(struct local *l, struct answer *a);
+
 /* Waits for all jobs, whose results nobody gets; pieces of streams stay with them. */
 void local_collect_all(struct local *l);
 

@@ -89,6 +89,34 @@ static void check_cells(const struct dt *t, uint32_t number, enum dt_interpolati
     dt_surface_end(&s);
 }
 
+/* ---- the cells inside ---- */
+
+static void check_marks(const struct dt *t, uint32_t number, struct dt_raster r)
+{
+    enum { MOST = 6000 };
+    uint8_t bits[MOST / 8];
+    bool closed = dt_has_closed_border(t);
+    CHECK(r.columns * r.rows <= MOST);
+    CHECK(dt_raster_inside(t, number, &r, NULL, bits) == (closed ? DT_OK : DT_OPEN));
+    for (uint64_t i = 0; closed && i < r.columns * r.rows; i++) {
+        struct dt_point q = dt_raster_centre(&r, i);
+        CHECK_MSG((bits[i / 8] >> i % 8 & 1) == is_enclosed(t, number, q), "%.17g %.17g", q.x, q.y);
+    }
+}
+
+/* Centres at points, on edges, beside the hull on all sides, and far away; wide and high rasters. */
+static void check_all_marks(const struct dt *t, uint32_t number)
+{
+    check_marks(t, number, (struct dt_raster){{-2.25, -2.25}, {SIDE + 1.75, SIDE + 1.75}, 26, 26});
+    check_marks(t, number,
+                (struct dt_raster){{-1.125, -1.125}, {SIDE + .875, SIDE + .875}, 44, 44});
+    check_marks(t, number, (struct dt_raster){{-60, -3}, {60, 12}, 400, 13});
+    check_marks(t, number, (struct dt_raster){{2, -900}, {6, 900}, 3, 999});
+    check_marks(t, number, (struct dt_raster){{3, 3}, {3, 3}, 5, 2});
+    double x = test_uniform() * SIDE, y = test_uniform() * SIDE;
+    check_marks(t, number, (struct dt_raster){{x - 1, y - 1}, {x + 1, y + 1}, 70, 9});
+}
+
 /* ---- contours ---- */
 
 struct segment {
@@ -158,6 +186,7 @@ TEST(a_surface_that_ends_at_borders_is_missing_exactly_where_they_do_not_enclose
             check_places(t, number, DT_LINEAR, 3);
             check_cells(t, number, k % 2 == 0 ? DT_LINEAR : DT_CLOSEST);
             check_contour(t, number);
+            check_all_marks(t, number);
         }
         dt_free(t);
     }
@@ -181,6 +210,10 @@ TEST(a_surface_that_ends_at_a_border_needs_it_closed_and_known)
     CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_UNSURVEYED);
     CHECK(dt_survey(t, NULL) == DT_OK);
     CHECK(dt_values(t, &s, p, 1, NULL, &value, &done) == DT_OPEN && done == 0);
+    struct dt_raster r = {{0, 0}, {4, 4}, 1, 1};
+    uint8_t bits;
+    CHECK(dt_raster_inside(t, DT_NONE, &r, NULL, &bits) == DT_OPEN);
+    CHECK(dt_raster_inside(t, 6, &r, NULL, &bits) == DT_NOREGION);
     CHECK(dt_constrain(t, c, 3, NULL, &n, &missing) == DT_OK && dt_survey(t, NULL) == DT_OK);
     CHECK(value_at(t, &s, p[0]) == 1 && isnan(value_at(t, &s, p[3])));
     s.number = 6;

@@ -66,7 +66,7 @@ static bool is_same(const double *a, const double *b, size_t n)
 #define RASTER_USAGE                                                                               \
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
     "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] "      \
-    "[BINARY]\n"
+    "[CLIP other] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
     "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR "    \
     "set field EVERY step [BASE b] [MAXEDGE e] [INSIDE [k]]\n"

@@ -150,6 +150,166 @@ TEST_TIMEOUT(values_inside_borders_are_those_of_the_moment, 60)
             check_moment_of(before, inside[i], edits[k], 2 * ((i + k) % 2));
 }
 
+/* ---- CLIP ---- */
+
+static const char fields[] =
+    "ADD f 10 10 90 20 80 95 5 60 30 30 60 30 40 60\nTRIANGULATE f\n"
+    "CONSTRAIN f BORDER RING 0 1 2 3\nCONSTRAIN f BORDER RING 4 5 6\nREGIONS f\n";
+
+static const char *const clipped[] = {"RASTER t z 0 0 100 100 420 420 CLIP f BINARY",
+                                      "RASTER t z -50 0 100 150 400 420 CLIP f METHOD nearest",
+                                      "RASTER t z 0 0 100 100 9000 29 OUTSIDE nearest CLIP f"};
+
+/* Also where the other set is edited, or dropped. */
+TEST_TIMEOUT(values_that_another_set_clips_are_those_of_the_moment, 60)
+{
+    static const char *const edits[] = {"MOVE t 7 50.5 50.25\nADD t 33 22\n", "DROP f\n",
+                                        "RELEASE f ALL\nMOVE f 1 99 99\n", "DROP t\nDROP f\n"};
+    for (size_t i = 0; i < sizeof clipped / sizeof *clipped; i++)
+        for (size_t k = 0; k < sizeof edits / sizeof *edits; k++)
+            check_moment_of(fields, clipped[i], edits[k], 2 * ((i + k) % 2));
+}
+
+/* A worker marks the cells: edits of the other set wait, those of the set do not. */
+TEST(cells_are_marked_while_the_set_is_edited)
+{
+    struct local l;
+    start_surface(&l, 2);
+    local_ask(&l, fields);
+    struct text want = reply_to(&l, clipped[0]);
+    struct answer a = local_run(&l, clipped[0]);
+    CHECK(a.next == ANSWER_WORK);
+    struct buf so_far = put_aside(&l);
+    struct answer edit = local_run(&l, "MOVE t 7 50.5 50.25");
+    CHECK(edit.next == ANSWER_DONE && memcmp(buf_head(&l.out), "OK 0", 4) == 0);
+    struct answer waits = local_run(&l, "MOVE f 1 99 99");
+    CHECK(waits.next == ANSWER_WAIT && waits.wait == &local_set(&l, "f")->queue);
+    buf_free(&l.out);
+    l.out = so_far;
+    local_wait(&l, &a);
+    finish(&l, &a);
+    struct text got = take_text(&l);
+    CHECK(is_same(&want, &got));
+    local_ask(&l, "DROP t\nDROP f\n");
+    local_collect_all(&l);
+    CHECK_MSG(budget_used(&l.server.budget) == 0, "%zu", budget_used(&l.server.budget));
+    free(want.bytes);
+    free(got.bytes);
+    local_stop(&l);
+}
+
+/* By an independent way: the set clips itself, and its surface ends at its borders. */
+TEST(set_that_clips_itself_ends_at_its_borders)
+{
+    static const char *const how[] = {"METHOD linear", "METHOD nearest MAXEDGE 30"};
+    char text[200];
+    for (unsigned threads = 0; threads <= 2; threads += 2) {
+        struct local l;
+        start_surface(&l, threads);
+        local_ask(
+            &l,
+            "CONSTRAIN t BORDER OF 7 SPLIT RING 0 1 2\nCONSTRAIN t BORDER OF 8 SPLIT RING 1 2 3\n"
+            "REGIONS t\n");
+        for (int i = 0; i < 4; i++) {
+            snprintf(text, sizeof text, "RASTER t z -3 -7 120 103 %s %s INSIDE",
+                     i < 2 ? "9 7" : "300 200", how[i % 2]);
+            struct text want = reply_to(&l, text);
+            memcpy(strstr(text, "INSIDE"), "CLIP t", 6);
+            struct text got = reply_to(&l, text);
+            CHECK_MSG(is_same(&want, &got), "%s", text);
+            CHECK(strncmp(want.bytes, "OK ", 3) == 0 && strstr(want.bytes, "nan") != NULL);
+            free(want.bytes);
+            free(got.bytes);
+        }
+        local_stop(&l);
+    }
+}
+
+TEST(requests_that_cannot_be_clipped)
+{
+    struct local l;
+    start_surface(&l, 2);
+    local_ask(&l, "ADD f 0 0 50 0 50 50 0 50\n");
+    static const struct {
+        const char *request, *reply;
+    } cases[] = {
+        {"RASTER t z 0 0 1 1 1 1 CLIP\n", "ERR SYNTAX"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP a/b\n", "ERR SYNTAX a set's name"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP g\n", "ERR NOSET there is no set g"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP f\n", "ERR UNTRIANGULATED"},
+        {"TRIANGULATE f\nRASTER t z 0 0 1 1 1 1 CLIP f\n", "OK 0"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP f\n", "ERR NOREGION the set f has no borders"},
+        {"CONSTRAIN f 0 1\n", "OK 0 added=1"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP f\n", "ERR NOREGION the set f has no borders"},
+        {"CONSTRAIN f BORDER PATH 0 1 2\n", "OK 0 added=2"},
+        {"RASTER t z 0 0 1 1 1 1 CLIP f\n", "ERR OPEN all borders of the set f are open"},
+        {"CONSTRAIN f BORDER OF 3 RING 0 1 2\n", "OK 0 added=3"},
+        {"RASTER t z 0 0 100 100 2 2 METHOD nearest CLIP f\n", "OK 2 columns=2\nnan nan\n"},
+        {"INTERPOLATE t z 1 1 CLIP f\n", "ERR SYNTAX"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *reply = local_ask(&l, cases[i].request);
+        CHECK_MSG(strncmp(reply, cases[i].reply, strlen(cases[i].reply)) == 0, "%s: %s",
+                  cases[i].request, reply);
+    }
+    local_stop(&l);
+}
+
+/* A bit for each cell is reserved until the reply ends. */
+TEST(marks_of_cells_are_counted)
+{
+    enum { BITS = 4096 * 4096 / 8 };
+    struct local l;
+    start_surface(&l, 2);
+    local_ask(&l, fields);
+    free(reply_to(&l, clipped[0]).bytes); /* a set takes a little more when it has been read */
+    local_collect_all(&l);
+    size_t used = budget_used(&l.server.budget);
+    struct answer a = local_begin(&l, "RASTER t z 0 0 100 100 4096 4096 CLIP f BINARY");
+    size_t with = budget_of(&l.server.budget, BUDGET_REPLIES);
+    stream_free(&l.server, a.stream);
+    local_collect_all(&l);
+    a = local_begin(&l, "RASTER t z 0 0 100 100 4096 4096 BINARY");
+    CHECK(with == budget_of(&l.server.budget, BUDGET_REPLIES) + BITS);
+    stream_free(&l.server, a.stream);
+    local_collect_all(&l);
+    CHECK_MSG(budget_used(&l.server.budget) == used, "%zu %zu", budget_used(&l.server.budget),
+              used);
+    l.config.max_memory = used + BITS / 2;
+    CHECK(strncmp(local_ask(&l, "RASTER t z 0 0 100 100 4096 4096 CLIP f BINARY\n"), "ERR BUSY",
+                  8) == 0);
+    CHECK(budget_used(&l.server.budget) == used);
+    local_stop(&l);
+}
+
+TEST(clipped_rasters_survive_failed_allocations)
+{
+    unsigned failed = 0;
+    for (long n = 1; n < 60; n++) {
+        struct local l;
+        start_surface(&l, n % 2 == 0 ? 2 : 0);
+        local_ask(&l, fields);
+        struct text want = reply_to(&l, clipped[1]);
+        local_collect_all(&l);
+        size_t used = budget_used(&l.server.budget);
+        test_fail_alloc(n);
+        local_ask(&l, clipped[1]);
+        test_fail_alloc(0);
+        struct text got = take_text(&l);
+        got.n--;
+        failed += !is_same(&got, &want);
+        local_collect_all(&l);
+        CHECK_MSG(l.closed || l.out.failed || is_same(&got, &want) ||
+                      strncmp(got.bytes, "ERR ", 4) == 0,
+                  "allocation %ld: %.80s", n, got.bytes);
+        CHECK(budget_used(&l.server.budget) == used);
+        free(want.bytes);
+        free(got.bytes);
+        local_stop(&l);
+    }
+    CHECK(failed > 2);
+}
+
 TEST_TIMEOUT(values_are_those_of_the_moment_of_the_request, 120)
 {
     static const char edits[] = "MOVE t 7 50.5 50.25\nDEL t 1 20 21 22\n"

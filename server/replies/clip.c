@@ -1,0 +1,106 @@
+/* clip.c - see clip.h. */
+#include "server/replies/clip.h"
+
+#include "core/delaunay_constraints.h"
+#include "server/jobs/job.h"
+#include "server/jobs/upkeep.h"
+
+#include <stdlib.h>
+
+enum {
+    CELLS_AT_ONCE = 4096,   /* are marked by the reactor, about a millisecond of work, */
+    CELLS_SHORT = 1 << 22,  /* or by a worker in some milliseconds */
+    WORKSPACE = 1024 * 1024 /* bytes, of dt_raster_inside */
+};
+
+bool clip_ready(struct server *s, struct answer *a, struct dataset *other)
+{
+    if (!dt_has_borders(other->current->dt)) {
+        answer_err(a, ERR_NOREGION, "the set %s has no borders", other->name);
+        return false;
+    }
+    if (!upkeep_survey(s, a, other))
+        return false;
+    bool closed = dt_has_closed_border(other->current->dt);
+    if (!closed)
+        answer_err(a, ERR_OPEN, "all borders of the set %s are open", other->name);
+    return closed;
+}
+
+/* ---- the job: it reads the other set ---- */
+
+struct clip_job {
+    struct job job;
+    struct surface q;        /* places.kept: owns the bits */
+    struct surface_moment m; /* pinned, and its view is owned */
+};
+
+static void run_job(struct job *job)
+{
+    struct clip_job *j = (struct clip_job *)job;
+    job->status = job_reserve(job, WORKSPACE);
+    if (job->status == DT_OK)
+        job->status =
+            dt_raster_inside(job->dt, DT_NONE, &j->q.raster, &job->options, j->q.places.kept);
+}
+
+static void end_job(struct server *s, struct job *job, struct answer *a)
+{
+    struct clip_job *j = (struct clip_job *)job;
+    struct dt_view *view = j->m.view;
+    if (job_succeeded(job, a)) {
+        surface_answer_values(s, a, &j->m, &j->q);
+        view = NULL;
+    }
+    version_end_view(&s->sets, j->m.version, view);
+    version_unpin(&s->sets, j->m.version);
+    surface_clear(&j->q);
+}
+
+/* Room for the bits. False: there is no memory. */
+static bool make_room(struct server *s, struct answer *a, struct surface *q)
+{
+    size_t bytes = ((size_t)q->raster.columns * q->raster.rows + 7) / 8;
+    q->places.memory = server_reservation(s, BUDGET_REPLIES);
+    if (!reservation_resize(&q->places.memory, bytes))
+        answer_busy(a);
+    else if ((q->places.kept = dt_pages_grow(s->pages, NULL, 0, bytes)) == NULL)
+        answer_out_of_memory(a);
+    return q->places.kept != NULL;
+}
+
+static bool is_light(const struct server *s, const struct dt_raster *r)
+{
+    return s->workers == NULL || (uint64_t)r->columns * r->rows <= CELLS_AT_ONCE;
+}
+
+void clip_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+{
+    struct dataset *other = q->clip;
+    bool light = is_light(s, &q->raster);
+    if (!world_alone(a))
+        return;
+    if (!light && !dataset_admits(other, true, a->turn)) {
+        answer_wait(a, &other->queue, true);
+        return;
+    }
+    struct clip_job *j = make_room(s, a, q) ? job_new(sizeof *j, run_job, end_job) : NULL;
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        surface_clear(q);
+        return;
+    }
+    j->q = *q;
+    j->m = surface_moment(set, q);
+    version_pin(j->m.version);
+    if (!light && (j->m.view = dt_view_begin(j->m.version->dt, true)) == NULL) {
+        answer_out_of_memory(a);
+        job_free(s, &j->job);
+        return;
+    }
+    j->job.set = light ? NULL : other; /* its edits wait, because regions are those of now */
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
+    j->job.what = "marking cells";
+    bool is_short = (uint64_t)q->raster.columns * q->raster.rows <= CELLS_SHORT;
+    job_read(s, a, &j->job, other->current, light ? JOB_LIGHT : is_short ? JOB_SHORT : JOB_LONG);
+}
