@@ -109,10 +109,13 @@ const struct subcommand subcommands[] = {
      "      --method M        linear, natural, laplace or nearest\n"
      "      --max-edge E      nothing in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
+     "      --outside nearest beyond the hull the values at its nearest place\n"
+     "      --clip SET        only inside the borders of another set\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --inside --colour --force", true,
-     NULL},
+     "--format --cell --width --viewport --method --max-edge --inside --outside --clip --colour "
+     "--force",
+     true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--format F] [--every STEP [--base B] | --levels L,L,...] ...",
      "Writes contour lines of a field (- for the standard output), about ten levels unless the "

@@ -162,6 +162,10 @@ static int read_option(struct work *w, int option, char **argv)
         return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
     else if (option == 'i')
         r->inside = optarg;
+    else if (option == 'O')
+        r->outside = optarg;
+    else if (option == 'C')
+        r->clip = optarg;
     else if (option == 'e' && !read_positive(optarg, &r->max_edge))
         return options_wrong(argv[0], "the longest edge is a length, not %s", optarg);
     else if (option == 'c' && !read_positive(optarg, &r->cell))
@@ -206,6 +210,8 @@ static int read_arguments(struct work *w, int argc, char **argv)
                                             {"colour", required_argument, NULL, 'o'},
                                             {"color", required_argument, NULL, 'o'},
                                             {"inside", required_argument, NULL, 'i'},
+                                            {"outside", required_argument, NULL, 'O'},
+                                            {"clip", required_argument, NULL, 'C'},
                                             {"force", no_argument, NULL, 'F'},
                                             {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;

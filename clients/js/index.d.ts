@@ -80,7 +80,14 @@ export interface SurfaceOptions {
   maxEdge?: number;
   /** No values outside. */
   inside?: Inside;
+  /** Outside the hull NaN, or the value at the nearest place of the hull; nan by default. */
+  outside?: 'nan' | 'nearest';
   timeout?: number;
+}
+
+export interface RasterOptions extends SurfaceOptions {
+  /** The name of a set, inside whose borders alone there are values. */
+  clip?: string;
 }
 
 /** The number of a border; true: any of them. */
@@ -201,7 +208,7 @@ export class Client {
     box: Box,
     columns: number,
     rows: number,
-    options?: SurfaceOptions & RequestOptions,
+    options?: RasterOptions & RequestOptions,
   ): Promise<Float64Array>;
   contourLines(
     set: string,

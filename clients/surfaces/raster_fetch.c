@@ -84,6 +84,10 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
     if (r->inside != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %.20s",
                               strcmp(r->inside, "any") == 0 ? "" : r->inside);
+    if (r->outside != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " OUTSIDE %.20s", r->outside);
+    if (r->clip != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " CLIP %.100s", r->clip);
     n += (size_t)snprintf(line + n, sizeof line - n, " BINARY");
     return delaunay_send(c, line, n);
 }

@@ -293,9 +293,13 @@ static bool find_clip(struct server *s, struct answer *a, struct surface *q)
 void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
-    if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
-        read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY | OPTION_CLIP, &surface) &&
-        is_ready(s, a, set, &surface) && find_clip(s, a, &surface))
+    if (!begin(a, set, q, SURFACE_RASTER, &surface) || !read_raster(a, q, &surface.raster) ||
+        !read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY | OPTION_CLIP, &surface) ||
+        !is_ready(s, a, set, &surface) || !find_clip(s, a, &surface))
+        return;
+    if (surface.clip != NULL)
+        clip_answer(s, a, set, &surface);
+    else
         surface_answer(s, a, set, &surface);
 }
 

@@ -5,7 +5,6 @@
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 #include "server/replies/answer_rows.h"
-#include "server/replies/clip.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -222,8 +221,6 @@ void surface_answer(struct server *s, struct answer *a, struct dataset *set, str
 {
     if (q->kind == SURFACE_CONTOUR)
         answer_contour(s, a, set, q);
-    else if (q->clip != NULL)
-        clip_answer(s, a, set, q);
     else {
         struct surface_moment now = surface_moment(set, q);
         surface_answer_values(s, a, &now, q);

@@ -46,7 +46,7 @@ struct surface_moment surface_moment(struct dataset *set, const struct surface *
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
                            struct surface *q);
 
-/* Answers, except SURFACE_PROFILE (profile.h); what *q owns moves here. The set has the field. */
+/* Answers, except SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The set has the field. */
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
 
 /* Frees what it owns. */

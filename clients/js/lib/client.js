@@ -14,8 +14,9 @@ const MOST_TRIES = 10; // until the set is not edited meanwhile
 const MOST_IDS = 4096; // of a line of a request
 
 const insideWords = (inside) => option('INSIDE', inside).map((word) => ` ${word}`).join('');
-const methodWords = ({ method, maxEdge, inside }) =>
-  `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}${insideWords(inside)}`;
+const methodWords = ({ method, maxEdge, inside, outside, clip }) =>
+  `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}${insideWords(inside)}` +
+  `${outside ? ` OUTSIDE ${outside}` : ''}${clip ? ` CLIP ${checkSet(clip)}` : ''}`;
 const boxWords = (box, word = 'BOX') => (box ? ` ${word} ${[...box].join(' ')}` : '');
 
 /** Rows x, y and the values of fields. */
@@ -299,15 +300,15 @@ class Client extends Constraints {
   }
 
   /** The values at places, a Float64Array; NaN where there are none. inside: as for triangles(). */
-  async interpolate(set, field, places, { method, maxEdge, inside, getX, getY, timeout } = {}) {
+  async interpolate(set, field, places, { getX, getY, timeout, ...options } = {}) {
     const body = pointBytes(flatten(places, getX, getY));
-    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ method, maxEdge, inside })}`;
+    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ ...options, clip: undefined })}`;
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
   /** The values at the centres of cells, row by row from the largest y, as d3-contour expects them. */
-  async raster(set, field, box, columns, rows, { method, maxEdge, inside, progress, timeout } = {}) {
-    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords({ method, maxEdge, inside })} BINARY`;
+  async raster(set, field, box, columns, rows, { progress, timeout, ...options } = {}) {
+    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords(options)} BINARY`;
     return words(Float64Array, (await this.request(line, { progress, timeout })).data);
   }
 

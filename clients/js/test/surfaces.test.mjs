@@ -103,6 +103,18 @@ describe('surfaces', () => {
     assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75], clockwise: true }))], [1, 4, 2]);
   });
 
+  test('values go on beyond the hull, and are clipped by another set', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4], { fields: { z: [1, 5, 5, 1] } });
+    await client.triangulate('t');
+    assert.deepEqual(await client.interpolate('t', 'z', [2, -3, 9, -1], { outside: 'nearest' }), Float64Array.of(3, 5));
+    assert.deepEqual(await client.raster('t', 'z', [0, -4, 4, 0], 2, 1, { outside: 'nearest' }), Float64Array.of(2, 4));
+    await client.load('field', [0, 0, 2, 0, 2, 9, 0, 9]);
+    await client.constrainPath('field', [0, 1, 2, 3], { closed: true, border: true });
+    await client.triangulate('field');
+    assert.deepEqual(await client.raster('t', 'z', [0, 0, 4, 4], 2, 1, { clip: 'field' }), Float64Array.of(2, NaN));
+    await assert.rejects(client.raster('t', 'z', [0, 0, 4, 4], 2, 1, { clip: 'none' }), Refused);
+  });
+
   test('volumes are between a surface and a level, or another surface', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3], low: [1, 1, 1, 1, 1] } });
     await client.triangulate('t');

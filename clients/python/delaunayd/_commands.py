@@ -192,12 +192,14 @@ class Commands(ConstraintCommands):
         method: str = "linear",
         max_edge: Optional[float] = None,
         inside: Inside = None,
+        outside: Optional[str] = None,
     ) -> Floats:
         """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
-        nearest. None in triangles with an edge longer than max_edge, and outside the border of `inside`."""
+        nearest. None in triangles with an edge longer than max_edge, and outside the border of `inside`. Outside the hull
+        there are none, or with `outside` nearest those at the nearest place of the hull."""
         data, n = protocol.pairs(places)
         words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)
-        return self._ask(_values, *words, *_method(method, max_edge, inside), body=data)
+        return self._ask(_values, *words, *_method(method, max_edge, inside, outside), body=data)
 
     def raster(
         self,
@@ -209,12 +211,17 @@ class Commands(ConstraintCommands):
         method: str = "linear",
         max_edge: Optional[float] = None,
         inside: Inside = None,
+        outside: Optional[str] = None,
+        clip: Optional[str] = None,
     ) -> Floats:
         """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
-        else as interpolate()."""
+        else as interpolate(). clip: the name of a set, inside whose borders alone there are values."""
         x0, y0, x1, y1 = map(float, box)
         words: Tuple[Word, ...] = ("RASTER", set_name(name), field_name(field), x0, y0, x1, y1, int(columns), int(rows))
-        return self._ask(_grid(int(columns)), *words, *_method(method, max_edge, inside), "BINARY")
+        words += _method(method, max_edge, inside, outside)
+        if clip is not None:
+            words += ("CLIP", set_name(clip))
+        return self._ask(_grid(int(columns)), *words, "BINARY")
 
     def contours(
         self,
@@ -284,10 +291,12 @@ def _grid(columns: int) -> Callable[[Reply], Floats]:
     return read
 
 
-def _method(method: str, max_edge: Optional[float], inside: Inside) -> Tuple[Word, ...]:
+def _method(method: str, max_edge: Optional[float], inside: Inside, outside: Optional[str]) -> Tuple[Word, ...]:
     words: Tuple[Word, ...] = ("METHOD", method)
     if max_edge is not None:
         words += ("MAXEDGE", float(max_edge))
+    if outside is not None:
+        words += ("OUTSIDE", outside)
     return words + option("INSIDE", inside)
 
 

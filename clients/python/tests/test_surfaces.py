@@ -181,6 +181,20 @@ class Surfaces(WithDaemon):
         nearest = self.client.raster("t", "z", (0, 0, 4, 4), 1, 1, method="nearest", max_edge=100)
         np.testing.assert_array_equal(nearest, [[8]])
 
+    def test_values_go_on_beyond_the_hull_and_are_clipped(self):
+        self.client.set_field("t", "z", [1, 5])
+        np.testing.assert_array_equal(self.client.interpolate("t", "z", [(2, -3), (9, -1)], outside="nearest"), [3, 5])
+        np.testing.assert_array_equal(self.client.interpolate("t", "z", [(2, -3)], outside="nan"), [np.nan])
+        raster = self.client.raster("t", "z", (0, -4, 4, 4), 2, 2, outside="nearest")
+        np.testing.assert_array_equal(raster[1], [2, 4])
+        self.client.load("field", [(0, 0), (2, 0), (2, 9), (0, 9)])
+        self.client.constrain_path("field", [0, 1, 2, 3], closed=True, border=True)
+        self.client.triangulate("field")
+        raster = self.client.raster("t", "z", (0, 0, 4, 4), 2, 1, clip="field")
+        np.testing.assert_array_equal(np.isnan(raster), [[False, True]])
+        with self.assertRaises(Refused):
+            self.client.raster("t", "z", (0, 0, 4, 4), 2, 1, clip="none")
+
     def calls(self, command):
         facts = self.client.info("commands").get("command_" + command, "calls=0")
         return int(facts.split(",")[0][len("calls=") :])

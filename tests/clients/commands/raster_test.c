@@ -67,6 +67,25 @@ TEST(raster_is_empty_outside_the_border_that_an_option_names)
     cli_finish();
 }
 
+TEST(raster_goes_on_beyond_the_hull_and_is_clipped)
+{
+    int status;
+    make_plane();
+    cli_expect("raster t z - --cell 2 --viewport 2,-2,6,2 --outside nearest",
+               "ncols 2\nnrows 2\nxllcorner 2\nyllcorner -2\ncellsize 2\nNODATA_value -9999\n"
+               "13 14\n3 4\n");
+    cli_run_well("add field 0 0  2 0  2 2  0 2");
+    cli_run_well("constrain field border ring 0 1 2 3");
+    cli_run_well("triangulate field");
+    cli_expect("raster t z - --width 4 --clip field",
+               "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n"
+               "-9999 -9999 -9999 -9999\n-9999 -9999 -9999 -9999\n15.5 16.5 -9999 -9999\n"
+               "5.5 6.5 -9999 -9999\n");
+    CHECK(strstr(cli_run(&status, "raster t z - --clip none"), "NOSET") && status == 1);
+    CHECK(strstr(cli_run(&status, "raster t z - --outside far"), "ERR SYNTAX") && status == 1);
+    cli_finish();
+}
+
 TEST(raster_writes_bil_with_a_header_file)
 {
     int status;
