@@ -131,7 +131,7 @@ bool dt_coordinates_ok(const double *v, size_t n); /* all of v[n] */
 
 /* ---- memory that is used again ----
  *
- * A keeper of pages keeps what large arrays of sets release, for the next ones, because fresh pages are
+ * A keeper of pages keeps pages that large arrays of sets release, for the next ones, because fresh pages are
  * expensive: they can cost as much as a triangulation. Any number of sets and threads may use one at the same
  * time. The caller owns it, and it must outlive everything that was taken from it.
  *
@@ -141,7 +141,7 @@ bool dt_coordinates_ok(const double *v, size_t n); /* all of v[n] */
 /* NULL when out of memory. */
 struct dt_pages *dt_pages_new(size_t limit);
 
-/* Gives back what is kept. */
+/* Gives back the kept pages. */
 void dt_pages_free(struct dt_pages *p);
 
 /* Sets the limit, in bytes. Kept bytes beyond it are released when more is given back, or by dt_pages_trim. */
@@ -344,7 +344,7 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings);
  * dt_view_tidy free what was saved for it. NULL is allowed. Cost: constant. */
 void dt_view_end(struct dt_view *v);
 
-/* Frees some of what was saved and no view needs any more; true: there may be more. Needs exclusive access to
+/* Frees some of the saved data that no view needs any more; true: there may be more. Needs exclusive access to
  * the set. Cost: bounded. */
 bool dt_view_tidy(struct dt *t);
 
@@ -568,14 +568,14 @@ enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct
 /* Bytes that the sweep and its result will have at most after the next dt_sweep_sift or dt_sweep_end. */
 size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out);
 
-/* Selects what belongs to the result from these rows. *done: there are no more rows. */
+/* Selects the results among these rows. *done: there are no more rows. */
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);
 
 /* Appends the results that have not been appended yet. The ids in *out are then those that the search of the same
  * name gives, in the same order. opt may be NULL: its flag is polled. */
 enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out);
 
-/* Frees what it owns. */
+/* Frees the memory that it owns. */
 void dt_sweep_clear(struct dt_sweep *s);
 
 /* The rows of DT_TRIANGLES that dt_within_triangles finds, or those of DT_LISTS whose points are in the box, found by a

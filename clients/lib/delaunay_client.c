@@ -339,7 +339,7 @@ enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char 
     return send_body(c, "LOADB", set, rest, &body, progress, ctx);
 }
 
-/* The head is that of a request without points, the pairs follow it. */
+/* The head of a request without points; the pairs follow it. */
 enum delaunay_result delaunay_send_constraints(struct delaunay_client *c, const char *set,
                                                const struct delaunay_constraint *what,
                                                const uint32_t *pair, size_t n)

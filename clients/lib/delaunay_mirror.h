@@ -7,7 +7,7 @@
  *     delaunay_mirror_close(m);
  *
  * It has a connection of its own (WATCH; PROTOCOL.md, section 6.5) and connects again when that is lost. The copy changes only
- * inside delaunay_mirror_next, and is always that of one version. Memory: linear in the ids given so far, the rings and the constraints; of
+ * inside delaunay_mirror_next, and always shows one version. Memory: linear in the ids given so far, the rings and the constraints; of
  * a million random points about 90 bytes a point are resident, 160 while the first change is applied.
  * A mirror must not be used by two threads at once. */
 #ifndef DELAUNAY_MIRROR_H

@@ -85,7 +85,7 @@ static int compare_said(const void *p, const void *q)
     return sign != 0 ? sign : (a->number > b->number) - (a->number < b->number);
 }
 
-/* Sorts what has been said; of each constraint the last counts. */
+/* Sorts the statements; for each constraint the last one counts. */
 static void sort_said(struct constraints *s)
 {
     size_t n = 0;

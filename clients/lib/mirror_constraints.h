@@ -1,10 +1,10 @@
-/* mirror_constraints.h - the constraints that a mirror has, and what an event changes in them.
+/* mirror_constraints.h - the constraints that a mirror has, and the changes that an event makes in them.
  *
  *     constraints_gather(&s, &c, declared), for each row
  *     constraints_compare(&s, reset)
  *     constraints_apply(&s)
  *
- * Rows are gathered aside, and what they change is found before it is applied. A hash table finds a constraint by its ends, kind and
+ * Rows are gathered aside, and their changes are found before they are applied. A hash table finds a constraint by its ends, kind and
  * number; `sorted` is made when it is asked for. */
 #ifndef CLIENTS_MIRROR_CONSTRAINTS_H
 #define CLIENTS_MIRROR_CONSTRAINTS_H
@@ -40,7 +40,7 @@ struct constraints {
 
 void constraints_free(struct constraints *s);
 
-/* Forgets what has been gathered. */
+/* Forgets the gathered rows. */
 void constraints_forget(struct constraints *s);
 
 /* False: out of memory; nothing is gathered. */

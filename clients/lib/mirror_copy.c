@@ -1,4 +1,4 @@
-/* mirror_copy.c - what an event changes is found before it is applied: old rings are in the copy, new ones in the event.
+/* mirror_copy.c - the changes of an event are found before it is applied: old rings are in the copy, new ones in the event.
  *
  * A triangle that comes or goes changes the rings of its three corners, so the rings of the ids that an event names are enough.
  * Each triangle of these rings is examined once, from the smallest of its corners that the event names. It is searched in the
@@ -343,7 +343,7 @@ static bool compare_star(const struct copy *c, uint32_t id, ring_fn *one, ring_f
     return true;
 }
 
-/* Also for nan, and of zeros only those of one sign. */
+/* Bits are compared: equal nans are equal, zeros of different signs are not. */
 static bool is_same(double a, double b)
 {
     uint64_t one, other;

@@ -1,10 +1,10 @@
-/* mirror_copy.h - the copy of a set that a mirror keeps, and what an event of WATCH changes in it (PROTOCOL.md, section 6.5).
+/* mirror_copy.h - the copy of a set that a mirror keeps, and the changes that an event of WATCH makes in it (PROTOCOL.md, section 6.5).
  *
  *     copy_begin(&c, reset);
  *     for each row: copy_row(&c, text, len);
  *     copy_commit(&c, &change);
  *
- * Rows are gathered aside, so the copy is that of the last version until the commit. */
+ * Rows are gathered aside, so the copy shows the last version until the commit. */
 #ifndef CLIENTS_MIRROR_COPY_H
 #define CLIENTS_MIRROR_COPY_H
 
@@ -59,16 +59,16 @@ struct copy {
 /* An empty copy is all zero, except `fields`. */
 void copy_free(struct copy *c);
 
-/* Forgets what has been gathered. Cost: linear in that. */
+/* Forgets the gathered rows. Cost: linear in their number. */
 void copy_forget(struct copy *c);
 
-/* A part of an event with everything begins: what was gathered before does not count. */
+/* A part of an event with everything begins: rows that were gathered before do not count. */
 void copy_reset(struct copy *c);
 
 /* Gathers a row. DELAUNAY_BROKEN: it is none of an event; DELAUNAY_NOMEM. */
 enum delaunay_result copy_row(struct copy *c, const char *text, size_t len);
 
-/* Applies what has been gathered. *change borrows from the copy until the next commit. DELAUNAY_NOMEM: the copy is as
+/* Applies the gathered rows. *change borrows from the copy until the next commit. DELAUNAY_NOMEM: the copy is as
  * before, and nothing is gathered any more. Cost: linear in the rows and in the rings that were replaced, on an
  * average over commits. */
 enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change);

@@ -1,5 +1,5 @@
 /* degrees.h - longitudes and latitudes as places on a map: the equirectangular projection, in kilometres, whose lengths are true along
- * meridians and along the middle latitude. For pictures only; the triangulation is that of the degrees. */
+ * meridians and along the middle latitude. For pictures only; the degrees are triangulated as plane coordinates. */
 #ifndef CLIENTS_DEGREES_H
 #define CLIENTS_DEGREES_H
 

@@ -1,4 +1,4 @@
-/* faces.h - what the constrained edges of a triangulation separate: faces, the largest parts without such an edge inside. */
+/* faces.h - the parts that the constrained edges of a triangulation separate: faces, the largest parts without such an edge inside. */
 #ifndef CLIENTS_FACES_H
 #define CLIENTS_FACES_H
 
@@ -11,7 +11,7 @@ struct faces {
         enclosed; /* owns n: no triangle of the face is at the hull without a constrained edge between */
 };
 
-/* The model has triangles and fixed edges; sides are those of the model. False when out of memory; faces_free in any case. Cost:
+/* The model has triangles and fixed edges; sides are sides of the model. False when out of memory; faces_free in any case. Cost:
  * O(triangles log edges). */
 bool faces_init(struct faces *f, const struct model *m, const struct sides *sides);
 void faces_free(struct faces *f);

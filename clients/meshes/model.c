@@ -164,7 +164,7 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-/* Rows of CONSTRAINTS: two ids and what the constraint is. */
+/* Rows of CONSTRAINTS: two ids, and the kind and number. */
 static bool take_constraints(struct model *m, const struct block *b)
 {
     if (b->n != b->rows * 12)

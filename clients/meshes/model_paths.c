@@ -110,7 +110,7 @@ static void go_on(struct walk *w, bool border, uint32_t number)
     pop_to(w, 0);
 }
 
-/* First from points with an odd number of constraints, which are ends; then what is left, which is rings. */
+/* First from points with an odd number of constraints, which are ends; then the rest, which is rings. */
 static void walk_all(struct walk *w, bool border, uint32_t number)
 {
     for (int pass = 0; pass < 2; pass++)
@@ -234,7 +234,7 @@ static bool walk_group(struct walk *w, const uint32_t *row, size_t n)
     return w->ok && (!border || nest(w, before));
 }
 
-/* By what they are, then as CONSTRAINTS sorts them. */
+/* By kind and number, then as CONSTRAINTS sorts them. */
 static int compare_rows(const void *a, const void *b)
 {
     const uint32_t *r = a, *s = b;

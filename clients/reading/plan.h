@@ -1,5 +1,5 @@
 /* plan.h - how a text table is read. The plan is made before any row is read, from all of the first rows. It
- * says what separates values, what commas mean, which line is the heading, and which columns are x, y and fields. A single odd row or
+ * has the separator of values, the meaning of commas, the line of the heading, and which columns are x, y and fields. A single odd row or
  * missing value decides nothing. */
 #ifndef CLIENTS_PLAN_H
 #define CLIENTS_PLAN_H

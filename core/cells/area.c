@@ -1,8 +1,8 @@
 /* area.c - areas of polygons, two at a time.
  *
  * The sum over the corners, as the first one sees them, is a chain of additions of double words, each waiting for the one
- * before. So two polygons are in the two lanes of a vector; the one that ends first continues with corners at its first
- * one, which add zero. */
+ * before. So two polygons are in the two lanes of a vector. The shorter polygon continues with copies of its first corner,
+ * which add zero. */
 #include "core/delaunay_surface.h"
 #include "core/exact/lanes2.h"
 

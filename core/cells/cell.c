@@ -252,7 +252,7 @@ static bool is_inside(const struct dt_cell_work *w, const struct dt_box *box)
     return dt_lanes_bits(inside) == 3;
 }
 
-/* Makes the polygon what is left of the corners when the box has cut them. */
+/* Makes the polygon of the corners that the box has left. */
 static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const struct dt_box *box)
 {
     if (!is_inside(w, box))
@@ -263,8 +263,8 @@ static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const stru
         w->polygon[i] = w->corner[least + i < w->n ? least + i : least + i - w->n].at;
 }
 
-/* Of the first `some` of corners that go around again: bit i is set if number i has the least x. *equal: one of them is
- * equal to the next. */
+/* Examines the first `some` of corners that go around again: bit i is set if corner i has the least x. *equal: one of them
+ * is equal to the next. */
 static inline uint32_t find_least(const struct dt_point *centre, uint32_t some, double x,
                                   int *equal)
 {

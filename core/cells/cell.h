@@ -2,7 +2,7 @@
  *
  * The polygon begins as the whole cell with its far corners. A far corner is at infinity in the direction of a hull edge's
  * normal: a coordinate that grows along the ray is infinite. Four half planes, the sides of the box, cut the polygon.
- * Every corner has the edge that begins at it, and what is beyond that edge.
+ * Every corner has the edge that begins at it: the neighbour, side or infinity beyond the edge.
  *
  *              n1         corner      edge that begins there
  *            \    /       c0          bisector of the site and n1
@@ -69,9 +69,9 @@ void dt_cell_make_around(struct dt_cell_work *w, struct dt_point site, uint32_t 
 
 enum { DT_CELL_USUAL = 8 }; /* corners: nearly all cells have at most so many */
 
-/* Writes the cell of an interior point whose circumcentres centre[n] are all of its corners to polygon[n]; least and most
- * are those of each coordinate. False: they are not, because one is not inside the box, one is equal to the one before,
- * two have the least x, or there are very many. Behind either array there is room for DT_CELL_USUAL more, which are
+/* Writes the cell of an interior point to polygon[n], if its corners are exactly the circumcentres centre[n]. least and most are
+ * the least and the greatest of each coordinate. False: a centre is not inside the box, or equals the one before, or two have
+ * the least x, or there are very many. Behind either array there must be room for DT_CELL_USUAL more, which are
  * written: loops whose ends are the same each time are faster. */
 bool dt_cell_make_plain(struct dt_point *centre, uint32_t n, dt_lanes least, dt_lanes most,
                         const struct dt_box *box, struct dt_point *polygon);

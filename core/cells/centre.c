@@ -118,7 +118,7 @@ static inline dt_lanes turned(dt_lanes v)
     return (dt_lanes){v[1], -v[0]};
 }
 
-/* A vector, and what its products need. */
+/* A vector, split for its products. */
 struct factor {
     dt_lanes v;
     struct dt_lanes2 split;
@@ -174,7 +174,7 @@ static inline struct dt_lanes2 numerators(struct dt_lanes2 squares, const struct
     return n;
 }
 
-/* n / (2 area), where scale is 1 / (2 area) in doubles: the quotient in doubles, and what it lacks. */
+/* n / (2 area), where scale is 1 / (2 area) in doubles: the quotient in doubles, and its correction. */
 static inline struct dt_lanes2 quotient(struct dt_lanes2 n, struct dt_lanes2 area, dt_lanes scale)
 {
     dt_lanes q = n.hi * scale, twice = area.hi + area.hi;

@@ -303,7 +303,7 @@ static enum dt_status make_some(const struct dt *t, struct dt_cells_made *m, uin
     return DT_OK;
 }
 
-/* Frees what only the making needs: of areas, the corners too. */
+/* Frees the memory that only the making needs: for areas, the corners too. */
 static void end_making(struct dt_cells_made *m)
 {
     m->whole = true;

@@ -1,4 +1,4 @@
-/* stop.h - what ends a call early: the caller's cancel flag, the caller's limit of steps, or a failure in one of the
+/* stop.h - the reasons to end a call early: the caller's cancel flag, the caller's limit of steps, or a failure in one of the
  * threads. All threads of a computation share one and poll it at regular intervals; unfinished results are discarded.
  *
  * A pass over an array polls (dt_stopped). A call that may take a limited number of steps counts them as well, in one

@@ -7,7 +7,7 @@
 #include "core/mesh/mesh.h"
 
 /* Brings n points into grid order, so that neighbours in the plane are neighbours in memory. Records in the plan (plan.h)
- * which points coincide and what a build has to do. Names are below DT_COINCIDENT unless all points are distinct. spare
+ * which points coincide and the steps of a build. Names are below DT_COINCIDENT unless all points are distinct. spare
  * has room for n points; in may be the same. -0 becomes 0. opt may be NULL. DT_NOMEM, DT_CANCELLED: the arrays
  * are then undefined. The result does not depend on the number of threads.
  *

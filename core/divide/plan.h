@@ -1,4 +1,4 @@
-/* plan.h - what remains to be done with points that divide.h has sorted: the blocks and merges of a build,
+/* plan.h - the remaining work on points that divide.h has sorted: the blocks and merges of a build,
  * recorded in the order in which they are done.
  *
  *     vertex    0 1 2 | 3 4 | 5 6 7 8 | 9 ...       a block begins at 0, 3, 5, 9 ...
@@ -7,7 +7,7 @@
  *                                                   block at 9, it with the one at 5, and then all with what is before
  *
  * A merge cuts between the last vertex of one part and the first of the next, so there is one for each block but the
- * first, which remembers the axis. So a cut can be recorded before what is on its two sides. */
+ * first, which remembers the axis. So a cut can be recorded before the blocks and cuts on its two sides. */
 #ifndef DT_PLAN_H
 #define DT_PLAN_H
 

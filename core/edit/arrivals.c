@@ -75,20 +75,20 @@ static enum dt_status sort(struct arrivals *a)
     return dt_divide_sort(in, a->end + a->n, a->sorted, a->spare, a->plan, a->p->pages, &a->opt);
 }
 
-/* The id of the item's point, or of the one that it was. */
+/* The id of the item's point: the old id of an earlier point, or the next id of a new one. */
 static uint32_t id_of(const struct arrivals *a, const uint32_t *old_id, uint32_t item)
 {
     return item < a->end ? old_id[item] : a->p->next_id + (item - a->end);
 }
 
-/* Releases what an array of n items does not need. */
+/* Releases the bytes that an array of n items does not need. */
 static void *fit(struct arrivals *a, void *array, uint32_t n, size_t size)
 {
     void *fitting = dt_array_grow_in(a->p->pages, array, n, n, size);
     return fitting == NULL ? array : fitting;
 }
 
-/* Leaves out what coincides with others, and replaces items by ids. */
+/* Leaves out points that coincide with others, and replaces items by ids. */
 static enum dt_status close_ranks(struct arrivals *a)
 {
     struct dt_point *xy = a->sorted.p;

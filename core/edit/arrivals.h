@@ -7,7 +7,7 @@
 #include "core/points/points.h"
 
 /* Whether n points are better sorted than looked up one after the other: with tolerance 0, if they are many
- * beside those of the set. */
+ * compared with the set. */
 bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 
 /* Adds n valid points that suit, all or none, with the result that adding them one after the other has. Cost: O(n +

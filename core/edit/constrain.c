@@ -1,8 +1,9 @@
 /* constrain.c - declares and releases constraints; see core/delaunay_constraints.h.
  *
- * Of a live set, each constraint first becomes a chain of edges, and is declared when that has succeeded. If one fails,
- * those before it are released again: the triangulation is canonical, so this restores the previous one. Many are declared
- * first, and become edges in the order of memory; if some cross, they are tried one by one, so that the first is named. */
+ * In a live set, each constraint first becomes a chain of edges, and is declared when that has succeeded. If one fails,
+ * the constraints before it are released again: the triangulation is canonical, so this restores the previous one. Many
+ * constraints are declared first, and become edges in the order of memory. If some cross, they are tried one by one, so
+ * that the first is named. */
 #include "core/edit/constrain.h"
 
 #include <stdlib.h>
@@ -122,7 +123,7 @@ static enum dt_status enforce(struct dt *t, uint32_t a, uint32_t b, struct dt_st
     return dt_enforce_segment(enforcer(t), a, b, work);
 }
 
-/* The same; dt_crossed will name what is crossed. */
+/* The same; dt_crossed will name the crossed constraint. */
 static enum dt_status enforce_or_name(struct dt *t, const struct dt_constraint *c,
                                       struct dt_stop *work)
 {
@@ -247,7 +248,7 @@ void dt_constraints_tidy(struct dt *t)
     t->constraints->crossed = crossed; /* may still be asked for */
 }
 
-/* An edit of n constraints begins: what no view reads any more is forgotten. */
+/* An edit of n constraints begins: forgets the history that no view reads any more. */
 static enum dt_status prepare_history(struct dt *t, size_t n)
 {
     struct dt_history *h = &t->constraints->history;
@@ -322,7 +323,7 @@ static void undeclare(struct dt *t, uint32_t row)
     dt_declared_remove(&t->constraints->declared, row);
 }
 
-/* Fetches what declaring c[i] and those after it will read, some steps before. */
+/* Fetches the data that the declarations of c[i] and later constraints will read, some steps before. */
 static void fetch_constraints(const struct dt *t, const struct dt_constraint *c, size_t i, size_t n)
 {
     enum { STEP = 8 };

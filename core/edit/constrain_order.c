@@ -44,7 +44,7 @@ static void distribute(const struct way *way, size_t n, uint32_t end, struct way
         out[first[way[i].a >> shift]++] = way[i];
 }
 
-/* Fetches what way[i] and those after it will read, some steps before. */
+/* Fetches the data that way[i] and later ways will read, some steps before. */
 static void fetch_ahead(const struct dt *t, const struct way *way, size_t i, size_t n)
 {
     enum { STEP = 8 };

@@ -13,7 +13,7 @@
 #define BUILD_DENSE_BYTES 24
 #define PREPARE_BYTES 48
 
-/* Bytes per point that is added: as a vertex, or, what is more, as an alias. */
+/* Bytes per point that is added as a vertex or as an alias; an alias takes more. */
 #define ADD_BYTES 104
 
 /* Bytes per existing point, if an index of their places must be built first. */
@@ -25,14 +25,14 @@
 /* Bytes per constraint: its row, in the table and in the lists of its ends; while they grow, twice; and during a call. */
 #define CONSTRAINT_BYTES (size_t)112
 
-/* The same for one that a build makes a chain of edges: if others cover its edges, too. */
+/* More bytes per constraint that a build makes a chain of edges, if others cover its edges, too. */
 #define CHAIN_BYTES (size_t)32
 
 #define THREAD_BYTES ((size_t)512 << 10)    /* for each thread's arena */
 #define ADD_THREAD_BYTES ((size_t)64 << 10) /* the same while points are sorted */
 #define COPIED_BYTES ((size_t)12 << 20)     /* of arrays so small that they are copied to grow */
 
-/* For what does not depend on the number of points. */
+/* The bytes that do not grow with the number of points. */
 static size_t slack(size_t n)
 {
     return n < 4096 ? 1024 + n * 256 : (size_t)1 << 20;
@@ -44,7 +44,7 @@ static size_t more_threads(const struct dt_options *opt, size_t n)
     return dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
 }
 
-/* Of a build of n vertices. */
+/* The memory of a build of n vertices. */
 static size_t build_memory(const struct dt *t, size_t n, const struct dt_options *opt)
 {
     size_t bytes = t->points.free_count > 0 ? BUILD_BYTES + BUILD_DENSE_BYTES : BUILD_BYTES;

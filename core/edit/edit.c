@@ -1,4 +1,4 @@
-/* edit.c - adds, deletes and moves points: checks what the caller gives, and chooses whether the triangulation changes with
+/* edit.c - adds, deletes and moves points: checks the arguments, and chooses whether the triangulation changes with
  * the points (update.h) or is rebuilt later. */
 #include "core/delaunay.h"
 

@@ -85,7 +85,7 @@ static enum dt_status find_field(struct setting *s, const char *name, size_t len
     return s->created ? dt_fields_create(&s->t->fields, name, len, &s->field) : DT_OK;
 }
 
-/* Finds or creates the field, and makes its pages ready; one that was created for nothing is dropped again. */
+/* Finds or creates the field, and makes its pages ready. If that fails, a created field is dropped again. */
 static enum dt_status open_field(struct setting *s, const char *name, size_t len,
                                  struct dt_stop *work)
 {

@@ -32,7 +32,7 @@ struct spokes {
     uint32_t h[SPOKES]; /* v->u[i + 1] */
 };
 
-/* Lists the next spokes, from h on, in place of those in *s, whose u[n] and u[n + 1] remain; returns the one that follows.
+/* Lists the next spokes, from h on, and drops those in *s, except u[n] and u[n + 1]. Returns the spoke after them.
  * The way round is a chain of cache misses: a second one, clockwise, meets it half way. The surroundings are fetched. */
 static uint32_t next_spokes(const struct dt_mesh *m, const struct dt_point *xy, uint32_t first,
                             uint32_t h, struct spokes *s)

@@ -29,7 +29,7 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
                               struct dt_flips *f, bool *allowed);
 
 /* v has moved, as its star allowed: flips the edges that are not Delaunay. scratch: has the work, and the
- * callback for changed stars. A failure (what the work says; DT_TOOBIG: too many flips) leaves the mesh with
+ * callback for changed stars. A failure (the end of the work; DT_TOOBIG: too many flips) leaves the mesh with
  * the edges that it had. */
 enum dt_status dt_flip_all(struct dt_mesh *m, const struct dt_point *xy, struct dt_flips *f,
                            const struct dt_cavity *scratch);

@@ -4,10 +4,10 @@
 
 #include "core/mesh/cavity.h"
 
-/* Adds vertex v, which is in no triangle yet, to the triangulation; xy[v] is its place, `where` and `half` what dt_find or
- * dt_walk found there; it must not be DT_ON_VERTEX. Not on a line, `half` may be of any triangle that is in conflict with
- * v. If the mesh has one vertex only, `half` is that vertex instead. The mesh stays settled (hull.h). scratch is the caller's,
- * see cavity.h. A failure (DT_NOMEM, and what its work says) leaves the mesh as it was.
+/* Adds vertex v, which is in no triangle yet, to the triangulation. xy[v] is its place; dt_find or dt_walk has found `where`
+ * and `half` for it; `where` must not be DT_ON_VERTEX. If the mesh is no line, `half` may belong to any triangle that is in
+ * conflict with v. If the mesh has one vertex only, `half` is that vertex. The mesh stays settled (hull.h). scratch is the
+ * caller's, see cavity.h. A failure (DT_NOMEM, or the end of its work) leaves the mesh as it was.
  * Cost: the number of triangles replaced, about 4 on average. */
 enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                          enum dt_where where, uint32_t half, struct dt_cavity *scratch);

@@ -107,7 +107,7 @@ static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
 
 static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi);
 
-/* The half edge P[hi]->P[lo] of what is between: of the pocket, which is filled, or beyond a rim edge. */
+/* The half edge P[hi]->P[lo] between lo and hi: of the pocket, which is filled, or beyond a rim edge. */
 static inline uint32_t closing(struct hole *w, uint32_t lo, uint32_t hi)
 {
     return hi == lo + 1 ? w->rim[lo].beyond : fill_pocket(w, lo, hi);

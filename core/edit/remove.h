@@ -5,7 +5,7 @@
 #include "core/mesh/cavity.h"
 
 /* Removes vertex v from the triangulation; xy[v] must still be its place. The mesh stays settled (hull.h), leaving[v]
- * becomes DT_NONE. scratch is the caller's, see cavity.h. A failure (DT_NOMEM, and what its work says) leaves the mesh
+ * becomes DT_NONE. scratch is the caller's, see cavity.h. A failure (DT_NOMEM, or the end of its work) leaves the mesh
  * as it was. Cost: O(d^2) for a degree d up to DT_STAR_SMALL, which is 6 on average; O(d log d) above. */
 enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                          struct dt_cavity *scratch);

@@ -1,4 +1,4 @@
-/* split.c - plans what makes constraints that cross share points instead; see core/delaunay_constraints.h.
+/* split.c - plans points and parts, so that constraints that cross share points; see core/delaunay_constraints.h.
  *
  * A round finds all crossings of the existing parts, rounds each crossing to a place, and cuts the parts at that place.
  * Rounding moves parts, so that these may cross others in the next round. Two parts that are almost parallel could cross
@@ -28,7 +28,7 @@ struct part {
     bool fresh;      /* made in the last round */
 };
 
-/* A constraint that is there, or is asked for. */
+/* A constraint that is declared, or is asked for. */
 struct origin {
     struct dt_constraint c;
     bool declared, cut;
@@ -54,7 +54,7 @@ struct plan {
     struct dt_pairs pairs;
 };
 
-/* The places of points are looked up in the mesh, unless there is none or a tolerance; else by their index. */
+/* Whether the places of points are looked up by their index. Otherwise the mesh serves: it exists, and the tolerance is 0. */
 static bool needs_index(const struct dt *t)
 {
     return t->points.tol > 0 || !dt_is_live(t);
@@ -121,7 +121,7 @@ static struct dt_constraint ascending(struct dt_constraint c)
     return c;
 }
 
-/* Those declared, and those of c[n] that are not; each once, and the latter sorted. */
+/* Lists the declared constraints, and then the constraints of c[n] that are not declared, sorted; each once. */
 static enum dt_status list_origins(struct plan *s, const struct dt_constraint *c, size_t n)
 {
     const struct dt_declared *d = s->t->constraints == NULL ? NULL : &s->t->constraints->declared;
@@ -208,8 +208,8 @@ static bool is_between(double a, double b, double v, double slack)
     return v >= fmin(a, b) - slack && v <= fmax(a, b) + slack;
 }
 
-/* Where to cut two segments that cross at q: at the end of one of them that is nearest to the other one, if it is near enough;
- * else at q. */
+/* The place at which two segments that cross at q are cut. It is the end of one segment that is nearest to the other segment,
+ * if it is near enough; else q. */
 static struct dt_point move_to_end(const struct dt_segment *a, const struct dt_segment *b,
                                    struct dt_point q, int round)
 {
@@ -354,7 +354,7 @@ static uint32_t begins_at(const struct plan *s, const struct part *p)
     return p->end[0] < s->t->points.next_id ? DT_NONE : p->end[0] - s->t->points.next_id;
 }
 
-/* The values of the field at the n new points, each the mean of those of the constraints through it. Whether there are any. */
+/* The values of the field at the n new points: the mean of the values on the constraints through each. Whether there are any. */
 static bool interpolate(const struct plan *s, const struct dt_field *f, struct opinion *o,
                         double *out, size_t n)
 {

@@ -169,7 +169,7 @@ void dt_built(struct dt *t, struct dt_build *b)
 
 /* ---- any points ---- */
 
-/* The mesh that was just installed becomes that of the constraints. completes: the flag is not polled any more. */
+/* Enforces the constraints in the mesh that was just installed. completes: the flag is not polled any more. */
 static enum dt_status constrain(struct dt *t, bool completes, const struct dt_options *opt)
 {
     struct dt_stop stop = dt_stop_of(opt);

@@ -61,7 +61,7 @@ static enum dt_where find(struct dt *t, struct dt_point q, uint32_t *half)
     return where;
 }
 
-/* Prefetches what dt_hint_put at q will read. */
+/* Prefetches the data that dt_hint_put at q will read. */
 static void fetch_cell(const struct dt *t, struct dt_point q)
 {
     if (t->hints.grids > 0)
@@ -251,7 +251,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
-/* Prefetches what is read of vertex v, and the triangles and vertices near it in memory. */
+/* Prefetches the data of vertex v, and the triangles and vertices near it in memory. */
 static void fetch_vertex(const struct dt *t, uint32_t v, int lines)
 {
     dt_fetch(&t->mesh.leaving[v]);
@@ -396,7 +396,7 @@ static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to
     return status == DT_TOOBIG ? DT_OK : status;
 }
 
-/* Whether an insertion at the place is within the limit: counts what it would replace. */
+/* Whether an insertion at the place is within the limit: counts the triangles that it would replace. */
 static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const struct place *place,
                                       const struct dt_stop *work)
 {

@@ -63,7 +63,7 @@ static uint64_t limb_at(const struct dt_big *a, int32_t place)
     return i < a->n ? a->limb[i] : 0;
 }
 
-/* Of the absolute values. */
+/* Compares the absolute values. */
 static int compare(const struct dt_big *a, const struct dt_big *b)
 {
     if (a->sign == 0 || b->sign == 0)
@@ -105,7 +105,7 @@ static void combine(int sign, const struct dt_big *a, bool minus, const struct d
     set(r, sign, low, wide, n);
 }
 
-/* *r = a + b, with this sign in the place of that of b. */
+/* *r = a + b, with `sign` as the sign of b. */
 static void add(const struct dt_big *a, int sign, const struct dt_big *b, struct dt_big *r)
 {
     bool minus = a->sign * sign < 0;

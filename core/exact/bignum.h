@@ -1,14 +1,14 @@
 /* bignum.h - numbers of up to 2,560 bits: exact for the polynomials of coordinates whose signs predicates need, rounded
- * for quotients and for what is computed from them.
+ * for quotients and for values computed from them.
  *
  *     value = sign * sum limb[i] 2^(64 (exponent + i)), 0 <= i < n       zero: sign = 0, n = 0
  *
  * The exponent counts limbs, so no number is shifted by bits. A number stores only the limbs from its first to its last
  * limb other than 0. Multiplication skips zeros: the cost is proportional to the bits that are present.
  *
- * Every result but that of a division is exact, or truncated to DT_BIG_LIMBS limbs: a relative error below 2^-2496,
- * since the top limb may have a single bit. Division: below 2^4 times that. Exponents never overflow for what is
- * computed from doubles in a few operations.
+ * Every result except a quotient is exact, or truncated to DT_BIG_LIMBS limbs: a relative error below 2^-2496,
+ * since the top limb may have a single bit. Division: below 2^4 times that. Exponents never overflow in a few operations
+ * on doubles.
  *
  * Room: a coordinate that dt_coordinate_ok accepts is 0 or a multiple of 2^-194 below 2^202. So a polynomial of degree
  * six of differences of coordinates, the highest of all predicates (dt_compare_circumradius), is a multiple of 2^-1164

@@ -4,7 +4,7 @@
  * The model. u = 2^-53. Doubles are IEEE's, rounded to nearest, and nothing is contracted
  * (double2.h): an operation whose exact result is r gives r (1 + d), |d| <= u. It gives a value of
  * the sign of r, and 0 only for 0. So the last sum or difference of an expression never spoils the
- * sign of what it adds up, and what counts is the error before it. Rounding is monotone: a rounded
+ * sign of the exact sum of its operands: only the errors of its operands count. Rounding is monotone: a rounded
  * sum of magnitudes is no less than any of them, and no rounded difference of two points of a box
  * exceeds the rounded side of the box.
  *

@@ -28,8 +28,8 @@
  * 3. The inline filters may use a base far away from the other points. Then all differences are large, and
  *    terms are larger by up to the square of that ratio: double words soon lack that precision.
  *
- * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
- * underflows, are in bounds.h. */
+ * bounds.h has the error bounds of doubles and double words, and the proof that no value overflows or
+ * underflows. */
 #include "core/exact/predicates.h"
 
 #include <string.h>
@@ -41,7 +41,7 @@
 #error "the predicates need IEEE arithmetic: compile without -ffast-math"
 #endif
 
-/* Of two distances, below which another base is worth its cost: it wins a few bits. */
+/* Another base is worth its cost if the least distance is below NEAR times the greatest one: it wins a few bits. */
 #define NEAR 0x1p-5
 
 static int sign_of(double v)
@@ -331,10 +331,10 @@ int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, s
     return sign != 0 ? sign : dt_incircle_big(&k);
 }
 
-/* Raising the greatest point's height dominates. Raising d's own lifts it out of the circle;
- * raising that of a corner changes the determinant by that corner's cofactor, which is the
- * orientation of the three others. Those are distinct points of one circle, hence never collinear,
- * so the greatest point decides alone. */
+/* 1. The raised height of the greatest point dominates.
+ * 2. If d is the greatest, raising it lifts it out of the circle.
+ * 3. If a corner is the greatest, the determinant changes by its cofactor: the orientation of the three other points.
+ * 4. Three distinct points of one circle are never collinear, so the greatest point decides alone. */
 int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
 {
     struct dt_point greatest = a;

@@ -33,7 +33,7 @@ struct dt_sum {
 /* Adds a.x b.y - a.y b.x: twice the area, with its sign, of the triangle of the origin, a and b. */
 void dt_sum_cross(struct dt_sum *s, struct dt_point a, struct dt_point b);
 
-/* Half of it, rounded once to the nearest double. Of less than 2^60 numbers. */
+/* Half of the sum, rounded once to the nearest double. The sum may have less than 2^60 numbers. */
 double dt_sum_half(struct dt_sum *s);
 
 /* The same with digits from 2^-1600 on, for numbers from 2^-1500 to 2^1500. */

@@ -101,7 +101,7 @@ bool dt_field_free_blocks(struct dt_shelf *s, struct dt_field *c, uint32_t n);
 /* A copy in another set, which shares all pages; NULL: out of memory. If it is stopped, values are missing. */
 struct dt_field *dt_field_copy(struct dt_shelf *s, const struct dt_field *c, struct dt_stop *stop);
 
-/* Makes the page of id one that may be written to. DT_NOMEM: all values are as before. */
+/* Makes the page of id writable. DT_NOMEM: all values are as before. */
 enum dt_status dt_field_open(struct dt_shelf *s, struct dt_field *c, uint32_t id);
 
 /* n ids: the ids of id[], or, if that is NULL, `first` and those after it. */
@@ -121,7 +121,7 @@ static inline uint32_t dt_field_id(const struct dt_field_ids *ids, size_t i)
 void dt_field_write(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids,
                     const double *v);
 
-/* Frees those of their pages that are empty. */
+/* Frees the pages of these ids that are empty. */
 void dt_field_close(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids);
 
 /* Frees the first page of the queue. */

@@ -4,8 +4,8 @@
  *     claim                  every triangle claims the cell with its centroid, then every vertex its own cell
  *     fill                   empty cells borrow from others
  *
- * Of the triangles with their centroid in a cell, the one that contains the centre of the cell keeps it, if there is one. A
- * search from there takes 1.0 steps on the average; from any triangle at a vertex of the cell it would take 2.1.
+ * Several triangles may have their centroid in a cell. The triangle that contains the centre of the cell keeps it, if it is
+ * one of them. A search from it takes 1.0 steps on the average; from any triangle at a vertex of the cell it would take 2.1.
  *
  * Triangles and vertices are in spatial order in memory, so claiming runs through the cells nearly in order;
  * threads share the passes but the first. */
@@ -48,7 +48,7 @@ static inline void store(uint32_t *cell, uint32_t h)
     __atomic_store_n(cell, h, __ATOMIC_RELAXED);
 }
 
-/* A grid, with what maps places to its cells. */
+/* A grid, with the map from places to its cells. */
 struct frame {
     dt_lanes lo, per, last; /* corner; cells per unit; last column and row */
     uint32_t *cell;

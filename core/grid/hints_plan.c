@@ -190,7 +190,7 @@ static struct dt_box box_of_samples(const struct planner *p, uint32_t k)
     return box;
 }
 
-/* Its passes over the samples, a sixteenth of the vertices, do not poll; what lies between them does. */
+/* Its passes over the samples, a sixteenth of the vertices, do not poll; the work between them does. */
 static enum dt_status plan_grid(struct planner *p, uint32_t k)
 {
     struct dt_hints *hints = p->hints;
@@ -257,7 +257,7 @@ static void *shrink(void *array, uint32_t used, uint32_t *cap, size_t size)
     return fitting;
 }
 
-/* Gives back what was reserved and is not needed. */
+/* Gives back the reserved memory that is not needed. */
 static void trim(struct dt_hints *g)
 {
     g->cell = shrink(g->cell, g->cells, &g->cell_cap, sizeof *g->cell);

@@ -21,12 +21,12 @@
 /* The root of n: the size of a sample of n, and the length of a walk from which a sample pays. */
 uint32_t dt_jump_samples(uint32_t n);
 
-/* Of a sample of triangles and `from`, the base half edge of one, the one in whose circumcircle q lies
- * deepest, up to rounding: its base half edge. Not for points on one line. */
+/* Returns the base half edge of the triangle in whose circumcircle q lies deepest, up to rounding, among a sample of
+ * triangles and the triangle at the base half edge `from`. Not for points on one line. */
 uint32_t dt_jump_triangle(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                           struct dt_point q);
 
-/* Of a sample of vertices and `from`, the nearest to q, up to rounding. */
+/* Returns the vertex nearest to q, up to rounding, among a sample of vertices and `from`. */
 uint32_t dt_jump_vertex(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                         struct dt_point q);
 

@@ -28,7 +28,7 @@ void *dt_region_take(struct dt_pages *p, size_t bytes);
  * unchanged. Cost: O(pages), unless the system refuses to move them. */
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want);
 
-/* Gives back what is behind the first `keep` bytes, 0 < keep < bytes. Returns the region, which may have moved. */
+/* Gives back the bytes behind the first `keep` bytes, 0 < keep < bytes. Returns the region, which may have moved. */
 void *dt_region_shrink(struct dt_pages *p, void *region, size_t bytes, size_t keep);
 
 /* p: where it was taken. */

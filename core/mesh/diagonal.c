@@ -9,7 +9,7 @@ static void leave_by(struct dt_mesh *m, uint32_t v, uint32_t old, uint32_t h)
         m->leaving[v] = h;
 }
 
-/* The edge of half edge `from` becomes that of `to`, whose own is the diagonal. */
+/* Moves the mark of half edge `from` to `to`, which is a side of the diagonal and takes over the edge of `from`. */
 static void carry_fixed(struct dt_mesh *m, uint32_t from, uint32_t to)
 {
     if (m->fixed == NULL)

@@ -75,7 +75,7 @@ enum dt_status dt_fixed_reserve(struct dt_mesh *m, size_t n)
     return DT_OK;
 }
 
-/* Of the edge of h. NULL: the table has no places. */
+/* The entry of the edge of h. NULL: the table has no places. */
 static struct dt_more *entry(const struct dt_mesh *m, uint32_t h, uint32_t end[2])
 {
     uint32_t a = dt_origin(m, h), b = dt_dest(m, h);

@@ -35,7 +35,7 @@ uint32_t dt_hull_settle(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop)
 
 /* ---- its canonical start ---- */
 
-/* Of the two ends of a line, the one with the smaller id, or the other one. */
+/* The end of a line with the smaller id, or the other end. */
 static uint32_t first_on_line(const struct dt_mesh *m, const uint32_t *id, bool other)
 {
     uint32_t best = DT_NONE, g = m->hull;

@@ -2,7 +2,7 @@
  *
  * Two questions are asked: who represents an alias, and which alias of a representative has the lowest
  * id. A group answers both in logarithmic time, however large it is, while aliases join and leave in any
- * order and groups become one:
+ * order and groups become one.
  *
  *     group     5 <---- 2 <---- 7        a group that has become part of another one points to it; the
  *               ^                        root, 5, has the representative. Union by rank without path
@@ -98,8 +98,8 @@ uint32_t dt_aliases_leave(struct dt_aliases *a, uint32_t index);
 /* Two roots become one, which is returned; it is represented as `into` was. Cost: logarithmic. */
 uint32_t dt_aliases_unite(struct dt_aliases *a, uint32_t from, uint32_t into);
 
-/* The lowest alias of the root that is not among the n ascending ids; DT_NONE if there is none. Cost:
- * O(1 + those of the root that are). */
+/* The lowest alias of the root that is not among the n ascending ids; DT_NONE if there is none. Cost: O(1 + the
+ * number of the root's aliases that are among them). */
 uint32_t dt_aliases_lowest_but(const struct dt_aliases *a, uint32_t root, const uint32_t *ids,
                                size_t n);
 

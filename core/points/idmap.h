@@ -42,7 +42,7 @@ static inline uint32_t dt_idmap_get(const struct dt_idmap *m, uint32_t id)
     return m->page[page].value[id % DT_ID_PAGE];
 }
 
-/* Fetches what dt_idmap_get of the id will read. */
+/* Fetches the word that dt_idmap_get of the id will read. */
 static inline void dt_idmap_fetch(const struct dt_idmap *m, uint32_t id)
 {
     uint32_t page = id / DT_ID_PAGE;
@@ -80,8 +80,8 @@ bool dt_idmap_drop(struct dt_idmap *m, uint32_t n);
 /* The smallest id >= from that has a value, DT_NONE if none. */
 uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
 
-/* An id with about n live ids from `from` up to it, as many as there would be if those of a page
- * were spread evenly over it; DT_NONE if there are fewer. Cost: O(pages between the two). */
+/* Returns an id with about n live ids from `from` up to it. The number is exact if the live ids of a page are spread evenly
+ * over the page. DT_NONE if there are fewer. Cost: O(pages between the two). */
 uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n);
 
 /* DT_OK, or DT_NOMEM, and *copy is cleared. If it is stopped, values are missing; stop may be NULL. */

@@ -180,7 +180,7 @@ static void free_vertex(struct dt_points *p, uint32_t v)
     p->free_count++;
 }
 
-/* Vertex v, and its group if it has one, become those of the point id at q. */
+/* The point id at q takes over vertex v, and its group if it has one. */
 static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_point q)
 {
     bool moves = p->xy[v].x != q.x || p->xy[v].y != q.y;
@@ -358,7 +358,7 @@ void dt_points_delete(struct dt_points *p, uint32_t id)
     dt_idmap_unset(&p->value, id);
 }
 
-/* Prefetches what the deletion of a point some ids later reads first. */
+/* Prefetches the data that the deletion of a point some ids later reads first. */
 static void fetch_later(const struct dt_points *p, const uint32_t *ids, size_t n, size_t i)
 {
     enum { AHEAD = 16 }; /* points; as long as a cache miss takes */

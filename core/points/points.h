@@ -89,7 +89,7 @@ static inline void dt_points_fetch(const struct dt_points *p, uint32_t id)
 /* The coordinates of a live id. */
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
-/* Where a function takes work (stop.h), its steps are taken off that; NULL: no end. */
+/* A function with a parameter `work` (stop.h) takes its steps off it; NULL: no end. */
 
 /* Adding n valid points: room for them, or for their ids alone; then for each id from next_id on, in any order but with
  * coincident points ascending, either dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back

@@ -21,7 +21,7 @@ enum {
 
 /* ---- places ---- */
 
-/* Fetches what the step from h needs: the third corner, and the triangles that may be next. False: there is none. */
+/* Fetches the data of the step from h: the third corner, and the triangles that may be next. False: there is none. */
 static bool fetch_step(const struct dt *t, uint32_t h)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -58,7 +58,7 @@ static bool step(const struct dt *t, struct dt_point q, struct dt_way *w)
     return true;
 }
 
-/* The place is in the triangle at h: fetches what the answer will look at. These are the points beyond the
+/* The place is in the triangle at h: fetches the data of the answer. These are the points beyond the
  * edges, the next triangles around the nearest corner, and the ids of the corners. */
 static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
 {
@@ -153,7 +153,7 @@ void dt_fetch_around(const struct dt *t, uint32_t h)
 
 /* ---- stars ---- */
 
-/* Fetches what is needed of the neighbour at the end of the spoke h. */
+/* Fetches the data of the neighbour at the end of the spoke h. */
 static void fetch_neighbour(const struct dt *t, uint32_t h, enum dt_star_use use)
 {
     const struct dt_mesh *m = &t->mesh;

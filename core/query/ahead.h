@@ -12,7 +12,7 @@ enum dt_place_use { DT_PLACE_READ, DT_PLACE_INSERT };
 /* To n <= DT_AHEAD places: sets p[].near. */
 void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n, enum dt_place_use use);
 
-/* Fetches what an insertion into the triangle of the half edge h reads besides that triangle and its neighbours. */
+/* Fetches the data that an insertion into the triangle of the half edge h reads besides that triangle and its neighbours. */
 void dt_fetch_around(const struct dt *t, uint32_t h);
 
 /* The purpose of a star: the ids of its ring, or the removal of its vertex. */

@@ -1,4 +1,4 @@
-/* field.c - what fields say: of a set, and of their values now and at the moments of views. */
+/* field.c - queries of fields: the fields of a set, and their values now and at the moments of views. */
 #include "core/delaunay_fields.h"
 
 #include <math.h>

@@ -6,8 +6,8 @@
 #include "core/mesh/hull.h"
 #include "core/set/view_rows.h"
 
-/* The ghost of the point at which a walk is; on a line, where the point may have two, the one that leads
- * away from the point before. */
+/* The ghost of the point at which a walk is. On a line the point may have two ghosts: then the ghost that
+ * leads away from the point before. */
 static uint32_t ghost_of(const struct dt_hull_walk *w)
 {
     const struct dt_mesh *m = &w->t->mesh;

@@ -1,4 +1,4 @@
-/* inside.c - what borders enclose: regions, places, triangles and edges. */
+/* inside.c - queries of the inside of borders: regions, places, triangles and edges. */
 #include <stdlib.h>
 
 #include "core/memory/memory.h"
@@ -182,7 +182,7 @@ static bool has(const struct dt *t, const struct dt_enclosure *in, uint32_t h)
     return dt_encloses(in, dt_face(&t->mesh, h));
 }
 
-/* Triangles, as their smallest ids and what finds them; or edges, as ids. */
+/* Triangles, as their smallest ids and their half edges; or edges, as ids. */
 struct keys {
     uint64_t *v; /* owns room for all there may be */
     size_t n;

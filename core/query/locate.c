@@ -36,7 +36,7 @@ static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
 enum { ARRIVED = 3 };
 
 /* Fetches the neighbours beyond the two other edges of the triangle at h: one of them is next, and which one is known
- * only when the corner's coordinates have come. Of the corner the entry in id, unless that is NULL. */
+ * only when the corner's coordinates have come. Also fetches the corner's entry in id, unless id is NULL. */
 static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t h)
 {
     dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(h)))]);

@@ -99,7 +99,7 @@ static enum dt_status offer_star(struct lookup *l, uint32_t h, uint32_t out[3])
     return st;
 }
 
-/* The answer follows from the corners of the triangle or the ghost at h. Whether it was the same. */
+/* The corners of the triangle or the ghost at h determine the answer. Whether it was the same. */
 static bool triangle_was_same(const struct lookup *l, uint32_t h)
 {
     const uint32_t *corner = l->t->mesh.half + dt_base(h);
@@ -127,7 +127,7 @@ static enum dt_status right_of(struct lookup *l, uint32_t a, uint32_t b, uint32_
     return st;
 }
 
-/* Of the triangles at the vertex id, the first one. */
+/* The first of the triangles at the vertex id. */
 static enum dt_status first_at_vertex(struct lookup *l, uint32_t id, uint32_t out[3])
 {
     enum dt_status st = read_star(l, id);
@@ -242,8 +242,8 @@ static enum dt_status look_round(struct lookup *l, struct dt_point q, uint32_t v
     return dt_work(&l->work, steps);
 }
 
-/* Whether the nearest points, in l->ids, were the same. The search goes by the rings of those that it
- * finds; which others are as near as the first one follows from more than that. */
+/* Whether the nearest points, in l->ids, were the same. The search goes by the rings of the points that it finds. Around the
+ * first point, neighbours must not be as near, because ties depend on more than these rings. */
 static enum dt_status nearest_were_same(struct lookup *l, struct dt_point q, bool *same)
 {
     enum dt_status st = DT_OK;

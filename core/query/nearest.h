@@ -1,4 +1,4 @@
-/* nearest.h - what searches by distance share: a nearest vertex, and the comparison of distances.
+/* nearest.h - the common parts of searches by distance: a nearest vertex, and the comparison of distances.
  *
  * They rely on two facts about Delaunay triangulations, which do not hold with constraints (nearest_fixed.c). Let q be
  * any place.

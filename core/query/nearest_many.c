@@ -104,7 +104,7 @@ static enum dt_status push_ties(struct search *s, uint32_t nearest)
     return st;
 }
 
-/* Appends what is wanted, for which there is room; `nearest` is one of the nearest, tie: there may be others as near. */
+/* Appends the wanted points, for which there is room; `nearest` is one of the nearest, tie: there may be others as near. */
 static enum dt_status search_outward(struct search *s, uint32_t nearest, bool tie,
                                      struct dt_ids *out)
 {

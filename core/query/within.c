@@ -125,7 +125,7 @@ static inline enum dt_status take(struct flood *f, uint32_t h, const struct corn
     return here ? dt_ids_append(f->out, c->v) : DT_OK;
 }
 
-/* The triangle of h, which was reached across that edge: its corners, and what is beyond its other edges. */
+/* Visits the triangle of h, which was reached across that edge: its corners, and the triangles beyond its other edges. */
 static inline enum dt_status look_at(struct flood *f, uint32_t h)
 {
     const struct dt_mesh *m = &f->t->mesh;

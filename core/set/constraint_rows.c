@@ -50,7 +50,7 @@ static enum dt_status append_now(const struct dt_declared *d, uint32_t id, bool 
     return status;
 }
 
-/* Appends those of which the id is the smaller end. */
+/* Appends the constraints whose smaller end is the id. */
 static enum dt_status append_sorted(const struct dt *t, const struct dt_view *v, uint32_t id,
                                     struct dt_constraint_list *out, size_t *steps)
 {

@@ -46,7 +46,7 @@ static inline size_t dt_touched_memory(const struct dt_touched *w)
 /* Notes a key; O(1) amortised. */
 void dt_touched_note(struct dt_touched_list *w, uint64_t key);
 
-/* Note a constraint whose ends are still where they were, or all those of an end that is about to move. */
+/* Note a constraint whose ends have not moved, or all constraints of an end that is about to move. */
 void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, bool moved);
 void dt_touched_note_end(struct dt *t, uint32_t id);
 
@@ -79,7 +79,7 @@ static inline bool dt_is_constrained(const struct dt *t)
     return t->constraints != NULL && t->constraints->declared.rows > 0;
 }
 
-/* DT_OK if the triangulation can be read and is that of Delaunay. */
+/* DT_OK if the triangulation can be read and is Delaunay, without constraints. */
 static inline enum dt_status dt_readable_delaunay(const struct dt *t)
 {
     if (!dt_is_live(t))

@@ -1,4 +1,4 @@
-/* touched.c - what edits have touched, for those who follow a set; see delaunay.h and set.h. */
+/* touched.c - the keys that edits have touched, for readers that follow a set; see delaunay.h and set.h. */
 #include "core/set/set.h"
 
 #include <stdlib.h>

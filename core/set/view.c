@@ -7,8 +7,8 @@
  *      newest -> v9 -> v8 -> v7 -> v5 -> v2        pushed: v9, v8. An edit enters them: it links them backwards, too.
  *                       <--------------- oldest    Each has the moment of the one before or a later one.
  *
- * The moments that are read are therefore those of the oldest and of the newest view, among all and among those with
- * rings, however many there are. */
+ * So only two views determine the moments that are read: the oldest and the newest, among all views and among views with
+ * rings. */
 #include "core/set/view.h"
 
 #include <stdlib.h>

@@ -109,8 +109,8 @@ bool dt_views_read_rings(const struct dt_views *w);
 void dt_views_lose_rows(struct dt_views *w);
 void dt_views_lose_rings(struct dt_views *w);
 
-/* Takes out the views that have ended, finds out which moments the others read, and frees some of what was saved
- * for nobody else. Returns whether something was freed. Cost: constant for each view that has begun or ended since. */
+/* Removes the views that have ended, finds out which moments the others read, and frees some of the images that
+ * no view reads. Returns whether something was freed. Cost: constant for each view that has begun or ended since. */
 bool dt_views_review(struct dt_views *w);
 
 #endif

@@ -1,4 +1,4 @@
-/* view_save.c - saves what an edit is about to change, once for all views that read it.
+/* view_save.c - saves the data that an edit is about to change, once for all views that read it.
  *
  * An edit learns from the views which moments are read (dt_views_edit_begin) and is called back for what it is
  * about to change (core/points/changes.h). */

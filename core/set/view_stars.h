@@ -55,8 +55,8 @@ struct dt_neighbours {
     bool on_hull;
 };
 
-/* Replaces it by that of an id that was a representative, unless it is that one, read through the same view and since
- * the last edit. DT_NOMEM. Cost: its degree. */
+/* Replaces the star by the star of an id that was a representative. Does nothing if it is that star already, read through the
+ * same view and since the last edit. DT_NOMEM. Cost: its degree. */
 enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
                                   struct dt_neighbours *n);
 

@@ -9,8 +9,8 @@
  *         | /  q  \ |       and the best point in there is the best of all
  *          a-------b
  *
- * In a large segment the search continues, line by line of cells, in that of the best point found so
- * far: the paper's circle box, which shrinks as better points are found. If nothing is found, the next trial is
+ * In a large segment the search continues, line by line of cells, in the segment of the best point
+ * so far: the paper's circle box, which shrinks as better points are found. If nothing is found, the next trial is
  * higher; if even the whole half plane has no point, the edge is a boundary edge. Lines of cells are runs of
  * places, which are empty beyond the hull, so a trial costs little more than the number of lines. */
 #include "core/shelling/apex.h"
@@ -137,7 +137,7 @@ static bool scan_segment(struct search *q, struct dt_segment g, bool exact)
 }
 
 /* Finds some point: scans higher and higher segments, and those with points near the edge's line
- * exactly, until there is one. *scanned is the cotangent of what it has scanned. */
+ * exactly, until there is one. *scanned is the cotangent of the last segment. */
 static bool find_some(struct search *q, double *scanned)
 {
     const struct dt_grid *g = q->scan.grid;

@@ -1,4 +1,4 @@
-/* front.h - the paper's circular edge list: the border of what is triangulated so far.
+/* front.h - the paper's circular edge list: the border of the part that is triangulated so far.
  *
  * The triangulated part is a disc, and its border passes through each of its vertices once. So the start
  * vertex identifies an edge of the front, and the list is the paper's pair of pointers, next and previous,

@@ -6,8 +6,8 @@
 
 #include "core/exact/predicates.h"
 
-/* Steps for a point: in the first scan; in the exact one; and for a predicate, which mostly takes 30, but up to
- * 1000 where it needs exact arithmetic. */
+/* Steps for a point: in the first scan; in the exact one; and for a predicate, which usually takes 30, but up
+ * to 1000 if it needs exact arithmetic. */
 enum { LOOK = 2, CLOSE_LOOK = 6, PREDICATE = 100 };
 
 void dt_scan_begin(struct dt_scan *q, bool exact)

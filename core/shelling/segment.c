@@ -1,7 +1,7 @@
 /* segment.c - the min-max box of a circle segment and the cells it touches, rounded outward.
  *
- * Source: the paper, "Forming triangles", steps 2 to 7. Deviations: the box is that of the segment
- * beyond the edge, not of the circle; cells are chosen line by line between two parallels instead
+ * Source: the paper, "Forming triangles", steps 2 to 7. Deviations: the box is around the segment
+ * beyond the edge, not around the circle; cells are chosen line by line between two parallels instead
  * of by triangles of cells. */
 #include "core/shelling/segment.h"
 

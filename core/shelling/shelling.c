@@ -34,8 +34,8 @@
 #include <assert.h>
 
 /* The limit of its total cost, in steps (grid.h): a constant, and an amount for each point of the set. Evenly
- * spread points take 600 each, Gaussian ones 700, lattices 2500, and 300 points nearly on a line 85,000:
- * then what a point costs grows with their number. */
+ * spread points take 600 each, Gaussian ones 700, lattices 2500, and 300 points nearly on a line 85,000.
+ * So the cost of a point on a line grows with the number of points. */
 #define STEPS (1u << 25)
 #define STEPS_A_POINT 8192u
 #define TURN_STEPS 64u  /* for an edge of the front, besides its search */

@@ -1,7 +1,7 @@
 /* trace.c - dt_trace: the paper's engine, run on a copy of a set's points before an observer.
  *
- * The engine speaks of places in its grid; here they become ids: a place is that of a point in the
- * copy, which is that of a vertex, which has an id. */
+ * The engine reports places in its grid; here they become ids. A place has a point of the copy, this
+ * point has a vertex of the set, and the vertex has an id. */
 #include "core/delaunay.h"
 
 #include "core/memory/memory.h"

@@ -61,7 +61,7 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a);
 /* Feeds bytes to the body (body_feed). Beyond --max-memory the body fails. */
 ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last);
 
-/* Whether the server is to be changed, by load_settle: the memory that the points will take is no longer what is expected (keep.h), or
+/* Whether the server is to be changed, by load_settle: the memory that the points will take has changed (keep.h), or
  * the parser has a block for the workers. */
 bool load_has_changed(const struct load *l);
 void load_settle(struct load *l);

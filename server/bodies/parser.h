@@ -4,7 +4,7 @@
  *
  * The owner receives into a block, where only the ends of lines are searched. The line that ends the body, and all that follows
  * it, goes back to the owner (parser_rest), who feeds it to the body when the blocks have been appended. A block whose lines have
- * a fault is fed to the body, too, so faults are those of a body that has been fed all the text.
+ * a fault is fed to the body, too, so faults are the same as in a body that has been fed all the text.
  *
  * Text and points of the blocks are in the memory budget. Without memory for a block the parser ends, and the owner goes on
  * with the rest of the text. */

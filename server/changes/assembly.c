@@ -16,7 +16,7 @@ void assembly_clear(struct assembly *s)
     *s = (struct assembly){.pages = s->pages, .memory = s->memory};
 }
 
-/* Reserves `more` bytes beyond what there is room for. */
+/* Reserves `more` bytes beyond the present room. */
 static bool reserve(struct assembly *s, size_t more)
 {
     size_t constraints = s->released_cap + s->added_cap;

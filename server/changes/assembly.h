@@ -29,7 +29,7 @@ enum assembled {
 /* Takes a record for which change_is_part. */
 enum assembled assembly_take(struct assembly *s, const struct record *r, struct change *c);
 
-/* Drops what has been collected, of a LOAD that is not complete. */
+/* Drops the collected records of a LOAD that is not complete. */
 void assembly_clear(struct assembly *s);
 
 #endif

@@ -1,4 +1,4 @@
-/* change.h - a change of a set in one value: what is to be done, its record in the log, and its outcome.
+/* change.h - a change of a set in one value: the edit, its record in the log, and its outcome.
  *
  *     a command      reads a change and submits it (jobs/submit.h), which applies it and appends it to the log
  *     a restart      decodes changes from records and applies them (disk/replay.h)
@@ -127,7 +127,7 @@ enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_opti
 /* Whether the change has been applied and has changed nothing: it gets no record, and the set no new version. */
 bool change_is_void(const struct change *c);
 
-/* Frees what it owns. */
+/* Frees the memory that it owns. */
 void change_clear(struct change *c);
 
 /* Why the change does not fit the set, which is NULL if there is none: a static sentence. NULL: it may be applied. */

@@ -5,7 +5,7 @@
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
 
-/* The `a` of a RECORD_RELEASE says what is released. */
+/* The `a` of a RECORD_RELEASE gives the kind of release. */
 enum { RELEASE_LISTED, RELEASE_NUMBER, RELEASE_ALL };
 
 /* As they are in records, and in the core. */
@@ -36,7 +36,7 @@ enum dt_status constraint_release(struct dt *dt, const struct record_constraint 
                                   const struct dt_options *opt, size_t *released,
                                   struct dt_constraint *missing);
 
-/* Releases those of a kind and a number, or all. DT_NOCONSTRAINT: there are none; *missing has both, and no ends (DT_NONE). */
+/* Releases the constraints of a kind and a number, or all. DT_NOCONSTRAINT: there are none; *missing has both, and no ends (DT_NONE). */
 enum dt_status constraint_release_of(struct dt *dt, bool all, uint32_t what,
                                      const struct dt_options *opt, size_t *released,
                                      struct dt_constraint *missing);

@@ -128,7 +128,7 @@ static void copy_values(double *to, const double *from, size_t n)
         to[i] = from == NULL ? (double)NAN : from[i];
 }
 
-/* The columns of v, which have n values, and those of the plan, each for all points; *ok: there was memory. */
+/* The columns of v, which have n values, and the columns of the plan, each for all points; *ok: there was memory. */
 static struct columns *join_columns(struct dt_pages *pages, const struct columns *v, size_t n,
                                     const struct dt_split *s, bool *ok)
 {
@@ -225,7 +225,7 @@ static enum dt_status add_planned(struct dt *dt, const struct dt_split *s,
     return status;
 }
 
-/* Memory for what a plan does. */
+/* Memory for the steps of a plan. */
 static enum dt_status reserve_changes(const struct dt *dt, const struct drawing *d,
                                       const struct dt_split *s, const struct dt_options *opt)
 {

@@ -1,7 +1,7 @@
 /* drawing.h - points and constraints that come together, and count together: of `CONSTRAIN ... SPLIT` and LOAD PATHS.
  *
  * A request asks for points, and for constraints between them and others. With `split`, constraints that would cross are replaced
- * by parts with points in common. Afterwards the change is what it has done: all points, with their values, and the constraints
+ * by parts with points in common. Afterwards the change describes its effect: all points, with their values, and the constraints
  * that were released and declared. So the log and followers need no geometry. */
 #ifndef SERVER_DRAWING_H
 #define SERVER_DRAWING_H

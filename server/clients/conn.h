@@ -76,18 +76,18 @@ void conn_yield(struct conn *c);
  * or the connection has been closed. While c->receives, the connection itself reads no input. */
 size_t conn_receive(struct conn *c, char *bytes, size_t n);
 
-/* Output from outside of `data`: sends at once what the socket takes, if nothing precedes it, and appends the rest. False:
+/* Output from outside of `data`: sends at once the bytes that the socket takes, if nothing precedes them, and appends the rest. False:
  * some of it is sent later, or never: out of memory, or disconnected. */
 bool conn_write(struct conn *c, const void *bytes, size_t n);
 
-/* For an owner that has appended to c->out outside of `data`: sends at once what the socket takes; the rest of the turn
+/* For an owner that has appended to c->out outside of `data`: sends at once the bytes that the socket takes; the rest of the turn
  * follows. The calling thread may be that of another loop, which is alone. */
 void conn_flush(struct conn *c);
 
 /* A turn: sends, has `data` called, and sends. Only the connection's own loop runs it. */
 void conn_turn(struct conn *c);
 
-/* Sends what is in c->out, then closes. Input that still arrives is read and dropped for a while,
+/* Sends the bytes of c->out, then closes. Input that still arrives is read and dropped for a while,
  * because closing with unread input resets the connection, and the client would lose output that it has
  * not received yet. */
 void conn_finish(struct conn *c);

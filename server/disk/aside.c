@@ -144,7 +144,7 @@ static bool link_files(const struct datadir *dir, const struct datadir *folder)
     return ok;
 }
 
-/* `arrived` is there: its files replace those of the directory. It has to be complete as long as it has that name. */
+/* `arrived` exists: its files replace the files of the directory. It has to be complete as long as it has that name. */
 static bool replace(const struct datadir *dir)
 {
     struct datadir folder = {.fd = open_folder(dir, arrived_name), .path = arrived_name};

@@ -30,17 +30,17 @@ bool aside_write(struct aside *a, const char *bytes, size_t n);
 bool aside_complete(struct aside *a, const struct segment *header, struct datadir *arrived);
 void aside_close(struct datadir *arrived);
 
-/* Removes what has been received. */
+/* Removes the received files. */
 void aside_abandon(struct aside *a);
 
-/* Replaces the files of the directory by those of `incoming`, which are complete. False with errno; then the next start
+/* Replaces the files of the directory by the files of `incoming`, which are complete. False with errno; then the next start
  * has the old files, or the new ones. */
 bool aside_put_in_place(const struct datadir *dir);
 
 /* Opens `arrived`, which a start would put in place: a directory to read; ends with aside_close. False: there is none. */
 bool aside_open(const struct datadir *dir, struct datadir *arrived);
 
-/* At a start: finishes what a crash has interrupted. False with errno. */
+/* At a start: finishes a replacement that a crash has interrupted. False with errno. */
 bool aside_finish(const struct datadir *dir);
 
 #endif

@@ -361,7 +361,7 @@ static bool write_all(int fd, const char *bytes, size_t n)
     return true;
 }
 
-/* Copies what follows byte `at`, up to byte `end`. Fails with ECANCELED once *cancel is set; cancel may be
+/* Copies the bytes after byte `at`, up to byte `end`. Fails with ECANCELED once *cancel is set; cancel may be
  * NULL. */
 static bool copy_rest(int from, int to, uint64_t at, uint64_t end, const atomic_bool *cancel)
 {

@@ -53,7 +53,7 @@ static void release(struct holders *in, struct hold *h)
         in->released(h);
 }
 
-/* Sets what is durable, here and on followers. */
+/* Sets the durable lsn, here and on followers. */
 static void look_again(struct holders *in)
 {
     bool fewer = in->needs_followers && in->followed < in->saved;

@@ -455,7 +455,7 @@ static void write_queue(struct log *log, bool sync)
     publish(log, last, q.records);
 }
 
-/* Drops what the snapshot has, and continues with the rest. */
+/* Drops the records that the snapshot contains, and continues with the rest. */
 static void resume(struct log *log)
 {
     uint64_t first = log->resume, digest = log->resume_digest;

@@ -442,8 +442,8 @@ static bool cut_torn_end(struct recovery *r)
     return true;
 }
 
-/* Makes durable what was read, because new changes build on it. If the process that wrote it was killed,
- * it need not be on the disk, and a power failure would leave a gap before the new changes. The last
+/* Syncs the files that were read, because new changes build on them. If the process that wrote them was killed,
+ * they need not be on the disk, and a power failure would leave a gap before the new changes. The last
  * segment comes first: the others are nearly always durable already. */
 static bool save_log(struct recovery *r)
 {

@@ -49,7 +49,7 @@ static struct dataset *find(struct replay *p, const struct record *r)
     return registry_find(&p->sets, &name);
 }
 
-/* A new set, or what is wrong. */
+/* Creates a new set; returns the fault, or NULL. */
 static const char *create(struct replay *p, const struct change *c, struct dataset **set)
 {
     struct word name = name_word(&c->set);

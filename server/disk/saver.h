@@ -1,4 +1,4 @@
-/* saver.h - decides when a snapshot is written, and what happens after a failure of the log. A reactor
+/* saver.h - decides when a snapshot is written, and how the log continues after a failure. A reactor
  * calls it on every notification of the log or of the snapshot's thread, and once a second.
  *
  *            the log is good            its new segment is there

@@ -1,4 +1,4 @@
-/* dial.h - what threads of a daemon that connect to another one have in common: waiting, connecting, and the first
+/* dial.h - the common functions of threads that connect to another daemon: waiting, connecting, and the first
  * question, SYNC. */
 #ifndef SERVER_DIAL_H
 #define SERVER_DIAL_H
@@ -29,7 +29,7 @@ bool dial_read_token(const char *path, char token[DIAL_TOKEN]);
 bool dial_init(struct dial *d);
 void dial_clear(struct dial *d);
 
-/* On a reactor: wakes the thread; dial_stop also tells it to end. */
+/* On a reactor: wakes the thread; dial_stop also makes it end. */
 void dial_wake(struct dial *d);
 void dial_stop(struct dial *d);
 

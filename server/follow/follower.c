@@ -1,4 +1,4 @@
-/* follower.c - carries out what a leader has sent (follower.h). */
+/* follower.c - carries out the records that a leader has sent (follower.h). */
 #include "server/follow/follower.h"
 
 #include "server/disk/aside.h"
@@ -78,14 +78,14 @@ static void start_again(struct follower *f, const char *reason)
     f->digest = f->whole_digest;
 }
 
-/* The sets here are not those of the leader: only a snapshot helps. */
+/* The sets here differ from the leader's: only a snapshot helps. */
 static void give_up(struct follower *f, const char *why)
 {
     f->whole_digest = 0;
     start_again(f, why);
 }
 
-/* Compares the digest of a header with that of the log here, when that is durable. */
+/* Compares the digest of a header with the digest of the own log, when the log is durable. */
 static void check_claim(struct follower *f)
 {
     const struct log_status *log = durable_status(f->server);
@@ -163,7 +163,7 @@ void follower_job_done(struct server *s, struct job *j)
     apply_job_done(&s->follower->apply, j);
 }
 
-/* Carries out what comes next in the piece. False: nothing more can be carried out now. */
+/* Carries out the next record of the piece. False: nothing more can be carried out now. */
 static bool step(struct follower *f)
 {
     const char *bytes = buf_head(&f->piece->bytes) + f->at;
@@ -273,7 +273,7 @@ static void install(struct follower *f, struct link_arrival *a)
 
 /* ---- running ---- */
 
-/* Acknowledges what is durable. */
+/* Acknowledges the durable changes. */
 static void acknowledge(struct follower *f)
 {
     const struct log_status *log = durable_status(f->server);

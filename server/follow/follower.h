@@ -1,5 +1,5 @@
-/* follower.h - a daemon that follows another one: how it starts and stops following. On a reactor; the connection
- * is that of a thread (link.h), the records are carried out by apply.h.
+/* follower.h - a daemon that follows another one: how it starts and stops following. On a reactor; a thread
+ * owns the connection (link.h), apply.h carries out the records.
  *
  * The data directory remembers the leader (role.h). */
 #ifndef SERVER_FOLLOWER_H

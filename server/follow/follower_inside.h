@@ -1,4 +1,4 @@
-/* follower_inside.h - what the parts of a follower share: follower.c carries out what the link receives, follower_role.c
+/* follower_inside.h - the shared state of the parts of a follower: follower.c carries out the records that the link receives, follower_role.c
  * decides whom it follows. */
 #ifndef SERVER_FOLLOWER_INSIDE_H
 #define SERVER_FOLLOWER_INSIDE_H

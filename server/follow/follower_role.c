@@ -37,7 +37,7 @@ static void refuse_changes(struct follower *f)
     s->follows = f->role.kind == ROLE_FOLLOWS;
 }
 
-/* Whether --follow names this daemon: the address that it listens on, or one that stands for it. */
+/* Whether --follow names this daemon: the address that it listens on, or an equivalent address. */
 static bool is_itself(const struct config *c, const char *host, unsigned port)
 {
     bool any = strcmp(host, "0.0.0.0") == 0 || strcmp(host, "::") == 0;

@@ -37,7 +37,7 @@ struct incoming {
 /* Takes all whole headers and records off s->in. False: it ends here. */
 bool incoming_take(struct incoming *s);
 
-/* Why a snapshot cannot be written, and what an operator can do. */
+/* The message of a snapshot that cannot be written: the reason, and what an operator can do. */
 const char *incoming_disk_fault(int error);
 
 /* Frees everything, and removes an incomplete snapshot. */

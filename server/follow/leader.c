@@ -91,7 +91,7 @@ static void release(struct server *s)
 {
     struct leader *l = s->leader;
     unsigned least = least_followers(s);
-    /* It does not lead any more: the new leader may lack what waits. */
+    /* It does not lead any more: the new leader may lack the changes that wait. */
     if (l->least > 0 && s->read_only.why != NULL)
         holders_fail(&s->held, HOLD_FOLLOWERS);
     l->least = least;

@@ -1,4 +1,4 @@
-/* leader.h - the followers of this daemon: who they are, how far they are, and what waits for them. Everything but their
+/* leader.h - the followers of this daemon: their addresses, their positions, and the requests that wait for them. Everything but their
  * threads (sender.h) is a reactor's. */
 #ifndef SERVER_LEADER_H
 #define SERVER_LEADER_H
@@ -19,7 +19,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer,
 /* Disconnects all followers; they connect again: the history has changed. */
 void leader_dismiss(struct server *s);
 
-/* To be called at the end of every turn: passes on what is durable now. */
+/* To be called at the end of every turn: passes on the durable changes. */
 void leader_turn_end(struct server *s);
 void leader_tick(struct server *s); /* once a second */
 

@@ -188,7 +188,7 @@ struct arrived {
     bool lacks; /* memory for a triangulation */
 };
 
-/* Triangulates a set that is to have a triangulation, as long as nobody waits for it, and counts its memory. */
+/* Triangulates a set that is to have a triangulation, as long as no request waits for it, and counts its memory. */
 static void complete(struct dataset *set, void *ctx)
 {
     struct arrived *a = ctx;

@@ -77,7 +77,7 @@ static bool take_lines(struct sending *g)
     }
 }
 
-/* Reads what the follower has sent. False: the connection has ended. */
+/* Reads the lines that the follower has sent. False: the connection has ended. */
 static bool hear(struct sending *g)
 {
     char *to = buf_reserve(&g->in, 4096);

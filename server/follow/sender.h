@@ -26,7 +26,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A follower whose machine has not taken what was sent for so long is disconnected. */
+/* A follower is disconnected if its machine takes no bytes for this time. */
 #define SENDER_TIMEOUT_MS 15000u
 
 enum sender_state { SENDER_STARTING, SENDER_SNAPSHOT, SENDER_LOG, SENDER_ENDED };
@@ -64,7 +64,7 @@ bool sender_start(struct sender *s);
 /* Changes up to this lsn are durable now. */
 void sender_advance(struct sender *s, uint64_t durable);
 
-/* Ends the thread and frees what it owns. */
+/* Ends the thread and frees its memory. */
 void sender_end(struct sender *s);
 
 #endif

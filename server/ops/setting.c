@@ -16,7 +16,7 @@ enum { FIXED = false, LIVE = true };
 
 static const char bytes_wanted[] = "bytes, as in 4096m or 2g";
 
-/* A sixteenth of the memory is for replies and clients (server/sets/budget.h): with less, nobody could connect to raise it. */
+/* A sixteenth of the memory is for replies and clients (server/sets/budget.h): with less, no client could connect to raise it. */
 enum { LEAST_MEMORY = 256 * 1024 };
 
 const struct setting settings[] = {

@@ -38,7 +38,7 @@ struct stats_pause {
     int64_t waited_ns;
 };
 
-/* Adds what another one has counted. */
+/* Adds the counts of another one. */
 void command_stats_join(struct command_stats *of, const struct command_stats *other);
 
 /* The times of a request. */

@@ -1,4 +1,4 @@
-/* habit.h - small requests that Redis's libraries and tools send by habit, before or beside what their users want: TIME, RESET, ROLE,
+/* habit.h - small requests that Redis's libraries and tools send by habit, before or beside the requests of their users: TIME, RESET, ROLE,
  * WAIT, LATENCY, MODULE, CLUSTER and others. Also the answer to unknown requests. */
 #ifndef SERVER_HABIT_H
 #define SERVER_HABIT_H

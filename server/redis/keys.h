@@ -8,7 +8,7 @@
 redis_handler redis_dbsize, redis_exists, redis_keys, redis_scan, redis_type, redis_memory;
 redis_handler redis_object, redis_unlink;
 
-/* Whether the words of a DEL are names and not ids: then redis_del refuses it, and says what deletes sets. */
+/* Whether the words of a DEL are names and not ids: then redis_del refuses it, and names the command that deletes sets. */
 bool redis_del_is_misused(const struct request *q);
 redis_handler redis_del;
 

@@ -305,7 +305,7 @@ static const struct row {
     {"READWRITE", .handler = redis_cluster},
 };
 
-/* Whether the request is that of a command of ours which has the name of one of Redis's. */
+/* Whether the request means our command of this name, not the command of Redis with the same name. */
 static bool is_ours(const struct request *q, const struct answer *a)
 {
     const struct word *name = &q->word[0];

@@ -119,7 +119,7 @@ static bool end_bulk(struct session *s)
     return true;
 }
 
-/* Changes what the load has changed of the server. */
+/* Updates the server's state that depends on the load. */
 static bool settle_load(struct session *s, bool more)
 {
     load_settle(s->load);

@@ -51,7 +51,7 @@ bool version_update(struct registry *r, struct version *v)
     return v->sum.memory != before;
 }
 
-/* Frees some of what was saved. True: nothing is left. */
+/* Frees some of the saved images. True: nothing is left. */
 static bool tidy(struct registry *r, struct version *v)
 {
     if (!gate_try_close(&v->gate))
@@ -256,7 +256,7 @@ static struct dataset *counterpart(const struct registry *r, const struct datase
     return registry_find(r, &name);
 }
 
-/* Whether the set goes on, as what `by` is. A new state that has the version of the old one would not be noticed. */
+/* Whether the set continues, with the contents of `by`. A new state that has the version of the old one would not be noticed. */
 static bool goes_on(const struct dataset *set, const struct dataset *by, bool same)
 {
     if (by == NULL || set->temporary)

@@ -84,7 +84,7 @@ struct registry {
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
-    /* Called when a set that is watched has another version, and before it is dropped; NULL: nobody watches. */
+    /* Called when a set that is watched has another version, and before it is dropped; NULL: no session watches. */
     void (*changed)(struct dataset *set);
     void (*dropped)(struct dataset *set);
 };
@@ -107,7 +107,7 @@ void registry_set_version(struct registry *r, struct dataset *set, uint64_t vers
 /* A life begins after the life `last` (0: there was none): chooses its number, which grows with the time, and gives
  * versions to the sets that have none. */
 void registry_begin_life(struct registry *r, uint32_t last);
-/* The same without a data directory, which would say what the last life was: chooses a random number, because the clock may
+/* The same without a data directory, which would have the number of the last life: chooses a random number, because the clock may
  * stand still or be set back. */
 void registry_begin_life_in_memory(struct registry *r);
 /* Sets when the set is dropped, in milliseconds since 1970 (expire.h); 0: never. */

@@ -10,7 +10,7 @@
 #include "server/sets/pace.h"
 #include "server/sets/room.h"
 
-/* INSIDE: what is inside a border, or inside any. */
+/* INSIDE: the part inside a border, or inside any border. */
 struct inside {
     bool asked;
     uint32_t number; /* DT_NONE: any */

@@ -207,7 +207,7 @@ static void help(struct workers *w, struct batch *b)
         pthread_cond_broadcast(&w->helped);
 }
 
-/* Takes the next work of a thread for all kinds, beginning with the kind after *kind, which becomes that of the work.
+/* Takes the next work of a thread for all kinds, beginning with the kind after *kind, which becomes the kind of the work.
  * NULL: there is none. */
 static struct work *take_turn(struct workers *w, enum work_kind *kind)
 {

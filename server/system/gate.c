@@ -66,7 +66,7 @@ static void take_turn(struct gate *g)
         sleep_while(&g->served, now);
 }
 
-/* The same if nobody else has or awaits the turn. */
+/* The same if no other thread has or awaits the turn. */
 static bool try_turn(struct gate *g)
 {
     unsigned mine = atomic_load(&g->served);
@@ -180,7 +180,7 @@ void gate_close(struct gate *g)
     await_visitors(g);
 }
 
-/* Opens it again if somebody is inside. */
+/* Opens it again if a thread is inside. */
 static bool stay_closed_if(struct gate *g, bool empty)
 {
     if (!empty)

@@ -2,7 +2,7 @@
  *
  * Each thread has a lane, which is a cache line of its own. A thread that enters a gate notes that in its lane and writes
  * nothing else, so threads that share the gate never write the same line. Who closes the gate waits until it is in no
- * lane. The idea is that of BRAVO (Dice & Kogan, USENIX ATC 2019). Many gates may have the same lanes, if a thread is
+ * lane. The idea comes from BRAVO (Dice & Kogan, USENIX ATC 2019). Many gates may have the same lanes, if a thread is
  * inside one of them at a time.
  *
  *     lane 0   lane 1   lane 2        gates a, b
@@ -63,13 +63,13 @@ void gate_visit(struct gate *g);
 void gate_end_visit(struct gate *g);
 bool gate_try_visit(struct gate *g);
 
-/* Closes the gate: on return nobody is inside, and nobody will be until gate_open. The caller must not be inside. Cost: a
+/* Closes the gate: on return no thread is inside, and none will be until gate_open. The caller must not be inside. Cost: a
  * look at each lane. */
 void gate_close(struct gate *g);
-/* The same without waiting for visitors, or for anybody. False: somebody is inside, or closes it. */
+/* The same without waiting for visitors, or for anybody. False: a thread is inside, or closes it. */
 bool gate_close_unvisited(struct gate *g);
 bool gate_try_close(struct gate *g);
-/* Opens it; `lane` shares it from then on, without a moment in which somebody else could close it. */
+/* Opens it; `lane` shares it from then on, without a moment in which another thread could close it. */
 void gate_open_and_enter(struct gate *g, unsigned lane);
 void gate_open(struct gate *g);
 

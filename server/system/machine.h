@@ -1,4 +1,4 @@
-/* machine.h - what the machine, its administrator and its control groups allow this process. */
+/* machine.h - the limits that the machine, its administrator and its control groups set for this process. */
 #ifndef SERVER_MACHINE_H
 #define SERVER_MACHINE_H
 

@@ -2,7 +2,7 @@
  *
  *     outlet_put --> line line line --> thread --> write(2)
  *
- * So the caller never waits for a pipe that nobody reads, a stopped terminal or a disk that stalls. The descriptor stays
+ * So the caller never waits for a pipe without a reader, a stopped terminal or a disk that stalls. The descriptor stays
  * as it is, because other processes may share it. Lines that find no room, or cannot be written, are counted as lost. Any
  * thread may call; the lock is held for a copy of a line. */
 #ifndef SERVER_OUTLET_H

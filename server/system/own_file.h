@@ -17,7 +17,7 @@ int own_file_create(int dir, const char *name, int flags);
 bool own_file_close(int fd, bool ok);
 
 /* Whether there is no such name, or a file that own_file_open does not refuse; with `folder`, a folder instead of a file. If
- * not, a message on standard error says why; `path` is what it calls the directory. */
+ * not, a message on standard error says why; `path` names the directory in the message. */
 bool own_file_admits(int dir, const char *path, const char *name, bool folder);
 
 #endif

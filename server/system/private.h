@@ -1,4 +1,4 @@
-/* private.h - what a daemon of one process alone has instead of an address: a Unix socket in a new
+/* private.h - the address of a daemon that serves one process alone: a Unix socket in a new
  * directory that only this user may enter. */
 #ifndef SERVER_PRIVATE_H
 #define SERVER_PRIVATE_H

@@ -28,7 +28,7 @@ void timers_set(struct timers *w, struct timer *t, int64_t at_ms)
         w->earliest_ms = grain * TIMER_GRAIN_MS;
 }
 
-/* Moves what is due from a slot to the list. */
+/* Moves the due timers of a slot to the list. */
 static void take_due(struct list *slot, struct list *due, int64_t now_ms)
 {
     for (struct timer *t = list_first(slot), *next; t != NULL; t = next) {

@@ -1,7 +1,7 @@
 /* timer.h - timers of the event loop: a wheel of slots, each a list of timers.
  *
  * The slot of a timer is its time, in grains of GRAIN ms, modulo the number of slots. When the clock
- * passes a slot, the timers in it that are due run, and those of later rounds stay. So setting and
+ * passes a slot, the timers in it that are due run, and the timers of later rounds stay. So setting and
  * clearing cost O(1) and allocate nothing. A timer runs up to one grain late. */
 #ifndef SERVER_TIMER_H
 #define SERVER_TIMER_H

@@ -1,4 +1,4 @@
-/* agenda.h - which of the watched sets are looked at when, so that what is merely watched costs a turn of the loop nothing.
+/* agenda.h - the watched sets that a turn of the loop has to examine. A set that is merely watched costs a turn nothing.
  *
  *     all       every watched set
  *     busy      those that have changed, or have something to send: at the end of this turn,

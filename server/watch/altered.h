@@ -17,7 +17,7 @@ struct altered {
 /* These have changed. If there is no memory for them, everything is forgotten. */
 void altered_put(struct altered *r, const struct dt_touched_constraint *c, size_t n);
 
-/* Any constraint may have changed: what has a number before the end is forgotten. */
+/* Any constraint may have changed: all rows with a number before the end are forgotten. */
 void altered_forget(struct altered *r);
 
 /* Returns a constraint that is remembered. */

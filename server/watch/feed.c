@@ -117,7 +117,7 @@ static bool find_box(const struct feed *f, struct dt_ids *found)
     return dt_within_box(f->of->set->current->dt, f->scope.lo, f->scope.hi, &opt, found) == DT_OK;
 }
 
-/* The ids among which a sweep of a box finds what has changed. False: too many. */
+/* The ids among which a sweep of a box finds the changed ones. False: too many. */
 static bool find_candidates(const struct feed *f, bool reset, struct dt_ids *ids)
 {
     if (!reset && (f->known.bits.words > 0 || f->known.count > BOX_KNOWN))
@@ -227,7 +227,7 @@ static void put_constraints(struct event *e, const struct feed *f, struct positi
         put_altered(e, f, p);
 }
 
-/* Whether what has changed after the position is not known any more. */
+/* Whether the changes after the position are not known any more. */
 static bool is_lost(const struct feed *f, const struct position *p)
 {
     uint64_t reached = p->goal != 0 ? p->goal : p->tick;
@@ -235,7 +235,7 @@ static bool is_lost(const struct feed *f, const struct position *p)
            (f->scope.constraints && p->altered < f->of->altered.first);
 }
 
-/* As much as makes a part of what has changed after the position, which moves behind it. */
+/* Writes a part of the changes after the position; the position moves behind that part. */
 static void put_rows(struct event *e, struct feed *f, struct position *p)
 {
     bool constraints = f->scope.constraints;

@@ -1,11 +1,11 @@
-/* feed.h - the watchers of a set that want to know the same (scope.h), and what they are sent.
+/* feed.h - the watchers of a set with the same scope (scope.h), and the events that they are sent.
  *
  *     ticks of the set   1 2 3 4 5 6 7 8           each a change that has been collected (watch.c)
  *     positions                  a   b c           of the watchers: b has been sent what changed up to 7
  *
  * A watcher is only a position. The changes that it lacks are found when it is served: from the last keys of the set
  * (recent.h) if they are few, otherwise from the stamps of the ids (stamps.h). A sweep over all ids, or over those in a box, is done in
- * parts; what changes meanwhile comes after it.
+ * parts; changes that come meanwhile follow after it.
  *
  * Watchers in the same position are sent the same text, so the feed keeps its last one until all of them have been sent it. */
 #ifndef SERVER_FEED_H
@@ -113,7 +113,7 @@ static inline bool feed_lags(const struct watcher *w)
  * of a point are joined, which would be a triangle. So it is sent all of that part after each change. */
 uint32_t feed_line(const struct watched *k);
 
-/* The feed of that scope, which moves there, with one more watcher. NULL: out of memory. */
+/* Returns the feed of that scope, with one more watcher, and takes ownership of the scope. NULL: out of memory. */
 struct feed *feed_enter(struct watched *k, struct scope *scope);
 
 /* The watcher leaves its lists and is freed. The last watcher's feed is freed, too. */
@@ -125,7 +125,7 @@ struct position feed_since(struct feed *f, uint64_t version);
 /* Whether an event may be sent to the watcher: not within a reply, and its client reads. */
 bool feed_can_take(const struct watcher *w);
 
-/* Sends the watcher an event about a part of what it lacks, or none if that part has no rows. All changes of the set have been
+/* Sends the watcher an event with a part of the changes that it lacks, or none if that part has no rows. All changes of the set have been
  * collected. Returns whether its connection sends the event later. */
 bool feed_serve(struct watcher *w);
 

@@ -1,9 +1,9 @@
-/* recent.h - what has changed in a set lately, for clients that come back and know one of its last versions.
+/* recent.h - the last changes of a set, for clients that come back and know one of its last versions.
  *
  *     marks   version 5, 7 ids | version 8, 7 ids | version 9, 9 ids
  *     keys    ----2----6---------------7-----1-------------- now
  *
- * The keys behind a mark are what has changed since its version. Both are rings: the oldest ones are overwritten. Marks are
+ * The keys behind a mark are the changes since its version. Both are rings: the oldest ones are overwritten. Marks are
  * numbered from 1: the number of the last one is the tick of the set (stamps.h). */
 #ifndef SERVER_RECENT_H
 #define SERVER_RECENT_H
@@ -35,10 +35,10 @@ void recent_restart(struct recent *r, uint64_t version, uint32_t ids, uint64_t a
 void recent_put(struct recent *r, const uint64_t *key, size_t n);
 void recent_mark(struct recent *r, uint64_t version, uint32_t ids, uint64_t altered);
 
-/* The tick of the last mark whose version is not later; 0: it is not known what has changed since. */
+/* The tick of the last mark whose version is not later; 0: the changes since then are unknown. */
 uint64_t recent_find(const struct recent *r, uint64_t version);
 
-/* The mark of a tick; NULL: it is not known what has changed since. */
+/* The mark of a tick; NULL: the changes since then are unknown. */
 static inline const struct recent_mark *recent_at(const struct recent *r, uint64_t tick)
 {
     bool known = tick > r->mark_first && tick <= r->mark_end;

@@ -171,7 +171,7 @@ static unsigned serve(struct watched *k, struct turn *t)
     return later;
 }
 
-/* Whether what has changed may be looked at: no job has the set, and the triangulation is current. */
+/* Whether the changes may be collected: no job has the set, and the triangulation is current. */
 static bool is_ready(struct watched *k, bool changed)
 {
     if (k->set->exclusive || !changed)
@@ -203,7 +203,7 @@ static bool is_busy(const struct watched *k)
            (k->set != NULL && k->watchers > 0 && k->version != k->set->version);
 }
 
-/* Some of what there is to do. */
+/* Does a part of the work. */
 static void run(struct watched *k, struct turn *t)
 {
     int64_t before = processor_ns(k->server);
