@@ -1,9 +1,9 @@
 /* arrivals.c - see arrivals.h.
  *
  *     items    0 1 2 ... end-1 | end ... end+n-1      the vertices, then the arrivals in order
- *     sorted   as for a build (divide.h), so that equal points are neighbours; of these the smallest item stays,
+ *     sorted   as for a build (divide.h), so that equal points are neighbours; the smallest of equal items stays,
  *              and all that stay become the vertices of the set in this order
- *     same     of an item that does not stay: the one that it coincides with
+ *     same     for an item that does not stay: the item that it coincides with
  *
  * So the set has the plan of a build. The result does not depend on the number of threads. */
 #include "core/edit/arrivals.h"

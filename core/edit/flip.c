@@ -1,11 +1,11 @@
 /* flip.c - see flip.h.
  *
- * A triangulation all of whose triangles turn left and all of whose edges are locally Delaunay is the
- * Delaunay triangulation; so are, with ties broken, the edges of the canonical one. A flip lowers the
- * surface over the plane that the lifted, perturbed points span, so no triangulation comes twice and the
- * flips end [Lawson 1977; Edelsbrunner 2001, sec. 1.2]. An edge that is not locally Delaunay is a diagonal
- * of a strictly convex quadrilateral, so it can always be flipped, and hull edges never change.
- */
+ * 1. A triangulation is Delaunay if all its triangles turn left and all its edges are locally Delaunay. With
+ *    ties broken, it is the canonical one.
+ * 2. A flip lowers the surface over the plane that the lifted, perturbed points span. So no triangulation
+ *    occurs twice, and the flips end [Lawson 1977; Edelsbrunner 2001, sec. 1.2].
+ * 3. An edge that is not locally Delaunay is a diagonal of a strictly convex quadrilateral. So it can always
+ *    be flipped, and hull edges never change. */
 #include "core/edit/flip.h"
 
 #include "core/exact/predicates.h"

@@ -2,12 +2,15 @@
  * [Devillers 1999; Devillers & Teillaud 2003 for ties].
  *
  *         P3-----P2               P3-----P2
- *        / \    / \              / \ '.   \       The triangle on the left of P[hi]->P[lo] has
- *       /   \  /   \            /   \  '.  \      that P[m], lo < m < hi, as its apex whose circle
- *     P4-----v-----P1    ->   P4     \   '. P1    holds no other vertex of the hole: the apex rule
- *       \   /  \   /            \     \   ./      of the paper among a handful of points. The rest
- *        \ /    \ /              \     \ ./       are two smaller holes.
+ *        / \    / \              / \ '.   \
+ *       /   \  /   \            /   \  '.  \
+ *     P4-----v-----P1    ->   P4     \   '. P1
+ *       \   /  \   /            \     \   ./
+ *        \ /    \ /              \     \ ./
  *         P5-----P0               P5-----P0
+ *
+ * The edge P[hi]->P[lo] has a triangle with the apex P[m] on its left, lo < m < hi. Its circle holds no other vertex of the
+ * hole: this is the apex rule of the paper, among a handful of points. Two smaller holes are left.
  *
  * The hole of a hull vertex is open to infinity. Its new hull edges come first: the chain P0 ... Pk
  * without the vertices that lie in a bay. Each new hull edge gets a ghost, and closes a pocket of
@@ -24,11 +27,11 @@
 
 enum { MET = 4 }; /* triangles each way, after which most stars have been seen */
 
-/* The hole, while it is being filled. */
+/* A hole that is being filled. */
 struct hole {
     struct dt_mesh *m;
     const struct dt_rim *rim; /* P[i] = rim[i].origin, all finite in a pocket */
-    const struct dt_point *p; /* where P[i] is */
+    const struct dt_point *p; /* the place of P[i] */
     const uint32_t *spare;    /* records to be used, from the end */
     uint32_t spares;
     uint32_t face;               /* of the triangles that fill it */

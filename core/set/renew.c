@@ -1,14 +1,14 @@
 /* renew.c - the grid of hints is made when it is first needed, and rebuilt when it has degraded.
  *
- * A triangulation is complete without it, and many sets are never searched. So a build
- * leaves none, and the first search (dt_prepare) or edit makes it.
+ * A triangulation is complete without the grid, and many sets are never searched. So a build
+ * makes no grid; the first search (dt_prepare) or edit makes it.
  *
- * Edits degrade it: there are more vertices than it was made for, or its half edges have moved, and walks from
- * them grow longer. Then it is rebuilt.
+ * Edits degrade the grid: there are more vertices than it was made for, or its half edges have moved, and walks
+ * from them grow longer. Then it is rebuilt.
  *
- * That takes linear time, all at once. A small set does it in the edit that finds the grid too old.
- * A large one leaves it to the caller (dt_renew_due, dt_renew); if the caller does not, an edit does it, but
- * later. */
+ * A rebuild takes linear time, all at once. In a small set, the edit that finds the grid too old rebuilds it.
+ * In a large set, the caller should rebuild it (dt_renew_due, dt_renew). If the caller does not, a later edit
+ * does. */
 #include "core/set/set.h"
 
 #include <stdlib.h>
@@ -37,7 +37,7 @@ static void take(struct dt *t, struct dt_hints *fresh)
     t->mesh.recycled = false;
 }
 
-/* From now on the grid counts as new, even if there was no memory for another one: then the old one, or none,
+/* From now on the grid counts as new, even if there was no memory for a new one. Then the old grid, or none,
  * serves for the same period again. */
 static void reset_counts(struct dt *t)
 {

@@ -162,7 +162,7 @@ TEST(a_point_exactly_on_a_constraint_splits_it_however_flat_its_triangles_are)
     dt_free(t);
 }
 
-/* spade #134: constraints that nobody declared after a deletion. */
+/* spade #134: after a deletion there were constraints that no call had declared. */
 TEST(a_deletion_beside_a_constraint_constrains_nothing_else)
 {
     struct dt_point p[25];

@@ -6,7 +6,7 @@
 #include "core/exact/bignum.h"
 #include "tests/test.h"
 
-/* Of any size that coordinates may have. */
+/* A number of any size that coordinates may have. */
 static double coordinate(void)
 {
     double v = ldexp((double)(test_random() >> 11), (int)(test_random() % 340) - 53 - 142);

@@ -61,7 +61,7 @@ TEST(accepting_that_fails_for_a_while_costs_nothing_and_goes_on)
     daemon_end(&d);
 }
 
-/* Of INFO's section `clients`, asked on a connection that exists: a new one might be refused. */
+/* A value of INFO's section `clients`, asked on an open connection: a new one might be refused. */
 static unsigned info_of(int fd, const char *key)
 {
     size_t lines = 0;

@@ -20,7 +20,7 @@ enum fate { REFUSED, ACKNOWLEDGED, UNKNOWN };
 
 enum { EDITS = 24, GROUP = 3 };
 
-/* Edit number k adds GROUP points at (k, 1..GROUP), or, if k % 4 == 3, deletes those of k - 2. */
+/* Edit number k adds GROUP points at (k, 1..GROUP), or, if k % 4 == 3, deletes the points of k - 2. */
 struct ledger {
     enum fate fate[EDITS];
     uint32_t first[EDITS]; /* of an ACKNOWLEDGED addition */

@@ -86,7 +86,7 @@ TEST_TIMEOUT(former_leader_is_informed_although_the_new_one_has_restarted_before
     end(&p);
 }
 
-/* A leader that has been replaced twice is told by the latest one, and tells the one between. */
+/* A leader that has been replaced twice hears of it from the latest leader, and informs the one between. */
 TEST_TIMEOUT(promoted_daemon_that_meets_a_newer_history_while_it_informs_refuses_changes, 60)
 {
     struct pair p = begin();

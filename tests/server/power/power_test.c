@@ -1,5 +1,5 @@
-/* power_test.c - power cuts at any moment: whichever of the unsynced operations reach the disk, every
- * acknowledged change is there, no change is there in part, and none that was never sent. POWER_LIVES is
+/* power_test.c - power cuts at any moment. Any of the unsynced operations may reach the disk. Every
+ * acknowledged change must exist, no change in part, and none that was never sent. POWER_LIVES is
  * the number of lives in each test (make faults: more). */
 #include "tests/server/power/power_life.h"
 #include "tests/test.h"

@@ -87,7 +87,7 @@ TEST_TIMEOUT(slow_requests_get_their_own_replies_while_jobs_end_on_another_react
 
 enum { EDITORS = 8, EDITS = 400, HUB = 3000 };
 
-/* Of every kind that reactors carry out beside each other, and points of its own, so replies are known. */
+/* Requests of every kind that reactors carry out beside each other. The points are its own, so replies are known. */
 static void *edit(void *arg)
 {
     unsigned me = (unsigned)(uintptr_t)arg;

@@ -1,4 +1,4 @@
-/* gate_test.c - who has closed the gate is alone, and nobody waits for ever; loops that share a world. */
+/* gate_test.c - a thread that has closed the gate is alone, and no thread waits for ever; loops that share a world. */
 #include "server/system/gate.h"
 
 #include "server/system/loop.h"
@@ -13,7 +13,7 @@ enum { THREADS = 4, ROUNDS = 20000 };
 static struct lanes lanes;
 static struct gate gate;
 
-/* Two numbers that are equal whenever nobody is alone: plain memory, so the thread sanitizer sees every access that the gate does
+/* Two numbers that are equal whenever no thread is alone: plain memory, so the thread sanitizer sees every access that the gate does
  * not order. */
 static struct {
     uint64_t a, b;
