@@ -29,7 +29,7 @@ lib: $(LIB_FILES:%=$(O)/lib/%) $(HEADERS:%=$(O)/include/%) $(LIBRARIES:%=$(O)/li
 
 # The public headers of each library are installed as one; both begin with the version.
 CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_fields.h core/delaunay_constraints.h core/delaunay_surface.h \
-                core/delaunay_arrays.h
+                core/delaunay_thinning.h core/delaunay_arrays.h
 CLIENT_HEADERS := proto/version.h clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
 $(O)/include/delaunay_client.h: $(CLIENT_HEADERS)
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)

@@ -1,0 +1,311 @@
+/* facets.c - see facets.h. The heap is binary [Knuth, TAOCP 3, sec. 5.2.3]. */
+#include "core/thinning/facets.h"
+
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+
+#include <float.h>
+#include <string.h>
+
+void dt_facets_clear(struct dt_facets *f)
+{
+    dt_free(f->set);
+    dt_array_free(f->xy);
+    dt_array_free(f->z);
+    dt_array_free(f->pool);
+    dt_array_free(f->sample);
+    dt_array_free(f->facet);
+    dt_array_free(f->heap);
+    *f = (struct dt_facets){0};
+}
+
+static const struct dt_facet facet_empty = {0, 0, 0, DT_NONE, false};
+
+/* ---- memory ---- */
+
+static enum dt_status reserve_vertices(struct dt_facets *f, uint32_t n)
+{
+    if (n <= f->vertex_cap)
+        return DT_OK;
+    size_t cap = dt_array_room(f->vertex_cap, n, UINT32_MAX);
+    struct dt_point *xy = dt_array_grow(f->xy, f->vertices, cap, sizeof *xy);
+    f->xy = xy != NULL ? xy : f->xy;
+    double *z = dt_array_grow(f->z, f->vertices, cap, sizeof *z);
+    f->z = z != NULL ? z : f->z;
+    uint32_t *sample = dt_array_grow(f->sample, f->vertices, cap, sizeof *sample);
+    f->sample = sample != NULL ? sample : f->sample;
+    if (xy == NULL || z == NULL || sample == NULL)
+        return DT_NOMEM;
+    f->vertex_cap = (uint32_t)cap;
+    return DT_OK;
+}
+
+static enum dt_status reserve_facets(struct dt_facets *f, uint32_t cap)
+{
+    if (cap <= f->facet_cap)
+        return DT_OK;
+    struct dt_facet *facet = dt_array_grow(f->facet, f->facet_cap, cap, sizeof *facet);
+    f->facet = facet != NULL ? facet : f->facet;
+    struct dt_heaped *heap =
+        dt_array_grow(f->heap, f->heaped, DT_HEAP_FACTOR * (size_t)cap, sizeof *heap);
+    f->heap = heap != NULL ? heap : f->heap;
+    if (facet == NULL || heap == NULL)
+        return DT_NOMEM;
+    for (; f->facet_cap < cap; f->facet_cap++)
+        facet[f->facet_cap] = facet_empty;
+    return DT_OK;
+}
+
+enum dt_status dt_facets_reserve(struct dt_facets *f, uint32_t vertices)
+{
+    enum dt_status s = reserve_vertices(f, vertices);
+    if (s == DT_OK)
+        s = dt_mesh_make_room(&f->set->mesh, vertices - 1, 2);
+    return s == DT_OK ? reserve_facets(f, f->set->mesh.tri_cap) : s;
+}
+
+size_t dt_facets_memory(uint32_t vertices)
+{
+    size_t of_vertex = sizeof(struct dt_point) + sizeof(double) + 2 * sizeof(uint32_t);
+    size_t of_record =
+        8 * sizeof(uint32_t) + sizeof(struct dt_facet) + DT_HEAP_FACTOR * sizeof(struct dt_heaped);
+    return 3 *
+           (dt_array_bytes(vertices, of_vertex) + dt_array_bytes(2 * (size_t)vertices, of_record)) /
+           2;
+}
+
+/* ---- the pool ---- */
+
+enum { HALF_FACTOR = 2 }; /* of the points: so each copy makes room for as many as there are */
+
+size_t dt_facets_pool_memory(uint32_t n)
+{
+    return dt_array_bytes(2 * HALF_FACTOR * ((size_t)n + 1), sizeof(uint32_t));
+}
+
+enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n)
+{
+    f->pool_room = HALF_FACTOR * ((size_t)n + 1);
+    f->pool = dt_array_new(2 * f->pool_room, sizeof *f->pool);
+    return f->pool == NULL ? DT_NOMEM : DT_OK;
+}
+
+/* Copies all lists into the other half. */
+static void tidy_pool(struct dt_facets *f)
+{
+    size_t to = f->pool_begin = f->pool_begin == 0 ? f->pool_room : 0;
+    for (uint32_t i = 0; i < f->set->mesh.tri_end; i++) {
+        struct dt_facet *facet = &f->facet[i];
+        memcpy(f->pool + to, f->pool + facet->first, facet->n * sizeof *f->pool);
+        facet->first = (uint32_t)to;
+        to += facet->n;
+    }
+    f->pool_end = to;
+}
+
+uint32_t dt_facets_take(struct dt_facets *f, size_t n)
+{
+    if (f->pool_end + n > f->pool_begin + f->pool_room)
+        tidy_pool(f);
+    f->pool_end += n;
+    return (uint32_t)(f->pool_end - n);
+}
+
+/* ---- facets ---- */
+
+static struct dt_corner corner_of(const struct dt_facets *f, uint32_t half)
+{
+    uint32_t v = dt_origin(&f->set->mesh, half);
+    return (struct dt_corner){f->xy[v], f->z[v]};
+}
+
+bool dt_is_facet(const struct dt_facets *f, uint32_t base)
+{
+    const struct dt_mesh *m = &f->set->mesh;
+    if (!dt_is_ghost(m, base))
+        return !dt_is_dead(m, base);
+    return dt_mesh_is_line(m) &&
+           dt_compare_xy(f->xy[dt_origin(m, base)], f->xy[dt_origin(m, base + 1)]) < 0;
+}
+
+struct dt_corners dt_facet_corners(const struct dt_facets *f, uint32_t base)
+{
+    struct dt_corner a = corner_of(f, base), b = corner_of(f, base + 1);
+    if (dt_is_ghost(&f->set->mesh, base))
+        return (struct dt_corners){a, b, b, true};
+    struct dt_corner c = corner_of(f, base + 2);
+    if (dt_compare_xy(a.at, b.at) < 0)
+        return dt_compare_xy(a.at, c.at) < 0 ? (struct dt_corners){a, b, c, false}
+                                             : (struct dt_corners){c, a, b, false};
+    return dt_compare_xy(b.at, c.at) < 0 ? (struct dt_corners){b, c, a, false}
+                                         : (struct dt_corners){c, a, b, false};
+}
+
+/* ---- the heap ---- */
+
+/* Whether a point comes before another one: it is off more, or as much and has the lesser place. */
+static bool precedes(const struct dt_facets *f, const struct dt_heaped *a,
+                     const struct dt_heaped *b)
+{
+    const struct dt_sample *s = f->samples->v;
+    return a->off > b->off ||
+           (a->off == b->off && dt_compare_xy(s[a->worst].at, s[b->worst].at) < 0);
+}
+
+/* Puts h at `at`, or above. */
+static void sift_up(struct dt_facets *f, size_t at, struct dt_heaped h)
+{
+    for (; at > 0 && precedes(f, &h, &f->heap[(at - 1) / 2]); at = (at - 1) / 2)
+        f->heap[at] = f->heap[(at - 1) / 2];
+    f->heap[at] = h;
+}
+
+/* Puts h at `at`, or below. */
+static void sift_down(struct dt_facets *f, size_t at, struct dt_heaped h)
+{
+    for (size_t child; (child = 2 * at + 1) < f->heaped; at = child) {
+        if (child + 1 < f->heaped && precedes(f, &f->heap[child + 1], &f->heap[child]))
+            child++;
+        if (!precedes(f, &f->heap[child], &h))
+            break;
+        f->heap[at] = f->heap[child];
+    }
+    f->heap[at] = h;
+}
+
+/* Whether the facet is still as it was when it got the entry. */
+static bool is_valid(const struct dt_facets *f, const struct dt_heaped *h)
+{
+    const struct dt_facet *facet = &f->facet[h->facet];
+    return facet->heaped && facet->worst == h->worst && facet->off == h->off;
+}
+
+/* Drops all entries that are not valid; so there are no more than facets. */
+static void tidy_heap(struct dt_facets *f)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < f->heaped; i++)
+        if (is_valid(f, &f->heap[i]))
+            f->heap[n++] = f->heap[i];
+    f->heaped = n;
+    for (size_t i = n / 2; i-- > 0;)
+        sift_down(f, i, f->heap[i]);
+}
+
+uint32_t dt_facets_worst(struct dt_facets *f)
+{
+    while (f->heaped > 0 && !is_valid(f, &f->heap[0])) {
+        struct dt_heaped last = f->heap[--f->heaped];
+        if (f->heaped > 0)
+            sift_down(f, 0, last);
+    }
+    return f->heaped > 0 ? f->heap[0].facet : DT_NONE;
+}
+
+static void forget(struct dt_facets *f, struct dt_facet *facet)
+{
+    f->items -= facet->n;
+    f->settled -= facet->heaped ? 0 : facet->n;
+    facet->heaped = false;
+}
+
+/* The facet counts as it is now. */
+static void note(struct dt_facets *f, uint32_t number)
+{
+    struct dt_facet *facet = &f->facet[number];
+    facet->heaped = facet->off > f->bound;
+    f->items += facet->n;
+    f->settled += facet->heaped ? 0 : facet->n;
+    if (!facet->heaped)
+        return;
+    if (f->heaped == DT_HEAP_FACTOR * (size_t)f->facet_cap) {
+        facet->heaped = false; /* it has no entry yet */
+        tidy_heap(f);
+        facet->heaped = true;
+    }
+    sift_up(f, f->heaped++, (struct dt_heaped){facet->off, number, facet->worst});
+}
+
+/* ---- worst points ---- */
+
+bool dt_worst_is_less(const struct dt_sample *s, const struct dt_worst *w, uint32_t i)
+{
+    return w->point == DT_NONE || dt_compare_xy(s[i].at, s[w->point].at) < 0;
+}
+
+/* The largest distance that rounding allows for a point of the block: that of the middle, the slope on the way to a side, and
+ * the doubt of both values. */
+static bool cannot_count(const struct dt_bunch *b, const struct dt_plane *p, double off)
+{
+    double z = p->z + (p->dx * (b->at.x - p->at.x) + p->dy * (b->at.y - p->at.y));
+    double rise = fabs(p->dx) * b->width + fabs(p->dy) * b->height;
+    double above = b->most - z, below = z - b->least;
+    return (above > below ? above : below) + rise + 2 * p->doubt < off;
+}
+
+void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
+                        const struct dt_plane *p)
+{
+    uint32_t part, n;
+    if (cannot_count(dt_item_block(s, item), p, w->off))
+        return;
+    n = dt_item_parts(s, item, &part);
+    for (uint32_t end = part + n; part < end; part++)
+        if (dt_item_level(part) == 0)
+            dt_worst_add(w, s->v, part, dt_plane_off(p, &s->v[part]));
+        else
+            dt_worst_add_block(w, s, part, p);
+}
+
+/* How far q is off as far as it counts: more than the bound if and only if it is. */
+static double decide(const struct dt_corners *c, const struct dt_plane *p,
+                     const struct dt_sample *q, double bound)
+{
+    double off = dt_plane_off(p, q);
+    if (!dt_plane_doubts(p, off, bound))
+        return off;
+    if (dt_plane_exceeds(c, q, bound))
+        return off > bound ? fmin(off, DBL_MAX) : nextafter(bound, HUGE_VAL);
+    return off > bound ? bound : off;
+}
+
+/* Decides for all points of the item. */
+static void decide_item(const struct dt_facets *f, uint32_t item, const struct dt_corners *c,
+                        const struct dt_plane *p, struct dt_worst *w)
+{
+    const struct dt_samples *s = f->samples;
+    uint32_t part = 0, n = 0;
+    if (dt_item_level(item) == 0)
+        dt_worst_add(w, s->v, item, decide(c, p, &s->v[item], f->bound));
+    else
+        n = dt_item_parts(s, item, &part);
+    for (uint32_t k = 0; k < n; k++)
+        decide_item(f, part + k, c, p, w);
+}
+
+static void decide_list(const struct dt_facets *f, uint32_t base, const struct dt_plane *p,
+                        struct dt_facet *facet)
+{
+    struct dt_corners c = dt_facet_corners(f, base);
+    struct dt_worst w = dt_worst_none;
+    for (size_t k = facet->first; k < (size_t)facet->first + facet->n; k++)
+        decide_item(f, f->pool[k], &c, p, &w);
+    facet->worst = w.point;
+    facet->off = w.off;
+}
+
+void dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
+                  struct dt_facet facet)
+{
+    if (facet.n > 0 && dt_plane_doubts(p, facet.off, f->bound))
+        decide_list(f, base, p, &facet);
+    forget(f, &f->facet[base / 8]);
+    f->facet[base / 8] = facet;
+    note(f, base / 8);
+}
+
+void dt_facet_empty(struct dt_facets *f, uint32_t base)
+{
+    forget(f, &f->facet[base / 8]);
+    f->facet[base / 8] = facet_empty;
+}

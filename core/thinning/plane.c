@@ -1,0 +1,140 @@
+/* plane.c - see plane.h. */
+#include "core/thinning/plane.h"
+
+#include "core/exact/bignum.h"
+
+/* Of the largest value: beyond, products could overflow; below, what they lose at the least doubles, 2^-485 after the
+ * division by D >= 2^-388 and times a side below 2^202, would not be negligible. */
+#define PLANE_MOST 0x1p600
+#define PLANE_LEAST 0x1p-300
+
+/* A plane whose rounded values mean nothing. */
+static void give_up(struct dt_plane *p)
+{
+    p->dx = p->dy = 0;
+    p->doubt = HUGE_VAL;
+}
+
+static void set_slopes(struct dt_plane *p, const struct dt_corners *c, double largest)
+{
+    double bx = c->second.at.x - p->at.x, by = c->second.at.y - p->at.y;
+    double cx = c->third.at.x - p->at.x, cy = c->third.at.y - p->at.y;
+    double bz = c->second.z - p->z, cz = c->third.z - p->z;
+    double bb = bx * bx + by * by, cc = cx * cx + cy * cy, area = bx * cy - by * cx;
+    double f = (bb > cc ? bb : cc) / area, range = fmax(fabs(bz), fabs(cz));
+    p->level = range == 0;
+    p->dx = (bz * cy - cz * by) / area;
+    p->dy = (cz * bx - bz * cx) / area;
+    p->doubt = 0x1p-47 * f * range + 0x1p-49 * largest;
+    if (!(f < 0x1p30) && !p->level)
+        give_up(p);
+    if (p->level) { /* also where the area has vanished */
+        p->dx = p->dy = 0;
+        p->doubt = 0x1p-49 * largest;
+    }
+}
+
+/* The ends differ in x, or all points of the line have the same x. */
+static void set_slope_of_line(struct dt_plane *p, const struct dt_corners *c, double largest)
+{
+    double x = c->second.at.x - p->at.x, z = c->second.z - p->z;
+    p->level = z == 0;
+    if (x != 0)
+        p->dx = z / x;
+    else
+        p->dy = z / (c->second.at.y - p->at.y);
+    p->doubt = 0x1p-47 * fabs(z) + 0x1p-49 * largest;
+}
+
+struct dt_plane dt_plane_of(const struct dt_corners *c, double largest)
+{
+    struct dt_plane p = {.at = c->first.at, .z = c->first.z};
+    double sum = c->first.z + c->second.z + (c->on_line ? 0 : c->third.z);
+    if (isnan(sum) &&
+        (isnan(c->first.z) || isnan(c->second.z) || (!c->on_line && isnan(c->third.z)))) {
+        p.z = HUGE_VAL;
+        return p;
+    }
+    if (largest > PLANE_MOST || (largest < PLANE_LEAST && largest != 0)) {
+        give_up(&p);
+        return p;
+    }
+    if (!c->on_line)
+        set_slopes(&p, c, largest);
+    else
+        set_slope_of_line(&p, c, largest);
+    return p;
+}
+
+/* ---- exactly ---- */
+
+static void cross_big(const struct dt_big *ax, const struct dt_big *ay, const struct dt_big *bx,
+                      const struct dt_big *by, struct dt_big *r)
+{
+    struct dt_big left, right;
+    dt_big_multiply(ax, by, &left);
+    dt_big_multiply(ay, bx, &right);
+    dt_big_subtract(&left, &right, r);
+}
+
+static void difference_big(double a, double b, struct dt_big *r)
+{
+    struct dt_big big;
+    dt_big_of(a, r);
+    dt_big_of(b, &big);
+    dt_big_subtract(r, &big, r);
+}
+
+/* The second corner, the third one and q as seen from the first one, and their crosses. */
+static void weights_big(const struct dt_corners *c, const struct dt_sample *q, struct dt_big *area,
+                        struct dt_big *second, struct dt_big *third)
+{
+    const struct dt_point o = c->first.at;
+    struct dt_big bx, by, cx, cy, qx, qy;
+    difference_big(c->second.at.x, o.x, &bx);
+    difference_big(c->second.at.y, o.y, &by);
+    difference_big(c->third.at.x, o.x, &cx);
+    difference_big(c->third.at.y, o.y, &cy);
+    difference_big(q->at.x, o.x, &qx);
+    difference_big(q->at.y, o.y, &qy);
+    cross_big(&bx, &by, &cx, &cy, area);
+    cross_big(&qx, &qy, &cx, &cy, second);
+    cross_big(&bx, &by, &qx, &qy, third);
+}
+
+/* The same on a line, by the coordinate in which its points differ; `third` does not count. */
+static void weights_on_line(const struct dt_corners *c, const struct dt_sample *q,
+                            struct dt_big *area, struct dt_big *second)
+{
+    const struct dt_point o = c->first.at, e = c->second.at;
+    bool by_x = e.x != o.x;
+    difference_big(by_x ? e.x : e.y, by_x ? o.x : o.y, area);
+    difference_big(by_x ? q->at.x : q->at.y, by_x ? o.x : o.y, second);
+}
+
+/* *sum += weight (value - base) */
+static void add_big(struct dt_big *sum, const struct dt_big *weight, double value, double base)
+{
+    struct dt_big term;
+    difference_big(value, base, &term);
+    dt_big_multiply(&term, weight, &term);
+    dt_big_add(sum, &term, sum);
+}
+
+bool dt_plane_exceeds(const struct dt_corners *c, const struct dt_sample *q, double bound)
+{
+    struct dt_big area, second, third, sum, most;
+    if (!c->on_line)
+        weights_big(c, q, &area, &second, &third);
+    else
+        weights_on_line(c, q, &area, &second);
+    dt_big_of(0, &sum);
+    add_big(&sum, &area, c->first.z, q->z);
+    add_big(&sum, &second, c->second.z, c->first.z);
+    if (!c->on_line)
+        add_big(&sum, &third, c->third.z, c->first.z);
+    dt_big_of(bound, &most);
+    dt_big_multiply(&most, &area, &most);
+    sum.sign = sum.sign == 0 ? 0 : 1;
+    return dt_big_compare(&sum, &most) > 0;
+}

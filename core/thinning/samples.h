@@ -1,0 +1,77 @@
+/* samples.h - the points that are thinned out, in an order in which neighbours in the plane are neighbours in memory, and
+ * blocks of them.
+ *
+ * A block of level k has four blocks of the level below, the last one perhaps fewer; points are level 0. As the points are
+ * in Morton order, blocks are small in the plane, too. Where a block lies within one triangle, it stands for all of its
+ * points: then one look at the block shows that none of them can be the worst point of the triangle, or that they all are
+ * in the same part of it. */
+#ifndef DT_SAMPLES_H
+#define DT_SAMPLES_H
+
+#include "core/control/stop.h"
+#include "core/delaunay_thinning.h"
+
+/* Half a cache line. */
+struct dt_sample {
+    struct dt_point at;
+    double z;       /* nan: it has no value */
+    uint64_t index; /* in the arrays of the caller */
+};
+
+/* The box of its points, from its middle to its sides, and the range of their values. */
+struct dt_bunch {
+    struct dt_point at;
+    double width, height;
+    double least, most;
+};
+
+enum { DT_BLOCK_LEVELS = 14, DT_BLOCK_PARTS = 4 };
+
+struct dt_samples {
+    struct dt_sample *v; /* owns n, in Morton order */
+    uint32_t n;
+    double largest;         /* magnitude of a value */
+    struct dt_bunch *block; /* owns: those of level 1, then of level 2, and so on */
+    uint32_t start[DT_BLOCK_LEVELS + 1], count[DT_BLOCK_LEVELS + 1]; /* by level; count[0]: n */
+    uint32_t levels;                                                 /* the highest one */
+};
+
+/* A block or a point, by its level and its number there. */
+static inline uint32_t dt_item_of(uint32_t level, uint32_t number)
+{
+    return level << 28 | number;
+}
+
+static inline uint32_t dt_item_level(uint32_t item)
+{
+    return item >> 28;
+}
+
+static inline uint32_t dt_item_number(uint32_t item)
+{
+    return item & ((1u << 28) - 1);
+}
+
+static inline const struct dt_bunch *dt_item_block(const struct dt_samples *s, uint32_t item)
+{
+    return &s->block[s->start[dt_item_level(item)] + dt_item_number(item)];
+}
+
+/* The parts of a block: *first and those that follow. Returns how many they are. */
+static inline uint32_t dt_item_parts(const struct dt_samples *s, uint32_t item, uint32_t *first)
+{
+    uint32_t level = dt_item_level(item) - 1, number = DT_BLOCK_PARTS * dt_item_number(item);
+    uint32_t left = s->count[level] - number;
+    *first = dt_item_of(level, number);
+    return left < DT_BLOCK_PARTS ? left : DT_BLOCK_PARTS;
+}
+
+/* DT_NOMEM, DT_CANCELLED; to be cleared in any case. Cost: O(n), and 16 bytes for each meanwhile. */
+enum dt_status dt_samples_init(struct dt_samples *s, const struct dt_thinning *in,
+                               struct dt_stop *stop);
+void dt_samples_clear(struct dt_samples *s);
+
+/* The bytes that n of them take at most. */
+size_t dt_samples_memory(uint32_t n);
+
+#endif

@@ -1,0 +1,50 @@
+/* share.h - which triangle of the surface has which points, from its beginning and after each new vertex. */
+#ifndef DT_SHARE_H
+#define DT_SHARE_H
+
+#include "core/thinning/facets.h"
+
+/* A triangle of the star of a new vertex, or one of two parts of an edge: from an edge of the star to the next one. */
+struct dt_sector {
+    struct dt_point to; /* the other end of the edge where it begins */
+    double x, y;        /* the same as seen from the new vertex */
+    bool on_left;       /* a point on that edge belongs to it, not to the sector before */
+    uint32_t base;      /* of its record */
+    struct dt_plane plane;
+    struct dt_worst worst;
+    uint32_t first, n; /* items of its list */
+};
+
+/* An item, and the sector that has it. */
+struct dt_shared {
+    uint32_t item, sector;
+};
+
+enum { DT_SECTORS_AT_ONCE = 16 };
+
+/* Scratch. Start with {0}. */
+struct dt_share {
+    struct dt_sector *sector; /* owns cap */
+    uint32_t sectors, cap;
+    double x[DT_SECTORS_AT_ONCE],
+        y[DT_SECTORS_AT_ONCE]; /* of the first sectors again, side by side */
+    uint32_t
+        half; /* sectors before it begin less than a half turn after the first one; open stars: all */
+    bool on_line;  /* the sectors are two parts of an edge */
+    uint32_t *old; /* owns old_cap: items of facets that are replaced */
+    size_t olds, old_cap;
+    struct dt_shared *item; /* owns item_cap: those that they become */
+    size_t items, item_cap;
+};
+
+void dt_share_clear(struct dt_share *h);
+
+/* All points that are not kept and have a value get into the lists of facets; f has a pool for them. */
+enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_stop *stop);
+
+/* The worst point of the facet with that number becomes a vertex, for which there is room, and the points around it change
+ * their facets. After a failure the facets can only be freed. */
+enum dt_status dt_share_insert(struct dt_facets *f, struct dt_share *h, uint32_t facet,
+                               struct dt_stop *stop);
+
+#endif

@@ -1,0 +1,129 @@
+/* many_test.c - many points that are thinned out: the surface beside all of them, memory, and flags. */
+#include "core/delaunay_thinning.h"
+#include "tests/core/polls.h"
+#include "tests/core/thinning/exactly.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- many points ---- */
+
+/* A surface with waves of several lengths, on a lattice or at random places. */
+static struct dt_thinning *waves(uint32_t n, bool lattice)
+{
+    struct dt_thinning *t = calloc(1, sizeof *t);
+    struct dt_point *p = malloc(n * sizeof *p);
+    double *z = malloc(n * sizeof *z);
+    uint32_t side = (uint32_t)sqrt(n);
+    CHECK(t != NULL && p != NULL && z != NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        double x = lattice ? i % side : (double)(test_random() % (1u << 30)) / (1 << 20);
+        double y = lattice ? i / side : (double)(test_random() % (1u << 30)) / (1 << 20);
+        p[i] = (struct dt_point){x, y};
+        z[i] = 100 * sin(x / 50) * cos(y / 70) + 5 * sin(x / 7) + (double)(test_random() % 8) / 8;
+    }
+    *t = (struct dt_thinning){p, z, n, NULL, 0, 1, UINT32_MAX, NULL, NULL};
+    return t;
+}
+
+static void free_waves(struct dt_thinning *t)
+{
+    void *p, *z;
+    memcpy(&p, &t->point, sizeof p);
+    memcpy(&z, &t->value, sizeof z);
+    free(p);
+    free(z);
+    free(t);
+}
+
+/* Every point beside the surface of those that are kept, with a set of its own. */
+static void check_surface(const struct dt_thinning *in, const struct dt_thinned *out)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    struct dt_point *p = malloc(out->n * sizeof *p);
+    double worst = 0;
+    CHECK(t != NULL && p != NULL);
+    for (uint32_t i = 0; i < out->n; i++)
+        p[i] = in->point[out->kept[i]];
+    CHECK(dt_add(t, p, out->n, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    for (uint32_t i = 0; i < in->n; i++) {
+        struct dt_location at;
+        struct corner k[3];
+        CHECK(dt_locate(t, in->point[i], &at) == DT_OK && at.where != DT_OUTSIDE);
+        int n = at.where == DT_ON_VERTEX ? 1 : at.where == DT_ON_EDGE ? 2 : 3;
+        for (int c = 0; c < n; c++)
+            k[c] = (struct corner){p[at.id[c]], in->value[out->kept[at.id[c]]]};
+        CHECK(n > 1 || k[0].z == in->value[i]);
+        CHECK(n == 1 || exact_side(k, n, in->point[i], in->value[i], in->error) <= 0);
+        if (n == 3)
+            worst = fmax(worst, rounded_off(k, n, in->point[i], in->value[i]));
+    }
+    CHECK(worst <= out->error + 1e-9);
+    dt_free(t);
+    free(p);
+}
+
+TEST_TIMEOUT(no_point_of_many_is_off_by_more_than_the_error, 60)
+{
+    for (int lattice = 0; lattice < 2; lattice++) {
+        struct dt_thinning *in = waves(20000, lattice == 1);
+        struct dt_thinned out;
+        for (in->error = 0.25; in->error < 100; in->error *= 8) {
+            CHECK(dt_thin(in, NULL, &out) == DT_OK && out.n < in->n && out.error <= in->error);
+            check_surface(in, &out);
+            dt_pages_release(out.kept);
+        }
+        free_waves(in);
+    }
+}
+
+/* ---- how it ends early ---- */
+
+static size_t reserved, allowed;
+
+static enum dt_status reserve(void *ctx, size_t bytes)
+{
+    (void)ctx;
+    reserved = bytes > reserved ? bytes : reserved;
+    return bytes > allowed ? DT_NOMEM : DT_OK;
+}
+
+TEST(thinning_reserves_what_it_takes_and_can_be_refused)
+{
+    struct dt_thinning *in = waves(20000, false);
+    struct dt_thinned out;
+    in->reserve = reserve;
+    in->error = 0.25;
+    allowed = SIZE_MAX;
+    CHECK(dt_thin(in, NULL, &out) == DT_OK && out.n > 2000);
+    CHECK(reserved > in->n * sizeof(struct dt_point) && reserved < in->n * 1000);
+    dt_pages_release(out.kept);
+    for (allowed = 0; allowed < reserved; allowed += reserved / 7 + 1)
+        CHECK(dt_thin(in, NULL, &out) == DT_NOMEM && out.kept == NULL);
+    free_waves(in);
+}
+
+TEST(thinning_polls_its_flag)
+{
+    struct dt_thinning *in = waves(100000, true);
+    struct dt_thinned out;
+    dt_atomic_bool cancel;
+    struct dt_options opt = {.cancel = &cancel};
+    atomic_init(&cancel, false);
+    polls_begin();
+    CHECK(dt_thin(in, &opt, &out) == DT_OK);
+    polls_end();
+    dt_pages_release(out.kept);
+    uint64_t polls = polls_count();
+    for (uint64_t n = 1; n <= polls; n += polls / 5 + 1) {
+        polls_cancel_at(n);
+        CHECK(dt_thin(in, &opt, &out) == DT_CANCELLED && out.kept == NULL);
+    }
+    polls_cancel_at(0);
+    atomic_store(&cancel, true);
+    CHECK(dt_thin(in, &opt, &out) == DT_CANCELLED);
+    free_waves(in);
+}
