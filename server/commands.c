@@ -172,6 +172,10 @@ const struct command commands[] = {
      .help =
          "the volumes between a field's surface and a level, 0 unless given, or another field's",
      .result = "above:d below:d area:d"},
+    {"SIMPLIFY", 7, 11, EDITS | CMD_EXISTING, cmd_simplify,
+     "SIMPLIFY set field ERROR e [POINTS n] [IDS name] INTO other",
+     .help = "makes a new set of few points, whose surface is within the error of every point",
+     .result = "points:i constraints:i error:d"},
     {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius",
      .help = "the boundary of the triangles whose circumradius is at most the radius",
      .rows = "si"},

@@ -23,7 +23,8 @@ struct drawing {
     struct drawn lists; /* `added` are those asked for, until the change has been applied */
     uint64_t *
         line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
-    bool loads;    /* it is a LOAD */
+    bool loads;    /* it is a LOAD, */
+    bool thins;    /* or the points that SIMPLIFY has kept */
     bool asked;    /* it is asked to split constraints that cross, */
     bool splits;   /* and that has not been done yet */
     uint32_t most; /* points that may come with a split */
@@ -33,6 +34,7 @@ struct drawing {
     /* the outcome: */
     size_t declared, split;
     double deviation;
+    double error;              /* of `thins` */
     struct dt_crossed crossed; /* of DT_CROSSES, */
     uint64_t crossed_line[2];  /* and the lines of the two; 0: it has none */
 };

@@ -214,6 +214,7 @@ command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  
 command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
 command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster, cmd_contour,
     cmd_profile, cmd_volume;                             /* cmd_surface.c */
+command_handler cmd_simplify;                            /* cmd_simplify.c */
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */

@@ -417,6 +417,8 @@ static void publish(struct server *s, struct job *j)
  * triangulation before a query, only shows changes of others. */
 static void note_changes(const struct job *j, struct answer *a)
 {
+    if (j->continues)
+        return;
     a->lsn = 0;
     if (j->base == NULL || j->status == DT_CANCELLED)
         return;

@@ -35,6 +35,7 @@ struct job {
     struct dataset *set;   /* its edits wait for the end of the job; NULL: they do not */
     bool changes;          /* it was submitted by job_change */
     bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
+    bool continues;        /* its end has submitted another job, which answers */
     struct change *change; /* borrows; for the log if the job succeeds; NULL: none */
     /* Borrows; gets the change of a job that edits in place a set that is born; NULL: none. The change that creates a set is
      * logged when the set is born, because a snapshot has born sets only. */

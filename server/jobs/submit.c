@@ -124,6 +124,13 @@ static enum dt_status reserve_more(void *ctx, size_t bytes)
     return job_reserve(&x->job, x->base + bytes);
 }
 
+/* The rows of its constraints, as they are asked for and as the core takes them. */
+static size_t memory_of_drawn(const struct drawn *v)
+{
+    size_t n = (size_t)v->n_released + v->n_added;
+    return n * (sizeof(struct dt_constraint) + sizeof *v->added + sizeof(uint64_t));
+}
+
 /* What the points take, which may be none, and the constraints. */
 static bool reserve_drawing(struct server *s, struct answer *a, const struct dataset *set,
                             struct submission *x)
@@ -136,8 +143,7 @@ static bool reserve_drawing(struct server *s, struct answer *a, const struct dat
     size_t n = (size_t)v->n_released + v->n_added, bytes = x->job.memory.bytes;
     struct dt_options options = job_options(s);
     bool refreshes = set != NULL && version_is_stale(set->current);
-    size_t rows = n * (sizeof(struct dt_constraint) + sizeof *v->added + sizeof *d->line);
-    bytes += rows + (d->loads ? x->change.n * sizeof(struct dt_point) : 0) +
+    bytes += memory_of_drawn(v) + (d->loads ? x->change.n * sizeof(struct dt_point) : 0) +
              (set == NULL ? 0 : dt_constrain_memory(set->current->dt, n)) +
              (refreshes ? dt_build_memory(set->current->dt, &options) : 0);
     d->most = s->config->max_points - points - x->change.n;
@@ -145,6 +151,13 @@ static bool reserve_drawing(struct server *s, struct answer *a, const struct dat
     d->ctx = x;
     return !refreshes && cost_at_once(COST_EDIT, n) ? fits(s, a, bytes)
                                                     : server_reserve(s, a, &x->job.memory, bytes);
+}
+
+size_t submit_memory_of_new(const struct server *s, const struct change *c)
+{
+    size_t columns = c->columns == NULL ? 0 : c->columns->count;
+    size_t bytes = memory_to_add(s, NULL, c->n) + memory_of_columns(c->n, columns);
+    return c->drawing == NULL ? bytes : bytes + memory_of_drawn(&c->drawing->lists);
 }
 
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
@@ -214,6 +227,12 @@ static void run(struct job *j)
 static void answer_drawing(struct answer *a, const struct change *c)
 {
     const struct drawing *d = c->drawing;
+    if (d->thins) {
+        reply_key_u64(a->out, "points", c->added.added);
+        reply_key_u64(a->out, "constraints", d->declared);
+        reply_key_double(a->out, "error", d->error);
+        return;
+    }
     reply_key_u64(a->out, "first", c->added.first);
     reply_key_u64(a->out, "added", c->added.added);
     if (d->loads) {

@@ -32,6 +32,9 @@ bool submit_may(struct answer *a, const struct dataset *set, enum change_code co
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
                     struct submission *x);
 
+/* What submit_reserve would reserve for a change that makes a new set and has all it needs; for callers that cannot wait. */
+size_t submit_memory_of_new(const struct server *s, const struct change *c);
+
 /* Carries out a change of the set, which must have no writer; NULL: there is none yet. Answers `OK 0`, the facts of the kind of
  * change, and the version. */
 void submit(struct server *s, struct answer *a, struct dataset *set, struct submission *x);

@@ -82,6 +82,7 @@ static void change_everything(const struct node *n)
         "CONSTRAIN x SPLIT OF 3 2 3\nTRIANGULATE x\nCONSTRAIN x SPLIT BORDER 4 5\n"
         "CONSTRAIN x SPLIT 4 5\nCONSTRAIN x SPLIT 0 2\n"
         "LOAD x 5 PATHS OF 4 SPLIT FIELDS v\n1 7 1\n9 2 2\n> b\n0 1 3\n9 8 4\n"
+        "SIMPLIFY x z ERROR 1 IDS id INTO y\nSIMPLIFY b z ERROR 0 INTO z\n"
         "LOAD x PATHS BORDER\n20 20\n21 20\n20 21\n20 20\n.\nLOAD x 1 PATHS\n30 30\n");
 }
 
@@ -94,7 +95,7 @@ TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)
     load_large(&l);
     node_expect_same(&l, &f);
     carry_out(&l.d, "FDROP large z\nTRIANGULATE large\nEXPIRE b 0.05\n");
-    await_info(&l.d, "sets", 5);
+    await_info(&l.d, "sets", 7);
     carry_out(&l.d, "ADD b 1 1\nDROP c\nDEL a 0 1\nFDROP a q\n");
     node_expect_same(&l, &f);
     CHECK(node_is(&f, "role", "follower") && node_is(&f, "link", "receiving"));
@@ -127,10 +128,10 @@ TEST_TIMEOUT(follower_refuses_changes_and_says_who_the_leader_is, 60)
     carry_out(&l.d, "ADD a 0 0\n");
     node_expect_same(&l, &f);
     snprintf(want, sizeof want, "ERR READONLY leader=127.0.0.1:%u", l.d.port);
-    static const char *const changes[] = {"ADD a 1 1",       "CREATE b",     "DROP a",
-                                          "DEL a 0",         "MOVE a 0 3 3", "TRIANGULATE a",
-                                          "FSET a z 0 1",    "EXPIRE a 100", "FDROP a z",
-                                          "CONSTRAIN a 0 0", "RELEASE a ALL"};
+    static const char *const changes[] = {
+        "ADD a 1 1",    "CREATE b",        "DROP a",        "DEL a 0",
+        "MOVE a 0 3 3", "TRIANGULATE a",   "FSET a z 0 1",  "EXPIRE a 100",
+        "FDROP a z",    "CONSTRAIN a 0 0", "RELEASE a ALL", "SIMPLIFY a z ERROR 1 INTO b"};
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++)
         CHECK_STR(node_ask(&f, changes[i]), want);
     node_expect(&f, "SYNC 1.1.1 0 0000000000000000", want);

@@ -1,0 +1,76 @@
+/* cmd_simplify.c - SIMPLIFY: a new set of few points. */
+#include "server/command/command.h"
+
+#include "proto/number.h"
+#include "server/command/simplify.h"
+#include "server/jobs/durable.h"
+
+#include <math.h>
+
+static bool read_error(struct answer *a, const struct word *w, double *error)
+{
+    if (!proto_read_double(w->text, w->len, error))
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    else if (!(*error >= 0) || isinf(*error))
+        answer_err(a, ERR_RANGE, "an error is finite and not negative");
+    else {
+        *error += 0.0; /* -0 becomes 0 */
+        return true;
+    }
+    return false;
+}
+
+static bool read_other(struct answer *a, const struct word *w, struct name *other)
+{
+    if (!word_is_set_name(w)) {
+        answer_err(a, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+        return false;
+    }
+    *other = name_of(w->text, w->len);
+    return true;
+}
+
+static bool read_ids_name(struct answer *a, const struct word *w, struct name *ids)
+{
+    if (!read_field_name(a, w))
+        return false;
+    *ids = name_of(w->text, w->len);
+    return true;
+}
+
+/* Reads the options, words 3 to the last one, in this order. */
+static bool read_options(struct answer *a, const struct request *q, struct simplify *x)
+{
+    const struct word *w = &q->word[3], *end = q->word + q->n;
+    if (!word_is(w, "ERROR")) {
+        answer_usage(a);
+        return false;
+    }
+    if (!read_error(a, &w[1], &x->error))
+        return false;
+    w += 2;
+    if (w + 2 < end && word_is(w, "POINTS")) {
+        if (!read_count(a, &w[1], "a number of points", &x->most))
+            return false;
+        w += 2;
+    }
+    if (w + 2 < end && word_is(w, "IDS")) {
+        if (!read_ids_name(a, &w[1], &x->ids))
+            return false;
+        w += 2;
+    }
+    if (w + 2 != end || !word_is(w, "INTO")) {
+        answer_usage(a);
+        return false;
+    }
+    return read_other(a, &w[1], &x->other);
+}
+
+/* The new set is saved, also if the set is temporary, which command.c does not check then. */
+void cmd_simplify(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct simplify x = {.field = find_field(a, set, &q->word[2]), .most = UINT32_MAX};
+    if (x.field != NULL && read_options(a, q, &x) && simplify_is_new(s, a, &x.other) &&
+        durable_admits_change(s, a, false))
+        simplify_answer(s, a, set, &x);
+}
