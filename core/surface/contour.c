@@ -1,7 +1,6 @@
 /* contour.c - contours of the linear surface.
  *
- * First the class of every point is computed, the number of levels below its value: then most triangles, whose corners
- * have the same class, cost three look-ups. The others have a crossing for each level between their corners' classes:
+ * The classes of the corners (reading.h) say which levels cross a triangle; each has a crossing in it:
  *
  *                above                 `in` is the edge that goes down, counterclockwise as seen from the
  *               /     \                triangle, and `out` the one that goes up; both are named by their ids. A
@@ -9,64 +8,33 @@
  *           /             \            crossings are joined without the triangulation.
  *       below ----------- below
  *
- * All is read in pieces, as of the moment of a view. The result does not depend on the order of the triangles, so they
- * are read as they lie in memory, until an edit changes the mesh: then the crossings are dropped, and all triangles are
- * read through a table, which continues with those of the view. */
+ * If an edit changes the mesh before all triangles are read, the crossings are dropped, and all are read again. */
 #include "core/exact/predicates.h"
-#include "core/memory/memory.h"
-#include "core/mesh/fixed.h"
-#include "core/query/query.h"
-#include "core/set/view_rows.h"
-
-#include "core/delaunay_surface.h"
+#include "core/surface/reading.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    PIECE = 4096,    /* triangles of the table */
-    RECORDS = 16384, /* values, or triangles as they lie in memory */
-    NEW = 8192       /* crossings of a piece */
-};
-
-#define MISSING UINT32_MAX /* the class of a point without a value */
-
-struct edge {
-    uint32_t lo, hi; /* ids */
-};
+enum { NEW = 8192 }; /* crossings of a piece */
 
 struct crossing {
     uint32_t level; /* its number */
-    struct edge in, out;
+    struct dt_edge in, out;
     struct dt_point from, to;
     uint32_t next; /* the crossing of the next triangle, DT_NONE: the line ends */
     bool follows;  /* there is one before */
     bool taken;    /* by a line */
 };
 
-enum stage { VALUES, MESH, TABLE, READ };
+enum stage { VALUES, TRIANGLES, READ };
 
 struct dt_contour {
-    const struct dt_view *view;   /* borrows */
-    const struct dt_field *field; /* borrows */
-    double *level;                /* owns */
-    uint32_t levels;
-    double max_edge;
-    bool inside; /* lines end at borders */
-    struct dt_enclosure enclosure;
+    struct dt_reading read; /* owns */
     enum stage stage;
-    uint32_t *class; /* owns ids */
-    uint32_t ids, from;
-    uint32_t record; /* the next one of the mesh */
-    struct dt_cursor cursor;
-    uint32_t triangle
-        [3 *
-         PIECE]; /* that have been read, up to `end`, and `at` is next: from the level `sub` on */
-    size_t at, end;
-    uint32_t sub;
+    uint32_t sub;              /* the first level of the next triangle that is not read */
     struct crossing *crossing; /* owns cap */
-    size_t n, cap;
-    uint32_t *slot; /* owns slots: crossings by `in`, DT_NONE: none */
+    size_t n, cap, most;       /* `most`: of this piece */
+    uint32_t *slot;            /* owns slots: crossings by `in`, DT_NONE: none */
     size_t slots;
     const struct crossing **line; /* owns: the first crossing of each line */
     size_t lines;
@@ -78,8 +46,7 @@ void dt_contour_free(struct dt_contour *c)
 {
     if (c == NULL)
         return;
-    free(c->level);
-    free(c->class);
+    dt_reading_clear(&c->read);
     free(c->crossing);
     free(c->slot);
     free(c->line);
@@ -92,139 +59,37 @@ enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge, struct dt_contour **out)
 {
-    *out = NULL;
-    enum dt_status s = dt_view_readable(t, v, true);
-    if (s != DT_OK)
-        return s;
-    struct dt_contour *c = calloc(1, sizeof *c);
+    struct dt_contour *c = *out = calloc(1, sizeof *c);
     if (c == NULL)
         return DT_NOMEM;
-    c->view = v;
-    c->field = f;
-    c->levels = levels;
-    c->max_edge = max_edge;
-    c->ids = v == NULL ? t->points.next_id : dt_view_next_id(v);
-    c->level = malloc(levels * sizeof *level + 1);
-    c->class = malloc(c->ids * sizeof *c->class + 1);
-    s = c->level == NULL || c->class == NULL ? DT_NOMEM : DT_OK;
-    if (s == DT_OK)
-        s = dt_table_begin(t, v, DT_TRIANGLES, false, &c->cursor);
+    enum dt_status s = dt_reading_begin(&c->read, t, v, f, level, levels, max_edge);
     if (s != DT_OK) {
         dt_contour_free(c);
-        return s;
-    }
-    if (levels > 0)
-        memcpy(c->level, level, levels * sizeof *level);
-    *out = c;
-    return DT_OK;
-}
-
-enum dt_status dt_contour_inside(struct dt_contour *c, const struct dt *t, uint32_t number)
-{
-    if (dt_view_if_changed(t, c->view) != NULL)
-        return DT_UNSURVEYED;
-    c->inside = true;
-    return dt_enclosure_of(t, number, &c->enclosure);
-}
-
-/* ---- classes ---- */
-
-static uint32_t class_of(const struct dt_contour *c, double z)
-{
-    uint32_t a = 0, b = c->levels;
-    if (isnan(z))
-        return MISSING;
-    while (a < b) {
-        uint32_t middle = a + (b - a) / 2;
-        if (c->level[middle] <= z)
-            a = middle + 1;
-        else
-            b = middle;
-    }
-    return a;
-}
-
-static void read_values(struct dt_contour *c)
-{
-    uint32_t end = c->ids - c->from < RECORDS ? c->ids : c->from + RECORDS;
-    while (c->from < end) {
-        uint64_t at = c->from;
-        const double *page = dt_field_page(c->field, c->view, &at);
-        while (c->from < end && (page == NULL || c->from < at))
-            c->class[c->from++] = MISSING;
-        for (uint32_t i = 0; c->from < end && i < DT_FIELD_PAGE; i++)
-            c->class[c->from++] = class_of(c, page[i]);
-    }
-    if (c->from == c->ids)
-        c->stage = MESH;
-}
-
-/* ---- crossings ---- */
-
-struct corner {
-    uint32_t id;
-    struct dt_point p;
-    double z;
-};
-
-static double between(double a, double b, double share)
-{
-    double x = a + (b - a) * share, lo = a < b ? a : b, hi = a < b ? b : a;
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
-/* Where the level is on an edge, from its higher end. In each step rounding is monotone, so higher levels are not nearer
- * to the lower end. */
-static struct dt_point place_of(const struct corner *higher, const struct corner *lower,
-                                double level)
-{
-    double fall = higher->z - lower->z, share = (higher->z - level) / fall;
-    if (isinf(fall))
-        share = (higher->z / 2 - level / 2) / (higher->z / 2 - lower->z / 2);
-    return (struct dt_point){between(higher->p.x, lower->p.x, share),
-                             between(higher->p.y, lower->p.y, share)};
-}
-
-static enum dt_status read_corners(const struct dt *t, const struct dt_contour *c,
-                                   const uint32_t *id, struct corner corner[3])
-{
-    double z[3];
-    enum dt_status s = DT_OK;
-    dt_field_values(c->field, c->view, id, 3, z);
-    for (int k = 0; k < 3 && s == DT_OK; k++) {
-        corner[k].id = id[k];
-        corner[k].z = z[k];
-        s = dt_view_get(t, c->view, id[k], &corner[k].p);
+        *out = NULL;
     }
     return s;
 }
 
-static bool has_surface(const struct dt_contour *c, const struct corner corner[3])
+enum dt_status dt_contour_inside(struct dt_contour *c, const struct dt *t, uint32_t number)
 {
-    for (int k = 0; c->max_edge < HUGE_VAL && k < 3; k++)
-        if (dt_compare_radius(corner[k].p, corner[(k + 1) % 3].p, c->max_edge) > 0)
-            return false;
-    return true;
+    return dt_reading_inside(&c->read, t, number);
 }
 
-static struct edge edge_of(uint32_t a, uint32_t b)
-{
-    return a < b ? (struct edge){a, b} : (struct edge){b, a};
-}
+/* ---- crossings ---- */
 
-static struct crossing crossing_of(const struct dt_contour *c, const struct corner corner[3],
+static struct crossing crossing_of(const struct dt_contour *c, const struct dt_corner corner[3],
                                    uint32_t level)
 {
-    double at = c->level[level];
+    double at = c->read.level[level];
     struct crossing r = {.level = level, .next = DT_NONE};
     for (int k = 0; k < 3; k++) {
-        const struct corner *a = &corner[k], *b = &corner[(k + 1) % 3];
+        const struct dt_corner *a = &corner[k], *b = &corner[(k + 1) % 3];
         if (a->z >= at && b->z < at) {
-            r.in = edge_of(a->id, b->id);
-            r.from = place_of(a, b, at);
+            r.in = dt_edge_of(a->id, b->id);
+            r.from = dt_level_place(a, b, at);
         } else if (a->z < at && b->z >= at) {
-            r.out = edge_of(a->id, b->id);
-            r.to = place_of(b, a, at);
+            r.out = dt_edge_of(a->id, b->id);
+            r.to = dt_level_place(b, a, at);
         }
     }
     return r;
@@ -234,31 +99,31 @@ static struct crossing crossing_of(const struct dt_contour *c, const struct corn
 static void levels_between(const struct dt_contour *c, const uint32_t *id, uint32_t *first,
                            uint32_t *end)
 {
-    uint32_t a = c->class[id[0]], b = c->class[id[1]], d = c->class[id[2]];
+    uint32_t a = dt_class(&c->read, id[0]), b = dt_class(&c->read, id[1]),
+             d = dt_class(&c->read, id[2]);
     *first = a < b ? a : b;
     *first = d < *first ? d : *first;
     *end = a > b ? a : b;
     *end = d > *end ? d : *end;
-    if (*end == MISSING)
+    if (*end == DT_CLASS)
         *end = *first;
 }
 
-/* Adds the crossings of a triangle, from the level c->sub on and while there are fewer than `most`. *whole: all of
+/* Adds the crossings of a triangle, from the level c->sub on and while there are fewer than c->most. *whole: all of
  * them. */
-static enum dt_status cross(const struct dt *t, struct dt_contour *c, const uint32_t *id,
-                            size_t most, bool *whole)
+static enum dt_status cross(void *ctx, const struct dt *t, const uint32_t id[3], bool *whole)
 {
-    struct corner corner[3];
+    struct dt_contour *c = ctx;
+    struct dt_corner corner[3];
     uint32_t first, end;
     levels_between(c, id, &first, &end);
-    *whole = true;
     if (first >= end)
         return DT_OK;
-    enum dt_status s = read_corners(t, c, id, corner);
-    if (s != DT_OK || !has_surface(c, corner))
+    enum dt_status s = dt_reading_corners(t, &c->read, id, corner, 3);
+    if (s != DT_OK || !dt_reading_is_short(&c->read, corner))
         return s;
     uint32_t level = c->sub > first ? c->sub : first;
-    while (level < end && c->n < most)
+    while (level < end && c->n < c->most)
         c->crossing[c->n++] = crossing_of(c, corner, level++);
     *whole = level >= end;
     c->sub = *whole ? 0 : level;
@@ -267,7 +132,8 @@ static enum dt_status cross(const struct dt *t, struct dt_contour *c, const uint
 
 static enum dt_status make_room(struct dt_contour *c)
 {
-    if (c->cap - c->n >= NEW)
+    c->most = c->n + NEW;
+    if (c->most <= c->cap)
         return DT_OK;
     size_t cap = c->cap + c->cap / 2 + NEW;
     struct crossing *more = cap < DT_NONE ? realloc(c->crossing, cap * sizeof *more) : NULL;
@@ -278,103 +144,48 @@ static enum dt_status make_room(struct dt_contour *c)
     return DT_OK;
 }
 
-/* Whether a triangle, not a dead one, is inside the borders at which lines end. */
-static bool has_lines(const struct dt_contour *c, const struct dt_mesh *m, uint32_t record)
+static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
 {
-    return !c->inside || dt_encloses(&c->enclosure, dt_face(m, 8 * record));
-}
-
-static enum dt_status read_mesh(const struct dt *t, struct dt_contour *c)
-{
-    const struct dt_mesh *m = &t->mesh;
-    size_t most = c->n + NEW;
-    uint32_t end = m->tri_end - c->record < RECORDS ? m->tri_end : c->record + RECORDS;
+    bool all = false;
     enum dt_status s = make_room(c);
-    while (s == DT_OK && c->record < end && c->n < most) {
-        const uint32_t *v = m->half + 8 * (size_t)c->record;
-        bool whole = true;
-        if (v[2] < DT_DEAD && has_lines(c, m, c->record)) { /* no ghost either */
-            const uint32_t *id = t->points.id;
-            s = cross(t, c, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]}, most, &whole);
-        }
-        c->record += whole;
-    }
-    if (s == DT_OK && c->record == m->tri_end)
-        c->stage = READ;
-    return s;
-}
-
-static enum dt_status read_table(const struct dt *t, struct dt_contour *c)
-{
-    size_t rows = 1, most = c->n + NEW;
-    enum dt_status s = make_room(c);
-    if (s == DT_OK && c->at == c->end) {
-        s = dt_table_read(t, &c->cursor, c->triangle, 3 * PIECE, PIECE, &rows, &c->end);
-        c->at = 0;
-        if (s == DT_TOOLONG) /* the next call goes on */
-            return DT_OK;
-    }
-    while (s == DT_OK && c->at < c->end && c->n < most) {
-        bool whole;
-        s = cross(t, c, &c->triangle[c->at], most, &whole);
-        c->at += whole ? 3 : 0;
-    }
-    if (s == DT_OK && rows == 0)
+    if (s == DT_OK)
+        s = dt_reading_visit(t, &c->read, cross, c, &all);
+    if (all)
         c->stage = READ;
     return s;
 }
 
 enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done)
 {
-    enum dt_status s = dt_view_readable(t, c->view, true);
-    if (s == DT_OK && c->inside && dt_view_if_changed(t, c->view) != NULL)
-        return DT_UNSURVEYED;
-    if (c->stage == MESH && s == DT_OK && dt_view_if_changed(t, c->view) != NULL) {
-        c->stage = TABLE;
+    enum dt_status s = dt_reading_check(t, &c->read);
+    if (s == DT_OK && c->stage == TRIANGLES && dt_reading_is_late(t, &c->read))
         c->n = c->sub = 0;
-    }
-    if (s == DT_OK && c->stage == VALUES)
-        read_values(c);
-    else if (s == DT_OK && c->stage != READ)
-        s = c->stage == MESH ? read_mesh(t, c) : read_table(t, c);
+    if (s == DT_OK && c->stage == TRIANGLES)
+        s = read_triangles(t, c);
+    else if (s == DT_OK && c->stage == VALUES && dt_reading_classes(&c->read))
+        c->stage = TRIANGLES;
     *done = s == DT_OK && c->stage == READ;
     return s;
 }
 
-static size_t slots_for(size_t n)
-{
-    size_t slots = 16;
-    while (slots < 2 * n)
-        slots *= 2;
-    return slots;
-}
-
 size_t dt_contour_memory(const struct dt_contour *c)
 {
-    bool grows = c->stage == MESH || c->stage == TABLE;
+    bool grows = c->stage == TRIANGLES;
     size_t cap = c->cap + (grows ? c->cap / 2 + NEW : 0);
     size_t end = c->stage == READ
-                     ? slots_for(c->n) * sizeof *c->slot +
+                     ? dt_edge_slots(c->n) * sizeof *c->slot +
                            c->n * (sizeof *c->line + 2 * sizeof *c->place + sizeof *c->result)
                      : 0;
-    return sizeof *c + c->levels * sizeof *c->level + c->ids * sizeof *c->class +
-           cap * sizeof *c->crossing + end;
+    return sizeof *c + c->read.levels * sizeof *c->read.level +
+           c->read.ids * sizeof *c->read.class + cap * sizeof *c->crossing + end;
 }
 
 /* ---- lines ---- */
 
-static size_t hash(uint32_t level, struct edge e)
-{
-    uint64_t h = (uint64_t)e.lo * 0x9e3779b97f4a7c15u ^ e.hi;
-    h = (h ^ h >> 29) * 0xbf58476d1ce4e5b9u ^ level;
-    h *= 0x94d049bb133111ebu;
-    return (size_t)(h >> 32 ^ h);
-}
-
 /* The slot of the crossing of this level that enters by the edge, or the free slot where it belongs. */
-static size_t slot_of(const struct dt_contour *c, uint32_t level, struct edge in)
+static size_t slot_of(const struct dt_contour *c, uint32_t level, struct dt_edge in)
 {
-    size_t i = hash(level, in) & (c->slots - 1);
+    size_t i = dt_edge_hash(level, in) & (c->slots - 1);
     while (c->slot[i] != DT_NONE) {
         const struct crossing *k = &c->crossing[c->slot[i]];
         if (k->level == level && k->in.lo == in.lo && k->in.hi == in.hi)
@@ -452,7 +263,7 @@ static void append(struct dt_contour_line *line, struct dt_point p)
 static struct dt_contour_line trace(const struct dt_contour *c, const struct crossing *first,
                                     struct dt_point *place)
 {
-    struct dt_contour_line line = {.level = c->level[first->level], .p = place};
+    struct dt_contour_line line = {.level = c->read.level[first->level], .p = place};
     const struct crossing *k = first;
     append(&line, k->from);
     while (k->next != DT_NONE && &c->crossing[k->next] != first) {
@@ -489,7 +300,7 @@ enum dt_status dt_contour_end(struct dt_contour *c, const struct dt_options *opt
     struct dt_stop stop = dt_stop_of(opt);
     *line = NULL;
     *lines = 0;
-    c->slots = slots_for(c->n);
+    c->slots = dt_edge_slots(c->n);
     c->slot = malloc(c->slots * sizeof *c->slot);
     c->line = malloc(c->n * sizeof *c->line + 1);
     c->place = malloc(2 * c->n * sizeof *c->place + 1);
