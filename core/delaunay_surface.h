@@ -320,6 +320,11 @@ struct dt_contour;
 size_t dt_levels_every(double least, double most, double step, double base, double *level,
                        size_t cap);
 
+/* The same, from the greatest level that is not above `least` to the least one that is above `most`: so bands between them
+ * cover the values. The last may be infinite. */
+size_t dt_levels_around(double least, double most, double step, double base, double *level,
+                        size_t cap);
+
 struct dt_contour_line {
     double level;
     bool closed;        /* its last place is joined to its first one */
@@ -350,6 +355,53 @@ enum dt_status dt_contour_end(struct dt_contour *c, const struct dt_options *opt
                               const struct dt_contour_line **line, size_t *lines);
 
 void dt_contour_free(struct dt_contour *c); /* NULL: nothing */
+
+/* ---- bands: polygons between neighbouring levels ----
+ *
+ * The band of two neighbouring levels is the part of the linear surface between them. As for contours, a point whose value is a
+ * level is above it: so a plateau at a level belongs to the band above. A triangle has no band if a corner has no value, if an
+ * edge is longer than max_edge, or if it is not inside (dt_bands_inside). The bands tile the rest between the lowest level and
+ * the highest. The first level may be -HUGE_VAL, and the last one HUGE_VAL; then the bands tile all of the rest.
+ *
+ * Each connected part of a band is a polygon: an outer ring, counterclockwise, and its holes, clockwise. Two parts that
+ * touch in points only are two polygons. Rings are simple; they may touch in points of the set. They are made of the
+ * places of contours, so neighbouring bands have the same bytes there, and of edges of the surface's border.
+ *
+ * The rings are exact and canonical; only places on edges are rounded, as those of contours. So a ring may touch or cross
+ * itself or another ring by the distance of neighbouring doubles. Places that are equal to the one before are
+ * left out, and then rings of fewer than three, with the holes of such an outer ring.
+ *
+ * A ring begins with its least place by x, then y. Polygons are sorted by their levels, then by the places of their outer rings;
+ * holes follow their outer ring, sorted by their places.
+ *
+ *     dt_bands_begin(t, view, field, level, levels, max_edge, &b);
+ *     do
+ *         dt_bands_read(t, b, &done);         under the caller's lock
+ *     while (!done);
+ *     dt_bands_end(b, &opt, &ring, &rings);   which needs the set no more
+ *     dt_bands_free(b);
+ *
+ * All functions as those of contours. Cost: 8 bytes for each id; linear in the triangles and in the places of the rings, and
+ * the sorting of the rings. */
+struct dt_bands;
+
+struct dt_band_ring {
+    double low, high;   /* the levels */
+    uint32_t number;    /* of the polygon, from 0 on: those with the same number belong together */
+    bool hole;          /* not the outer ring, which comes first */
+    struct dt_point *p; /* borrowed from the bands; the last place is joined to the first one */
+    size_t n;           /* at least 3 */
+};
+
+enum dt_status dt_bands_begin(const struct dt *t, const struct dt_view *v, const struct dt_field *f,
+                              const double *level, uint32_t levels, double max_edge,
+                              struct dt_bands **out);
+enum dt_status dt_bands_inside(struct dt_bands *b, const struct dt *t, uint32_t number);
+enum dt_status dt_bands_read(const struct dt *t, struct dt_bands *b, bool *done);
+size_t dt_bands_memory(const struct dt_bands *b);
+enum dt_status dt_bands_end(struct dt_bands *b, const struct dt_options *opt,
+                            const struct dt_band_ring **ring, size_t *rings);
+void dt_bands_free(struct dt_bands *b); /* NULL: nothing */
 
 /* ---- volumes between the linear surface and a level, or another surface ----
  *

@@ -141,6 +141,12 @@ bench-clients: all lib $(O)/tests/bench/points
 bench-python: lib
 	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
 
+# ---- bench-bands: filled contours beside Matplotlib's, with their goal; POINTS=1000000 ----
+
+.PHONY: bench-bands
+bench-bands: $(O)/tests/bench/set/surface
+	@/usr/bin/python3 tests/bench/set/beside_matplotlib.py $(O) $(or $(POINTS),1000000) | tee $(O)/bench-bands.md
+
 # ---- bench-polygons: polygons of CORNERS=100000 corners in Python beside CGAL, with their goal ----
 
 .PHONY: bench-polygons

@@ -78,3 +78,34 @@ size_t dt_levels_every(double least, double most, double step, double base, doub
     }
     return n;
 }
+
+size_t dt_levels_around(double least, double most, double step, double base, double *level,
+                        size_t cap)
+{
+    struct levels l;
+    size_t n = 0;
+    bool above = false; /* the exact level before is above the greatest value */
+    if (!(least <= most))
+        return 0;
+    begin(&l, least, most, step, base);
+    if (are_more(&l, cap))
+        return cap + 1;
+    dt_big_subtract(&l.at, &l.step, &l.at);
+    for (;;) {
+        double z = dt_big_nearest(&l.at);
+        if (above &&
+            z <= most) /* the steps are so small that a level is rounded to the next double */
+            z = nextafter(most, HUGE_VAL);
+        if (n == 1 && z <= least) /* the one before is not needed */
+            n = 0;
+        if (n == 0 || z > level[n - 1]) {
+            if (n == cap)
+                return cap + 1;
+            level[n++] = z;
+        }
+        if (z > most)
+            return n;
+        above = dt_big_compare(&l.at, &l.most) > 0;
+        dt_big_add(&l.at, &l.step, &l.at);
+    }
+}

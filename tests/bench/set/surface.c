@@ -27,6 +27,7 @@ static const char *const name[SURFACE_KINDS] = {
     [SURFACE_CELLS_FRESH] = "the same in memory that the process has not used before",
     [SURFACE_AREAS] = "areas of the cells, per cell",
     [SURFACE_CONTOURS] = "contours of 20 levels, per point of the set",
+    [SURFACE_BANDS] = "bands between 20 levels, per point of the set",
     [SURFACE_VOLUME] = "the volume above a level, per point of the set",
     [SURFACE_PROFILE] = "a profile from side to side, each",
 };
@@ -160,6 +161,23 @@ static void contours(struct surface *s)
     s->ns[SURFACE_CONTOURS] = live_ns(start, s->plan.n);
 }
 
+static void bands(struct surface *s)
+{
+    double level[SURFACE_LEVELS], start = measure_cpu();
+    struct dt_bands *b;
+    const struct dt_band_ring *ring;
+    size_t rings;
+    for (int i = 0; i < SURFACE_LEVELS; i++)
+        level[i] = 2 * (i + 0.5) / SURFACE_LEVELS - 1;
+    must(dt_bands_begin(s->set, NULL, dt_field_find(s->set, "z", 1), level, SURFACE_LEVELS,
+                        HUGE_VAL, &b) == DT_OK);
+    for (bool done = false; !done;)
+        must(dt_bands_read(s->set, b, &done) == DT_OK);
+    must(dt_bands_end(b, NULL, &ring, &rings) == DT_OK && rings > 0);
+    dt_bands_free(b);
+    s->ns[SURFACE_BANDS] = live_ns(start, s->plan.n);
+}
+
 static void volume(struct surface *s)
 {
     double start = measure_cpu();
@@ -236,6 +254,7 @@ static void measure(struct surface *s)
     values(s, SURFACE_NATURAL_ANYWHERE, DT_NATURAL);
     all_cells(s);
     contours(s);
+    bands(s);
     volume(s);
     profiles(s);
 }

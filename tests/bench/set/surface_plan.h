@@ -15,6 +15,7 @@ enum surface_kind {
     SURFACE_CELLS_FRESH,
     SURFACE_AREAS, /* and their areas */
     SURFACE_CONTOURS,
+    SURFACE_BANDS,
     SURFACE_VOLUME,
     SURFACE_PROFILE, /* from side to side of the unit square */
     SURFACE_KINDS

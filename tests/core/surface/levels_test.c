@@ -146,6 +146,39 @@ TEST(more_levels_than_fit_are_refused_however_many_they_are)
     CHECK(dt_levels_every((double)NAN, (double)NAN, 1, 0, level, 4) == 0);
 }
 
+/* dt_levels_every finds the same from the first to the last of them. */
+TEST(levels_around_values_are_the_same_and_one_more_on_each_side)
+{
+    static double level[CAP], same[CAP];
+    size_t checked = 0;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        const struct expected *e = &table[i];
+        size_t n = dt_levels_around(e->least, e->most, e->step, e->base, level, CAP);
+        if (n > CAP) {
+            CHECK(e->n + 2 > CAP);
+            continue;
+        }
+        CHECK(n >= 2 && level[0] <= e->least && level[n - 1] > e->most);
+        CHECK(n == 2 || (level[1] > e->least && level[n - 2] <= e->most));
+        if (isinf(level[n - 1]) || isinf(level[0]) ||
+            dt_levels_every(level[0], level[n - 1], e->step, e->base, same, CAP) > CAP)
+            continue;
+        checked++;
+        CHECK_MSG(dt_levels_every(level[0], level[n - 1], e->step, e->base, same, CAP) == n,
+                  "%zu levels around %a .. %a, from %a to %a", n, e->least, e->most, level[0],
+                  level[n - 1]);
+        CHECK(memcmp(level, same, n * sizeof *level) == 0);
+    }
+    CHECK(checked > 10);
+    CHECK(dt_levels_around(1, 1, 1e-300, 0, level, CAP) == 2 && level[0] == 1 &&
+          level[1] == nextafter(1, 2));
+    CHECK(dt_levels_around(0, 4, 2, 0, level, CAP) == 4 && level[0] == 0 && level[3] == 6);
+    CHECK(dt_levels_around(0.5, 3.5, 2, 0, level, CAP) == 3 && level[0] == 0 && level[2] == 4);
+    CHECK(dt_levels_around(0, 4, 2, 0, level, 3) == 4);
+    CHECK(dt_levels_around(0, DBL_MAX, 0x1p1023, 0, level, CAP) == 3 && isinf(level[2]));
+    CHECK(dt_levels_around((double)NAN, (double)NAN, 1, 0, level, CAP) == 0);
+}
+
 TEST(a_bignum_is_rounded_to_the_nearest_double_ties_to_even)
 {
     for (int power = -1074; power <= 971; power++) {
