@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -317,6 +318,35 @@ void reply_row_line(struct buf *out, double level, bool closed, const void *xy, 
     char *to = row + proto_write_double(row, level);
     memcpy(to, closed ? " closed " : " open ", closed ? 8 : 6);
     to += closed ? 8 : 6;
+    to += proto_write_u32(to, (uint32_t)n);
+    to = write_doubles(to, xy, 2 * n);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+static size_t write_level(char *to, double level)
+{
+    if (!isinf(level))
+        return proto_write_double(to, level);
+    memcpy(to, "-inf", 4);
+    if (level > 0)
+        memcpy(to, "inf", 3);
+    return level > 0 ? 3 : 4;
+}
+
+void reply_row_band(struct buf *out, const double level[2], uint32_t number, bool hole,
+                    const void *xy, size_t n)
+{
+    char *row = buf_reserve(out, (2 * n + 2) * DOUBLE_ROOM + 16 + 2 * ID_ROOM);
+    if (row == NULL)
+        return;
+    char *to = row + write_level(row, level[0]);
+    *to++ = ' ';
+    to += write_level(to, level[1]);
+    *to++ = ' ';
+    to += proto_write_u32(to, number);
+    memcpy(to, hole ? " hole " : " outer ", hole ? 6 : 7);
+    to += hole ? 6 : 7;
     to += proto_write_u32(to, (uint32_t)n);
     to = write_doubles(to, xy, 2 * n);
     *to++ = '\n';

@@ -85,6 +85,9 @@ void reply_row_region(struct buf *out, uint32_t number, bool closed, uint32_t tr
 void reply_row_numbers(struct buf *out, const void *numbers, size_t n);
 /* level closed|open n x y ...: of 2 n doubles. */
 void reply_row_line(struct buf *out, double level, bool closed, const void *xy, size_t n);
+/* low high number outer|hole n x y ...: the same; a level may be infinite. */
+void reply_row_band(struct buf *out, const double level[2], uint32_t number, bool hole,
+                    const void *xy, size_t n);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
 /* Little-endian words of a binary reply. */

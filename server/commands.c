@@ -160,10 +160,11 @@ const struct command commands[] = {
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},
     {"CONTOUR", 4, 0, QUERIES, cmd_contour,
-     "CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR set field EVERY step "
-     "[BASE b] [MAXEDGE e] [INSIDE [k]]",
-     .help = "lines along which a field has a value, with the higher ground on their left",
-     .rows = "dsid"},
+     "CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | CONTOUR set field "
+     "EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]",
+     .help = "lines along which a field has a value, with the higher ground on their left, or the "
+             "polygons between them",
+     .rows = "dsid|ddisid"},
     {"PROFILE", 7, 0, SEARCHES, cmd_profile,
      "PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [BINARY]",
      .help = "a field along straight pieces from place to place: where they cross edges, too",

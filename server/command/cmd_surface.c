@@ -66,7 +66,8 @@ enum option {
     OPTION_BASE = 16,
     OPTION_INSIDE = 32,
     OPTION_OUTSIDE = 64,
-    OPTION_CLIP = 128
+    OPTION_CLIP = 128,
+    OPTION_BANDS = 256
 };
 
 /* The options of values at places. */
@@ -77,10 +78,10 @@ static enum option option_of(const struct word *w)
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {{"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE},
-                   {"BINARY", OPTION_BINARY},   {"EVERY", OPTION_EVERY},
-                   {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
-                   {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP}};
+    } options[] = {
+        {"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE}, {"BINARY", OPTION_BINARY},
+        {"EVERY", OPTION_EVERY},     {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
+        {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},       {"BANDS", OPTION_BANDS}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -135,6 +136,7 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     case OPTION_BASE:
         return read_number(a, w, "base", &out->base);
     case OPTION_BINARY:
+    case OPTION_BANDS:
     case OPTION_INSIDE:
         break;
     }
@@ -147,7 +149,7 @@ static bool read_options(struct answer *a, const struct request *q, size_t at, u
 {
     while (at < q->n) {
         enum option option = option_of(&q->word[at++]);
-        bool alone = option == OPTION_BINARY || option == OPTION_INSIDE;
+        bool alone = option == OPTION_BINARY || option == OPTION_BANDS || option == OPTION_INSIDE;
         if ((option & allowed) == 0 || (!alone && at == q->n)) {
             answer_usage(a);
             return false;
@@ -155,6 +157,8 @@ static bool read_options(struct answer *a, const struct request *q, size_t at, u
         allowed &= ~(unsigned)option;
         if (option == OPTION_BINARY)
             out->binary = true;
+        else if (option == OPTION_BANDS)
+            out->bands = true;
         else if (option == OPTION_INSIDE ? !read_inside(a, q, &at, &out->inside)
                                          : !read_option(a, option, &q->word[at++], out))
             return false;
@@ -311,6 +315,16 @@ static int compare_levels(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* A level: of bands, the lowest and the highest may be infinite. */
+static bool read_level(struct answer *a, const struct word *w, bool bands, double *v)
+{
+    bool below = word_is(w, "-inf");
+    if (!bands || (!below && !word_is(w, "inf")))
+        return read_number(a, w, "level", v);
+    *v = below ? -HUGE_VAL : HUGE_VAL;
+    return true;
+}
+
 /* The words from the fourth on, up to `end`: sorted, each once. */
 static bool read_levels(struct answer *a, const struct request *q, size_t end, struct surface *out)
 {
@@ -326,7 +340,7 @@ static bool read_levels(struct answer *a, const struct request *q, size_t end, s
         return false;
     }
     for (size_t i = 3; i < end; i++)
-        if (!read_number(a, &q->word[i], "level", &level[i - 3]))
+        if (!read_level(a, &q->word[i], out->bands, &level[i - 3]))
             return false;
     qsort(level, end - 3, sizeof *level, compare_levels);
     for (size_t i = 0; i < end - 3; i++)
@@ -345,7 +359,8 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
     bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
     if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
         !read_options(a, q, end,
-                      OPTION_MAXEDGE | OPTION_INSIDE | (every ? OPTION_EVERY | OPTION_BASE : 0),
+                      OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BANDS |
+                          (every ? OPTION_EVERY | OPTION_BASE : 0),
                       &surface))
         return;
     if ((end == 3) != every)
@@ -353,7 +368,7 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
     else if (!is_ready(s, a, set, &surface))
         return;
     else if (every || read_levels(a, q, end, &surface))
-        surface_answer(s, a, set, &surface);
+        contour_answer(s, a, set, &surface);
     else
         surface_clear(&surface);
 }

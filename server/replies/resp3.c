@@ -33,6 +33,11 @@ static bool is(const char *text, size_t len, const char *what)
     return len == strlen(what) && memcmp(text, what, len) == 0;
 }
 
+static bool is_infinite(const char *text, size_t len)
+{
+    return is(text, len, "inf") || is(text, len, "-inf");
+}
+
 /* One word. A number that is missing (nan) is null: old readers of RESP 3 do not know its nan. */
 static void put_word(struct buf *out, char type, const char *text, size_t len)
 {
@@ -40,7 +45,7 @@ static void put_word(struct buf *out, char type, const char *text, size_t len)
         put(out, ':', text, len);
     else if (type == 'd' && is(text, len, "nan"))
         resp3_null(out);
-    else if (type == 'd' && proto_is_number(text, len))
+    else if (type == 'd' && (proto_is_number(text, len) || is_infinite(text, len)))
         put(out, ',', text, len);
     else if (type == 'w' && (is_digits(text, len) || proto_is_number(text, len)))
         put_word(out, is_digits(text, len) ? 'i' : 'd', text, len);
@@ -128,11 +133,26 @@ static void put_facts(struct buf *out, struct words w)
 
 /* ---- replies ---- */
 
+/* Chooses between alternatives, "dsid|ddisid": a text (s) of the row is not a number. */
+static const char *types_of(const char *types, struct words w)
+{
+    const char *type = types, *text;
+    size_t len;
+    while (*type != '\0' && *type != '|' && next_word(&w, &text, &len)) {
+        bool number = proto_is_number(text, len) || is_infinite(text, len);
+        if (number == (*type++ == 's'))
+            return strchr(types, '|') + 1;
+    }
+    return types;
+}
+
 static void put_row(struct buf *out, const char *types, const struct reply_part *part)
 {
     const char *type = types != NULL ? types : "w", *text;
     struct words w = {part->text, part->text + part->len};
     size_t len;
+    if (strchr(type, '|') != NULL)
+        type = types_of(type, w);
     if (*type == 't') {
         resp_bulk(out, part->text, part->len);
         return;
@@ -146,7 +166,7 @@ static void put_row(struct buf *out, const char *types, const struct reply_part 
     resp_array(out, count_words(w));
     while (next_word(&w, &text, &len)) {
         put_word(out, *type, text, len);
-        if (type[1] != '\0')
+        if (type[1] != '\0' && type[1] != '|')
             type++;
     }
 }

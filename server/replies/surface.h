@@ -1,8 +1,7 @@
 /* surface.h - values between points: at places, at the cells of a raster, and contours.
  *
  * Everything is of one state of the set. Values are rows that are made as they are sent (sets/surface_rows.h). Contours
- * are traced by a worker, which visits the set for a piece of a few milliseconds at a time and reads through a view;
- * the result is in memory before it is sent. */
+ * are traced by a job (contour.c). */
 #ifndef SERVER_SURFACE_H
 #define SERVER_SURFACE_H
 
@@ -28,6 +27,7 @@ struct surface {
         *level; /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
     uint32_t levels;
     double step, base;
+    bool bands;               /* SURFACE_CONTOUR: polygons between neighbouring levels, not lines */
     const struct word *other; /* CLIP: the name of a set; NULL: none */
     struct dataset *clip;     /* borrows, for the request; SURFACE_RASTER: CLIP; NULL: none */
 };
@@ -46,8 +46,11 @@ struct surface_moment surface_moment(struct dataset *set, const struct surface *
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
                            struct surface *q);
 
-/* Answers, except SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The set has the field. */
+/* Answers, except SURFACE_CONTOUR, SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The set has the field. */
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
+
+/* Answers a SURFACE_CONTOUR; what *q owns moves here. The set has the field (contour.c). */
+void contour_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
 
 /* Frees what it owns. */
 void surface_clear(struct surface *q);

@@ -126,6 +126,24 @@ static void write_line(const struct rows *r, struct buf *out, const uint32_t *wo
     reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
 }
 
+void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring)
+{
+    memcpy(word, &ring->low, sizeof ring->low);
+    memcpy(word + 2, &ring->high, sizeof ring->high);
+    word[4] = ring->number;
+    word[5] = ring->hole;
+    word[6] = (uint32_t)ring->n;
+}
+
+static void write_band(const struct rows *r, struct buf *out, const uint32_t *word)
+{
+    double level[2];
+    if (!make_room(r, out, 2, 2 * (size_t)word[6] + 2, 0))
+        return;
+    memcpy(level, word, sizeof level);
+    reply_row_band(out, level, word[4], word[5] != 0, word + ROW_BAND_WORDS, word[6]);
+}
+
 void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region)
 {
     word[0] = region->number;
@@ -181,6 +199,8 @@ static size_t list_words(const struct rows *r, size_t at)
         return 1 + (size_t)r->ids.v[at];
     if (r->form == ROW_LOOP)
         return 2 + (size_t)r->ids.v[at + 1];
+    if (r->form == ROW_BAND)
+        return ROW_BAND_WORDS + 4 * (size_t)r->ids.v[at + 6];
     return r->form == ROW_LINE ? ROW_LINE_WORDS + 4 * (size_t)r->ids.v[at + 3] : r->width;
 }
 
@@ -223,6 +243,8 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_value(out, id);
         else if (r->form == ROW_LINE)
             write_line(r, out, id);
+        else if (r->form == ROW_BAND)
+            write_band(r, out, id);
         else
             write_point(r, out, *id);
         r->at += list_words(r, r->at);
@@ -541,7 +563,8 @@ bool rows_cut(struct rows *r, struct rows *part)
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
     size_t n = row_is_of_cell(r->form) ? PART_CELLS
-               : r->form == ROW_LINE || r->form == ROW_LOOP || r->form == ROW_COUNTED
+               : r->form == ROW_LINE || r->form == ROW_BAND || r->form == ROW_LOOP ||
+                       r->form == ROW_COUNTED
                    ? PART_NUMBERS
                    : PART_IDS * r->width;
     for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)

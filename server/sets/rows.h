@@ -23,6 +23,7 @@ enum row_form {
     ROW_AREA,       /* or the area: of all cells, or those of the list */
     ROW_SURFACE,    /* values of a surface */
     ROW_LINE,       /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
+    ROW_BAND,       /* a ring of a band: ROW_BAND_WORDS words, and four for each of its places */
     ROW_LOOP,       /* hole or outer, k and k ids: of the list 1 or 0, and the same */
     ROW_CONSTRAINT, /* a b, line or border, and a number: ROW_CONSTRAINT_WORDS words, the last twice the number, plus 1 for a border */
     ROW_REGION, /* number, closed or open, triangles, and the area: ROW_REGION_WORDS words of the list */
@@ -40,6 +41,10 @@ void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value);
 enum { ROW_LINE_WORDS = 4 };
 void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places);
 
+/* The first words of a row of ROW_BAND: both levels, the number, whether it is a hole, and how many places follow. */
+enum { ROW_BAND_WORDS = 7 };
+void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring);
+
 enum { ROW_CONSTRAINT_WORDS = 3 };
 
 enum { ROW_REGION_WORDS = 5 };
@@ -50,8 +55,9 @@ enum { ROW_NUMBERS_MOST = 4 }; /* in a row of ROW_NUMBERS */
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP || form == ROW_CONSTRAINT ||
-           form == ROW_REGION || form == ROW_COUNTED || form == ROW_NUMBERS;
+    return form == ROW_IDS || form == ROW_LINE || form == ROW_BAND || form == ROW_LOOP ||
+           form == ROW_CONSTRAINT || form == ROW_REGION || form == ROW_COUNTED ||
+           form == ROW_NUMBERS;
 }
 
 /* Places that are asked about. */

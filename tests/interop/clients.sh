@@ -253,6 +253,7 @@ count "values in rational arithmetic" "$python" tests/interop/values.py "$port"
 count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/interop/surfaces.py "$build"
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
+count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 DELAUNAYD=$build/delaunayd tests/node.sh clients/js/test/*.test.mjs >"$scratch/node" 2>&1
 collect "$scratch/node"

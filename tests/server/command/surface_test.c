@@ -68,8 +68,8 @@ static bool is_same(const double *a, const double *b, size_t n)
     "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] "      \
     "[CLIP other] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
-    "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] [INSIDE [k]] | CONTOUR "    \
-    "set field EVERY step [BASE b] [MAXEDGE e] [INSIDE [k]]\n"
+    "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | "    \
+    "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]\n"
 
 TEST(surface_requests_that_cannot_be_answered)
 {

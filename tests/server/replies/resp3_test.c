@@ -67,6 +67,9 @@ TEST(resp3_rows_are_arrays_of_numbers)
     expect_typed("FIELDS", "OK 1\n7 2 4 nan\n", "*1\r\n*4\r\n$1\r\n7\r\n:2\r\n,4\r\n_\r\n");
     expect_typed("CONTOUR", "OK 1\n5 open 1 0 2\n",
                  "*1\r\n*5\r\n,5\r\n$4\r\nopen\r\n:1\r\n,0\r\n,2\r\n");
+    expect_typed("CONTOUR", "OK 2\n-inf 5 0 outer 1 0 2\n5 inf 1 hole 1 3 4.5\n",
+                 "*2\r\n*7\r\n,-inf\r\n,5\r\n:0\r\n$5\r\nouter\r\n:1\r\n,0\r\n,2\r\n"
+                 "*7\r\n,5\r\n,inf\r\n:1\r\n$4\r\nhole\r\n:1\r\n,3\r\n,4.5\r\n");
     expect_typed("TRACE", "OK 1\ngrid 0 -1.5 2\n",
                  "*1\r\n*4\r\n$4\r\ngrid\r\n:0\r\n,-1.5\r\n:2\r\n");
     expect_typed("HELP", "OK 1\nPING - a b\n", "*1\r\n$10\r\nPING - a b\r\n");
