@@ -117,20 +117,23 @@ const struct subcommand subcommands[] = {
      "--force",
      true, NULL},
     {"contour", command_contour, false, true,
-     "contour SET FIELD FILE [--format F] [--every STEP [--base B] | --levels L,L,...] ...",
+     "contour SET FIELD FILE [--bands] [--format F] [--every STEP [--base B] | --levels L,L,...] "
+     "...",
      "Writes contour lines of a field (- for the standard output), about ten levels unless the "
      "options\n"
      "say which. Without a file the words are sent as the request CONTOUR.\n\n"
-     "  -f, --format F        geojson, a LineString each; wkt; svg, a picture on shaded relief\n"
+     "      --bands           the polygons between the levels, with their holes; a filled picture\n"
+     "  -f, --format F        geojson, a LineString or Polygon each; wkt; svg, a picture: lines on "
+     "shaded relief\n"
      "      --every STEP      levels at B (0) and at all multiples of STEP from it\n"
-     "      --levels L,L,...  these levels\n"
+     "      --levels L,L,...  these levels; of bands also -inf and inf\n"
      "      --max-edge E      none in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --force           replace any file\n",
-     "--format --every --base --levels --max-edge --inside --viewport --geographic --force", true,
-     NULL},
+     "--bands --format --every --base --levels --max-edge --inside --viewport --geographic --force",
+     true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
      "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "

@@ -1,4 +1,5 @@
-/* contour.c - `delaunay contour SET FIELD FILE`: contour lines as GeoJSON, WKT or a picture on shaded relief. */
+/* contour.c - `delaunay contour SET FIELD FILE`: contour lines as GeoJSON, WKT or a picture on shaded relief; or the bands
+ * between levels as polygons or a filled picture. */
 #include <math.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@ enum { USUAL_LEVELS = 10, MOST_LEVELS = 1000 };
 
 struct work {
     const char *set, *field, *every, *base, *levels, *max_edge, *inside;
+    bool bands;
     struct shapes_file file; /* owns */
 };
 
@@ -86,6 +88,8 @@ static enum delaunay_result send_request(struct delaunay_client *c, const struct
         if (w->base != NULL)
             n += (size_t)snprintf(line + n, sizeof line - n, " BASE %s", w->base);
     }
+    if (w->bands)
+        n += (size_t)snprintf(line + n, sizeof line - n, " BANDS");
     if (w->max_edge != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " MAXEDGE %s", w->max_edge);
     if (w->inside != NULL)
@@ -111,30 +115,44 @@ static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
     return r;
 }
 
-static int draw_lines(void *ctx, FILE *out)
+static bool write_picture(struct work *w, FILE *out, int field)
+{
+    char title[300];
+    const struct shapes_file *f = &w->file;
+    const double *box = f->has_box ? f->box : NULL;
+    snprintf(title, sizeof title, "%.100s: %s of %.100s", w->set,
+             w->bands ? "bands" : "contour lines", w->field);
+    return w->bands ? surface_write_bands(out, title, &f->shapes, box, shapes_file_unit(f))
+                    : surface_write_contours(out, title, &f->shapes, &f->model, field, box,
+                                             shapes_file_unit(f));
+}
+
+static int draw(void *ctx, FILE *out)
 {
     struct work *w = ctx;
-    char title[300];
     int field = model_field(&w->file.model, w->field);
     if (field < 0)
         return output_fault(w->field, "the set has no such field");
     if (!shapes_file_project(&w->file, w->file.shapes.xy, w->file.shapes.corners))
         return EXIT_REFUSED;
-    snprintf(title, sizeof title, "%.100s: contour lines of %.100s", w->set, w->field);
-    return surface_write_contours(out, title, &w->file.shapes, &w->file.model, field,
-                                  w->file.has_box ? w->file.box : NULL, shapes_file_unit(&w->file))
-               ? EXIT_DONE
-               : output_fault("", "out of memory");
+    return write_picture(w, out, field) ? EXIT_DONE : output_fault("", "out of memory");
 }
 
 /* ---- arguments ---- */
 
-static bool are_numbers(const char *text)
+static bool is_level(const char *text, size_t len)
+{
+    bool infinite = (len == 3 && memcmp(text, "inf", 3) == 0) ||
+                    (len == 4 && memcmp(text, "-inf", 4) == 0); /* of bands; the server says so */
+    return infinite || (proto_is_number(text, len) && len <= PROTO_NUMBER_MAX);
+}
+
+static bool are_levels(const char *text)
 {
     size_t n = 0;
     for (;; text++, n++) {
         size_t len = strcspn(text, ",");
-        if (!proto_is_number(text, len) || n == MOST_LEVELS || len > PROTO_NUMBER_MAX)
+        if (!is_level(text, len) || n == MOST_LEVELS)
             return false;
         text += len;
         if (*text == '\0')
@@ -144,7 +162,10 @@ static bool are_numbers(const char *text)
 
 static int read_option(struct work *w, int option, char **argv)
 {
-    if (option == 'l' && strlen(optarg) < 7000 && are_numbers(optarg))
+    if (option == 'B') {
+        w->bands = true;
+        w->file.shapes.kind = SHAPE_BAND;
+    } else if (option == 'l' && strlen(optarg) < 7000 && are_levels(optarg))
         w->levels = optarg;
     else if (option == 'l')
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
@@ -163,12 +184,17 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
-        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
-        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
-        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
-        {"geographic", no_argument, NULL, 'G'},     {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"every", required_argument, NULL, 'e'},
+                                            {"base", required_argument, NULL, 'b'},
+                                            {"levels", required_argument, NULL, 'l'},
+                                            {"max-edge", required_argument, NULL, 'm'},
+                                            {"inside", required_argument, NULL, 'i'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {"geographic", no_argument, NULL, 'G'},
+                                            {"bands", no_argument, NULL, 'B'},
+                                            {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
@@ -192,5 +218,6 @@ int command_contour(struct delaunay_client *c, int argc, char **argv)
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    return shapes_file_finish(c, &w.file, fetch(c, &w), draw_lines, &w, "lines", true);
+    return shapes_file_finish(c, &w.file, fetch(c, &w), draw, &w, w.bands ? "polygons" : "lines",
+                              !w.bands);
 }

@@ -94,7 +94,7 @@ static void report(const struct shapes_file *f, const char *what, bool count_clo
     for (size_t i = 0; i < f->shapes.n; i++)
         closed += f->shapes.shape[i].closed;
     if (!json_chosen()) {
-        printf("%s: %zu %s", f->path, f->shapes.n, what);
+        printf("%s: %zu %s", f->path, shapes_count(&f->shapes), what);
         if (count_closed)
             printf(", %zu of them closed", closed);
         putchar('\n');
@@ -102,7 +102,7 @@ static void report(const struct shapes_file *f, const char *what, bool count_clo
     }
     json_begin(true);
     json_text("file", f->path);
-    json_number(what, f->shapes.n);
+    json_number(what, shapes_count(&f->shapes));
     if (count_closed)
         json_number("closed", closed);
     json_finish();

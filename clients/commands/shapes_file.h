@@ -1,4 +1,4 @@
-/* shapes_file.h - a file of cells or contour lines: what `delaunay voronoi` and `delaunay contour` have in common. */
+/* shapes_file.h - a file of cells, contour lines or bands: what `delaunay voronoi` and `delaunay contour` have in common. */
 #ifndef CLIENTS_SHAPES_FILE_H
 #define CLIENTS_SHAPES_FILE_H
 

@@ -104,7 +104,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._aio_mirror import Mirror as Mirror
 from ._constraints import Constraints, Inside, Regions
-from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
+from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
 from ._types import Floats, Uint32s
 
 __all__ = ["Client", "Mirror"]

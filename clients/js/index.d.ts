@@ -123,6 +123,14 @@ export interface ContourLine {
   coords: Float64Array;
 }
 
+/** A polygon between two levels, which may be infinite; the first ring is the outer one, counterclockwise. */
+export interface BandPolygon {
+  type: 'Polygon';
+  low: number;
+  high: number;
+  coordinates: [number, number][][];
+}
+
 /** As d3-contour's. */
 export interface ContourPolygons {
   type: 'MultiPolygon';
@@ -215,6 +223,11 @@ export class Client {
     field: string,
     options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
   ): Promise<ContourLine[]>;
+  bands(
+    set: string,
+    field: string,
+    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
+  ): Promise<BandPolygon[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
   profile(set: string, field: string, places: Points, options?: { maxEdge?: number; timeout?: number }): Promise<Float64Array>;
   profile<P>(

@@ -147,7 +147,8 @@ static void draw_constraints(struct svg *s, const struct model *m)
 bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
 {
     static const struct svg_legend legends[] = {
-        [COLOUR_QUALITY] = {"flat", "equilateral"}, [COLOUR_DEGREE] = {"degree 1", "10 or more"}};
+        [COLOUR_QUALITY] = {.low = "flat", .high = "equilateral"},
+        [COLOUR_DEGREE] = {.low = "degree 1", .high = "10 or more"}};
     bool shades = e->colour == COLOUR_QUALITY || e->colour == COLOUR_DEGREE;
     char title[200], part[40] = "";
     double box[4];

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "proto/number.h"
+
 static const double *corner(const struct model *m, size_t t, size_t k)
 {
     return m->xy + 2 * (size_t)m->triangle[3 * t + k];
@@ -156,6 +158,75 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     svg_end(&s);
     free(level);
     return ok;
+}
+
+/* ---- bands ---- */
+
+/* The height whose colour a band has. */
+static double middle(const struct shape *band)
+{
+    if (isinf(band->key))
+        return isinf(band->high) ? 0 : band->high;
+    return isinf(band->high) ? band->key : band->key / 2 + band->high / 2;
+}
+
+/* The colours of the bands, ascending, each once, into colour[bands->n]. Returns how many they are. */
+static size_t find_colours(const struct relief *r, const struct shapes *bands, uint32_t *colour)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < bands->n; i++)
+        if (i == 0 || bands->shape[i].key > bands->shape[i - 1].key)
+            colour[n++] = relief_colour(r, middle(&bands->shape[i]), 0, 0);
+    return n;
+}
+
+static void write_level(char *text, double level, double other, const char *how)
+{
+    size_t n = 0;
+    if (isinf(level))
+        n = (size_t)sprintf(text, "%s ", how);
+    n += proto_write_double(text + n, isinf(level) ? other : level);
+    text[n] = '\0';
+}
+
+static void draw_bands(struct svg *s, const struct relief *r, const struct shapes *bands)
+{
+    for (size_t i = 0; i < bands->n; i++) {
+        const struct shape *band = &bands->shape[i];
+        const double *xy = bands->xy + 2 * band->first;
+        if (band->hole)
+            svg_hole(s, xy, band->n);
+        else
+            svg_polygon(s, relief_colour(r, middle(band), 0, 0), xy, band->n);
+    }
+}
+
+bool surface_write_bands(FILE *out, const char *title, const struct shapes *bands,
+                         const double *box, const char *unit)
+{
+    struct relief r = {.style = RELIEF_HEIGHT};
+    double around[4] = {0, 0, 1, 1};
+    char low[2 * PROTO_NUMBER_MAX] = "", high[2 * PROTO_NUMBER_MAX] = "";
+    uint32_t *colour = malloc((bands->n + 1) * sizeof colour[0]);
+    struct svg s;
+    if (colour == NULL)
+        return false;
+    if (bands->n > 0) {
+        const struct shape *first = bands->shape, *last = bands->shape + bands->n - 1;
+        r.low = middle(first);
+        r.high = middle(last);
+        write_level(low, first->key, first->high, "below");
+        write_level(high, last->high, last->key, "above");
+    }
+    struct svg_legend legend = {low, high, colour, find_colours(&r, bands, colour)};
+    shapes_bounds(bands, around);
+    svg_begin(&s, out, title, box != NULL ? box : around, bands->n, box != NULL,
+              bands->n > 0 ? &legend : NULL, unit);
+    draw_bands(&s, &r, bands);
+    svg_points(&s, NULL, NULL, 0);
+    svg_end(&s);
+    free(colour);
+    return true;
 }
 
 /* ---- cells ---- */

@@ -18,6 +18,11 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum r
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
                             const struct model *m, int field, const double *box, const char *unit);
 
+/* Writes a picture of bands, filled with the colours of their heights, and what the colours mean. box: NULL or what is shown. False
+ * when out of memory. */
+bool surface_write_bands(FILE *out, const char *title, const struct shapes *bands,
+                         const double *box, const char *unit);
+
 /* Writes a picture of cells and of the points of m; cells have the colours of the heights in m's field, if that is not
  * -1. False when out of memory. */
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,

@@ -104,18 +104,28 @@ static void draw_scale(const struct svg *s, const char *unit)
             unit[0] != '\0' ? " " : "", unit);
 }
 
+static void write_colour(char *class, uint32_t rgb)
+{
+    snprintf(class, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
+}
+
 static void draw_legend(const struct svg *s, const struct svg_legend *legend)
 {
     double y = s->height - 0.5 * FOOTER, x = 1.3 * MARGIN + text_width(strlen(legend->low), TEXT);
     fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
             TEXT, MARGIN, y, legend->low);
-    for (unsigned i = 0; i < SVG_SHADES; i++) {
-        open_path(s, (const char[]){'q', (char)('0' + i), 0}, true, 12);
-        fprintf(s->out, "M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", x + i * SWATCH, y + 30, SWATCH, SWATCH,
-                SWATCH);
+    size_t n = legend->colour != NULL ? legend->colours : SVG_SHADES;
+    double wide = SVG_SHADES * SWATCH / fmax(SVG_SHADES, (double)n);
+    for (size_t i = 0; i < n; i++) {
+        char class[8] = {'q', (char)('0' + i % SVG_SHADES), 0};
+        if (legend->colour != NULL)
+            write_colour(class, legend->colour[i]);
+        open_path(s, class, true, 12);
+        fprintf(s->out, "M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", x + (double)i * wide, y + 30, wide,
+                SWATCH, wide);
     }
     fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
-            TEXT, x + SVG_SHADES * SWATCH + 0.3 * MARGIN, y, legend->high);
+            TEXT, x + (double)n * wide + 0.3 * MARGIN, y, legend->high);
 }
 
 static double legend_width(const struct svg_legend *legend)
@@ -283,11 +293,6 @@ void svg_region_triangle(struct svg *s, int64_t region, const double *a, const d
 {
     const char class[] = {region < 0 ? 'o' : 'r', (char)(region < 0 ? 0 : '0' + region % 8), 0};
     draw_triangle(s, class, a, b, c);
-}
-
-static void write_colour(char *class, uint32_t rgb)
-{
-    snprintf(class, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
 }
 
 void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,

@@ -31,9 +31,11 @@ struct svg {
 
 enum { SVG_SHADES = 10 };
 
-/* What the shades mean, from the first to the last. */
+/* The meaning of the shades, from the first to the last, or of the colours 0xRRGGBB, if there are any. */
 struct svg_legend {
     const char *low, *high;
+    const uint32_t *colour; /* borrows `colours`; NULL: the shades */
+    size_t colours;
 };
 
 /* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in

@@ -44,20 +44,49 @@ static bool reserve(struct shapes *s, size_t corners)
     return true;
 }
 
+/* Takes one of two words; *first: it is the first. */
+static bool next_kind(struct words *c, const char *first, const char *second, bool *is_first)
+{
+    const char *word;
+    size_t len = words_next(c, &word);
+    *is_first = len == strlen(first) && memcmp(word, first, len) == 0;
+    return *is_first || (len == strlen(second) && memcmp(word, second, len) == 0);
+}
+
+/* A level, which may be infinite. */
+static bool next_level(struct words *c, double *v)
+{
+    struct words before = *c;
+    bool below;
+    if (next_number(c, v))
+        return true;
+    *c = before;
+    if (!next_kind(c, "-inf", "inf", &below))
+        return false;
+    *v = below ? -HUGE_VAL : HUGE_VAL;
+    return true;
+}
+
+/* The words of a band from the second one on; a hole follows a ring of the same number, which is known by its levels. */
+static bool read_band(const struct shapes *s, struct words *c, struct shape *shape)
+{
+    double number;
+    return next_level(c, &shape->high) && next_number(c, &number) &&
+           next_kind(c, "hole", "outer", &shape->hole) &&
+           (!shape->hole || (s->n > 0 && s->shape[s->n - 1].key == shape->key));
+}
+
 static bool read_head(const struct shapes *s, struct words *c, struct shape *shape, uint32_t *n)
 {
     const char *word;
-    size_t len;
     *shape = (struct shape){.closed = true, .first = s->corners};
-    if (!next_number(c, &shape->key))
+    if (!(s->kind == SHAPE_BAND ? next_level : next_number)(c, &shape->key))
         return false;
-    if (s->kind == SHAPE_CONTOUR) {
-        len = words_next(c, &word);
-        shape->closed = len == 6 && memcmp(word, "closed", 6) == 0;
-        if (!shape->closed && (len != 4 || memcmp(word, "open", 4) != 0))
-            return false;
-    }
-    len = words_next(c, &word);
+    if (s->kind == SHAPE_CONTOUR && !next_kind(c, "closed", "open", &shape->closed))
+        return false;
+    if (s->kind == SHAPE_BAND && !read_band(s, c, shape))
+        return false;
+    size_t len = words_next(c, &word);
     /* a corner takes four characters at least */
     return proto_read_u32(word, len, n) && *n <= (size_t)(c->end - c->s);
 }
@@ -69,7 +98,7 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     uint32_t n;
     const char *word;
     if (!read_head(s, &c, &shape, &n))
-        return fault(s, "a row of the reply is neither a cell nor a contour");
+        return fault(s, "a row of the reply is no cell, contour or band");
     if (!reserve(s, n))
         return false;
     for (size_t i = 0; i < 2 * (size_t)n; i++)
@@ -127,28 +156,63 @@ static void put_corners(FILE *out, const struct shapes *s, const struct shape *s
     }
 }
 
+/* An infinite level is not a number of JSON. */
+static void put_level(FILE *out, double level, const char *infinite)
+{
+    if (isinf(level))
+        fputs(infinite, out);
+    else
+        put_number(out, level);
+}
+
 static void put_properties(FILE *out, const struct shapes *s, const struct shape *shape)
 {
-    fputs(s->kind == SHAPE_CELL ? "{\"id\":" : "{\"level\":", out);
-    put_number(out, shape->key);
+    static const char *const first[] = {
+        [SHAPE_CELL] = "{\"id\":", [SHAPE_CONTOUR] = "{\"level\":", [SHAPE_BAND] = "{\"low\":"};
+    fputs(first[s->kind], out);
+    put_level(out, shape->key, "null");
     if (s->kind == SHAPE_CONTOUR)
         fputs(shape->closed ? ",\"closed\":true" : ",\"closed\":false", out);
+    if (s->kind == SHAPE_BAND) {
+        fputs(",\"high\":", out);
+        put_level(out, shape->high, "null");
+    }
     putc('}', out);
+}
+
+size_t shapes_rings(const struct shapes *s, size_t i)
+{
+    size_t n = 1;
+    while (i + n < s->n && s->shape[i + n].hole)
+        n++;
+    return n;
+}
+
+size_t shapes_count(const struct shapes *s)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        n += !s->shape[i].hole;
+    return n;
 }
 
 void shapes_write_geojson(FILE *out, const struct shapes *s)
 {
-    bool cells = s->kind == SHAPE_CELL;
+    bool line = s->kind == SHAPE_CONTOUR;
     fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0, n; i < s->n; i += n) {
+        n = shapes_rings(s, i);
         fputs("{\"type\":\"Feature\",\"properties\":", out);
         put_properties(out, s, &s->shape[i]);
-        fputs(cells ? ",\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[["
-                    : ",\"geometry\":{\"type\":\"LineString\",\"coordinates\":[",
+        fputs(line ? ",\"geometry\":{\"type\":\"LineString\",\"coordinates\":["
+                   : ",\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[",
               out);
-        put_corners(out, s, &s->shape[i], "[", ',', "]");
-        fputs(cells ? "]]}}" : "]}}", out);
-        fputs(i + 1 < s->n ? ",\n" : "\n", out);
+        for (size_t k = 0; k < n; k++) {
+            fputs(k > 0 ? "],[" : "", out);
+            put_corners(out, s, &s->shape[i + k], "[", ',', "]");
+        }
+        fputs(line ? "]}}" : "]]}}", out);
+        fputs(i + n < s->n ? ",\n" : "\n", out);
     }
     fputs("]}\n", out);
 }
@@ -156,13 +220,25 @@ void shapes_write_geojson(FILE *out, const struct shapes *s)
 /* A table; geometries have commas and are quoted. */
 void shapes_write_wkt(FILE *out, const struct shapes *s)
 {
-    bool cells = s->kind == SHAPE_CELL;
-    fputs(cells ? "WKT,id\n" : "WKT,level,closed\n", out);
-    for (size_t i = 0; i < s->n; i++) {
-        fputs(cells ? "\"POLYGON ((" : "\"LINESTRING (", out);
-        put_corners(out, s, &s->shape[i], "", ' ', "");
-        fputs(cells ? "))\"," : ")\",", out);
-        put_number(out, s->shape[i].key);
-        fputs(cells ? "\n" : s->shape[i].closed ? ",true\n" : ",false\n", out);
+    static const char *const head[] = {[SHAPE_CELL] = "WKT,id\n",
+                                       [SHAPE_CONTOUR] = "WKT,level,closed\n",
+                                       [SHAPE_BAND] = "WKT,low,high\n"};
+    bool line = s->kind == SHAPE_CONTOUR;
+    fputs(head[s->kind], out);
+    for (size_t i = 0, n; i < s->n; i += n) {
+        const struct shape *shape = &s->shape[i];
+        n = shapes_rings(s, i);
+        fputs(line ? "\"LINESTRING (" : "\"POLYGON ((", out);
+        for (size_t k = 0; k < n; k++) {
+            fputs(k > 0 ? "),(" : "", out);
+            put_corners(out, s, shape + k, "", ' ', "");
+        }
+        fputs(line ? ")\"," : "))\",", out);
+        put_level(out, shape->key, "-inf");
+        if (s->kind == SHAPE_BAND) {
+            putc(',', out);
+            put_level(out, shape->high, "inf");
+        }
+        fputs(!line ? "\n" : shape->closed ? ",true\n" : ",false\n", out);
     }
 }

@@ -1,4 +1,4 @@
-/* shapes.h - Voronoi cells and contour lines, as the rows of VORONOI and CONTOUR say them. */
+/* shapes.h - Voronoi cells, contour lines and bands, as the rows of VORONOI and CONTOUR say them. */
 #ifndef CLIENTS_SHAPES_H
 #define CLIENTS_SHAPES_H
 
@@ -8,13 +8,16 @@
 #include <stdio.h>
 
 enum shape_kind {
-    SHAPE_CELL,   /* a row `id k x1 y1 ... xk yk` */
-    SHAPE_CONTOUR /* a row `level closed|open k x1 y1 ... xk yk` */
+    SHAPE_CELL,    /* a row `id k x1 y1 ... xk yk` */
+    SHAPE_CONTOUR, /* a row `level closed|open k x1 y1 ... xk yk` */
+    SHAPE_BAND     /* a row `low high number outer|hole k x1 y1 ... xk yk` */
 };
 
 struct shape {
-    double key; /* the id or the level */
+    double key;  /* the id, or the level, of a band the lower one */
+    double high; /* of a band the upper level */
     bool closed;
+    bool hole;       /* of the band whose outer ring is before it */
     size_t first, n; /* its corners in xy */
 };
 
@@ -34,11 +37,17 @@ void shapes_free(struct shapes *s);
 /* The box around all of them; false if there are none. */
 bool shapes_bounds(const struct shapes *s, double *box);
 
-/* A FeatureCollection: Polygons with the property id, LineStrings with level and closed; a closed line ends where it
- * begins. ferror() shows whether writing failed. */
+/* The number of shapes from i on that are one polygon, a band with its holes; 1 for cells and lines. */
+size_t shapes_rings(const struct shapes *s, size_t i);
+
+/* The number of polygons or lines. */
+size_t shapes_count(const struct shapes *s);
+
+/* A FeatureCollection: Polygons with the property id, or with low and high, null if they are infinite; LineStrings with
+ * level and closed. A closed line and a ring end where they begin. ferror() shows whether writing failed. */
 void shapes_write_geojson(FILE *out, const struct shapes *s);
 
-/* A table with a column WKT, and id, or level and closed. */
+/* A table with a column WKT, and id, level and closed, or low and high. */
 void shapes_write_wkt(FILE *out, const struct shapes *s);
 
 #endif

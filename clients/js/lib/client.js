@@ -7,7 +7,7 @@ const { Constraints } = require('./constraints.js');
 const { Disconnected } = require('./errors.js');
 const { checkField, checkSet, doubleBytes, option, pointBytes, typed, words } = require('./framing.js');
 const { flatten } = require('./points.js');
-const { Cells, bordersOf, contourOf, multiPolygon } = require('./surfaces.js');
+const { Cells, bandsOf, bordersOf, contourOf, levelWords, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
 const MOST_TRIES = 10; // until the set is not edited meanwhile
@@ -314,9 +314,15 @@ class Client extends Constraints {
 
   /** Contour lines {level, closed, coords}, higher ground on the left: at `levels`, or at base and all multiples of `every` from it. */
   async contourLines(set, field, { levels, every, base = 0, maxEdge, inside, timeout } = {}) {
-    const which = levels ? [...levels].join(' ') : `EVERY ${every} BASE ${base}`;
-    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${which}${methodWords({ maxEdge, inside })}`;
+    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${levelWords(levels, every, base)}${methodWords({ maxEdge, inside })}`;
     return (await this.request(line, { timeout })).rows.map(contourOf);
+  }
+
+  /** The bands between neighbouring levels as GeoJSON Polygons with the properties low and high. The lowest level may be -Infinity and the
+   * highest Infinity; `every` takes as many levels as cover the surface. */
+  async bands(set, field, { levels, every, base = 0, maxEdge, inside, timeout } = {}) {
+    const which = `${levelWords(levels, every, base)} BANDS${methodWords({ maxEdge, inside })}`;
+    return bandsOf((await this.request(`CONTOUR ${checkSet(set)} ${checkField(field)} ${which}`, { timeout })).rows);
   }
 
   /** For each level the ground at or above it: a GeoJSON MultiPolygon with the property value, as d3-contour and d3-tricontour. All

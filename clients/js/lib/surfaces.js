@@ -53,6 +53,27 @@ function contourOf(row) {
   return { level: Number(level), closed: kind === 'closed', coords: Float64Array.from(xy, Number) };
 }
 
+/** Names the levels of CONTOUR. */
+function levelWords(levels, every, base) {
+  const word = (level) => String(level).replace('Infinity', 'inf');
+  return levels ? [...levels].map(word).join(' ') : `EVERY ${every} BASE ${base}`;
+}
+
+/** A level of a row, which may be infinite. */
+const levelOf = (word) => Number(word.replace('inf', 'Infinity'));
+
+/** The GeoJSON Polygons of the rows of CONTOUR ... BANDS; rings end where they begin. */
+function bandsOf(rows) {
+  const bands = [];
+  for (const row of rows) {
+    const [low, high, number, , , ...xy] = row.split(' ');
+    if (Number(number) === bands.length) bands.push({ type: 'Polygon', low: levelOf(low), high: levelOf(high), coordinates: [] });
+    const ring = ringOf(xy.map(Number));
+    bands.at(-1).coordinates.push([...ring, ring[0]]);
+  }
+  return bands;
+}
+
 const ringOf = (coords) => Array.from({ length: coords.length / 2 }, (_, i) => [coords[2 * i], coords[2 * i + 1]]);
 
 /** Twice the area, positive if it is counterclockwise. */
@@ -236,4 +257,4 @@ function bordersOf(triangles, ids, coords, z) {
   return borders;
 }
 
-module.exports = { Cells, bordersOf, contourOf, multiPolygon };
+module.exports = { Cells, bandsOf, bordersOf, contourOf, levelWords, multiPolygon };

@@ -125,6 +125,19 @@ describe('surfaces', () => {
     await assert.rejects(client.volume('t', 'none'), Refused);
   });
 
+  test('bands are polygons with holes', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 4] } });
+    await client.triangulate('t');
+    const top = [[1, 1], [3, 1], [3, 3], [1, 3], [1, 1]];
+    assert.deepEqual(await client.bands('t', 'z', { levels: [-Infinity, 2, Infinity] }), [
+      { type: 'Polygon', low: -Infinity, high: 2, coordinates: [[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], top.toReversed()] },
+      { type: 'Polygon', low: 2, high: Infinity, coordinates: [top] },
+    ]);
+    assert.deepEqual((await client.bands('t', 'z', { every: 3, base: 1 })).map(({ low, high }) => [low, high]), [[-2, 1], [1, 4]]);
+    assert.deepEqual(await client.bands('t', 'z', { levels: [2] }), []);
+    await assert.rejects(client.bands('t', 'none', { every: 1 }), Refused);
+  });
+
   test('profiles have places and the edges between', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 2] } });
     await client.triangulate('t');

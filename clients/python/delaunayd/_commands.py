@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, 
 
 from . import _protocol as protocol
 from ._constraints import ConstraintCommands, Inside
-from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, option, set_name
+from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, option, set_name
 
 if TYPE_CHECKING:
     from ._types import Floats, Uint32s
@@ -234,16 +234,23 @@ class Commands(ConstraintCommands):
         inside: Inside = None,
     ) -> List[Contour]:
         """The contour lines of a field at levels, or at base and all multiples of `every` from it."""
-        words: Tuple[Word, ...] = ("CONTOUR", set_name(name), field_name(field))
-        if (levels is None) == (every is None):
-            raise ValueError("either levels or every")
-        if levels is not None:
-            words += tuple(float(level) for level in levels)
-        else:
-            words += ("EVERY", float(every or 0), "BASE", float(base))
-        if max_edge is not None:
-            words += ("MAXEDGE", float(max_edge))
+        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), *_max_edge(max_edge))
         return self._ask(protocol.contours, *words, *option("INSIDE", inside))
+
+    def bands(
+        self,
+        name: str,
+        field: str,
+        levels: Optional[Iterable[float]] = None,
+        every: Optional[float] = None,
+        base: float = 0.0,
+        max_edge: Optional[float] = None,
+        inside: Inside = None,
+    ) -> List[Band]:
+        """The polygons between neighbouring levels: the lowest may be -inf, the highest inf. With `every`, levels at base and multiples of
+        `every` from it, as many as cover the surface."""
+        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), "BANDS", *_max_edge(max_edge))
+        return self._ask(protocol.bands, *words, *option("INSIDE", inside))
 
     def profile(self, name: str, field: str, places: Any, max_edge: Optional[float] = None) -> Floats:
         """The surface of a field along straight pieces between places of shape (n, 2): rows `distance, x, y, value` of shape
@@ -298,6 +305,20 @@ def _method(method: str, max_edge: Optional[float], inside: Inside, outside: Opt
     if outside is not None:
         words += ("OUTSIDE", outside)
     return words + option("INSIDE", inside)
+
+
+def _levels(levels: Optional[Iterable[float]], every: Optional[float], base: float) -> Tuple[Word, ...]:
+    if (levels is None) == (every is None):
+        raise ValueError("either levels or every")
+    if levels is not None:
+        return tuple(float(level) for level in levels)
+    return ("EVERY", float(every or 0), "BASE", float(base))
+
+
+def _max_edge(max_edge: Optional[float]) -> Tuple[Word, ...]:
+    if max_edge is None:
+        return ()
+    return ("MAXEDGE", float(max_edge))
 
 
 def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:

@@ -97,6 +97,28 @@ class Contour(NamedTuple):
     line: Floats
 
 
+class Band(NamedTuple):
+    """A polygon between two levels: an outer ring, counterclockwise, and its holes, clockwise, each of shape (k, 2) without its first
+    place again. shapely.geometry.shape(band) and GeoPandas take it by its __geo_interface__."""
+
+    low: float
+    high: float
+    rings: List[Floats]
+
+    @property
+    def __geo_interface__(self) -> Dict[str, Any]:
+        rings = [list(map(tuple, _pairs(ring))) for ring in self.rings]
+        return {"type": "Polygon", "coordinates": tuple(tuple(ring + ring[:1]) for ring in rings)}
+
+    def path(self) -> Any:
+        """A matplotlib.path.Path, for PathPatch or PathCollection."""
+        from matplotlib.path import Path  # type: ignore[import]
+
+        closed = [tuple(map(tuple, ring)) for ring in self.__geo_interface__["coordinates"]]
+        codes = [code for ring in closed for code in [Path.MOVETO] + [Path.LINETO] * (len(ring) - 2) + [Path.CLOSEPOLY]]
+        return Path([place for ring in closed for place in ring], codes)
+
+
 class Loop(NamedTuple):
     """A closed loop of the boundary of a shape: ids with the shape on their left; those of a hole are clockwise."""
 
@@ -342,6 +364,21 @@ def contours(reply: "Reply") -> List["Contour"]:
         level, kind, _, *xy = row.split(" ")
         found.append(Contour(float(level), kind == "closed", _line(xy)))
     return found
+
+
+def bands(reply: "Reply") -> List["Band"]:
+    found: List[Band] = []
+    for row in reply.rows:
+        low, high, number, _, _, *xy = row.split(" ")
+        if int(number) == len(found):
+            found.append(Band(float(low), float(high), []))
+        found[-1].rings.append(_line(xy))
+    return found
+
+
+def _pairs(line: Any) -> Any:
+    """The places of a line that _line has made."""
+    return line.tolist() if hasattr(line, "shape") else zip(line[::2], line[1::2])
 
 
 def _line(words: List[str]) -> Any:

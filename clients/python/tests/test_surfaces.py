@@ -235,6 +235,30 @@ class Surfaces(WithDaemon):
         with self.assertRaises(ValueError):
             self.client.contours("t", "z")
 
+    def test_bands_are_polygons_with_holes(self):
+        low, high = self.client.bands("t", "z", levels=[2, 4, float("inf")])
+        self.assertEqual((low.low, low.high, high.low, high.high), (2, 4, 4, float("inf")))
+        self.assertEqual([ring.tolist() for ring in low.rings],
+                         [[[0.5, 0.5], [3.5, 0.5], [3.5, 3.5], [0.5, 3.5]], [[1, 1], [1, 3], [3, 3], [3, 1]]])
+        self.assertEqual(high.rings[0].tolist(), low.rings[1][[0, 3, 2, 1]].tolist())
+        self.assertEqual([(b.low, b.high) for b in self.client.bands("t", "z", every=5, base=1)], [(-4, 1), (1, 6), (6, 11)])
+        self.assertEqual(self.client.bands("t", "z", levels=[1]), [])
+        shape = low.__geo_interface__
+        self.assertEqual((shape["type"], [len(ring) for ring in shape["coordinates"]]), ("Polygon", [5, 5]))
+        self.assertEqual({ring[0] == ring[-1] for ring in shape["coordinates"]}, {True})
+        with self.assertRaises(ValueError):
+            self.client.bands("t", "z")
+
+    def test_bands_in_shapely_and_matplotlib(self):
+        try:
+            import matplotlib  # noqa: F401
+            from shapely.geometry import shape
+        except ImportError:
+            self.skipTest("without shapely and Matplotlib")
+        low, high = self.client.bands("t", "z", levels=[2, 4, 9])
+        self.assertEqual((shape(low).is_valid, shape(low).area, shape(high).area), (True, 5, 4))
+        self.assertEqual([len(ring) for ring in low.path().to_polygons()], [5, 5])
+
     def test_without_numpy_there_are_flat_arrays(self):
         with without_numpy():
             self.client.load("v", SQUARE, fields={"z": [1, 2, 3, 4, 5], "t": [6, 7, 8, 9, 10]})
@@ -248,6 +272,9 @@ class Surfaces(WithDaemon):
             self.assertEqual(list(values), [6, 1, 7, 2, 8, 3, 9, 4, 10, 9])
             self.assertEqual(self.client.field("v", "z")[1], array("d", [1, 2, 3, 4, 9]))
             self.assertEqual(len(self.client.contours("v", "z", levels=[6])[0].line) % 2, 0)
+            (band,) = self.client.bands("v", "z", levels=[float("-inf"), float("inf")])
+            self.assertEqual(list(band.rings[0]), [0, 0, 4, 0, 4, 4, 0, 4])
+            self.assertEqual(band.__geo_interface__["coordinates"], (((0, 0), (4, 0), (4, 4), (0, 4), (0, 0)),))
 
 
 if __name__ == "__main__":

@@ -98,11 +98,48 @@ TEST(contour_ends_at_the_border_that_an_option_names)
     cli_finish();
 }
 
+TEST(bands_are_written_as_polygons)
+{
+    int status;
+    make_pyramid();
+    const char *out = cli_run(&status, "contour t z - --bands -f wkt --levels -inf,5,inf");
+    CHECK(status == 0);
+    CHECK_STR(out, "WKT,low,high\n"
+                   "\"POLYGON ((0 0,4 0,4 4,0 4,0 0),(1 1,1 3,3 3,3 1,1 1))\",-inf,5\n"
+                   "\"POLYGON ((1 1,3 1,3 3,1 3,1 1))\",5,inf\n");
+    out = cli_run(&status, "contour t z - --bands");
+    CHECK(status == 0 && count(out, "\"Polygon\"") == 10 && count(out, "]],[[") == 9);
+    CHECK(count(out, "{\"low\":9,\"high\":10}") == 1);
+    char command[300];
+    snprintf(command, sizeof command, "contour t z %s --bands --every 5", cli_path("b.geojson"));
+    out = cli_run(&status, command);
+    CHECK_MSG(status == 0 && strstr(out, "b.geojson: 2 polygons\n") != NULL, "%s", out);
+    CHECK(strstr(cli_run(&status, "contour t z - --levels 5,inf"), "inf is not a number"));
+    CHECK(status == 1);
+    cli_finish();
+}
+
+TEST(bands_are_filled_in_pictures_with_a_legend)
+{
+    int status;
+    make_pyramid();
+    const char *out = cli_run(&status, "contour t z - --bands -f svg --levels -inf,2,4,6");
+    CHECK(status == 0 && strncmp(out, "<svg", 4) == 0);
+    CHECK(count(out, "<title>t: bands of z</title>") == 1);
+    CHECK_MSG(count(out, ">below 2</text>") == 1 && count(out, ">6</text>") == 1, "%s", out);
+    CHECK(count(out, "fill=\"#3e7b56\"") == 2 && count(out, "fill=\"#f5f4f2\"") == 2);
+    CHECK(count(out, "fill=\"#") >= 6);
+    out = cli_run(&status, "contour t z - --bands -f svg --levels 20,30");
+    CHECK(status == 0 && count(out, "</svg>") == 1 && count(out, "fill=\"#3e7b56\"") == 0);
+    cli_finish();
+}
+
 TEST(contour_refuses_invalid_options)
 {
-    static const char *const wrong[] = {"--levels 1,x",         "--levels 1,",  "--every x",
-                                        "--levels 1 --every 2", "--format png", "--viewport 1",
-                                        "--levels 1 --base 2",  "--inside -1"};
+    static const char *const wrong[] = {
+        "--levels 1,x",         "--levels 1,",  "--every x",
+        "--levels 1 --every 2", "--format png", "--viewport 1",
+        "--levels 1 --base 2",  "--inside -1",  "--levels 1,infinity"};
     char command[300];
     int status;
     make_pyramid();

@@ -174,7 +174,7 @@ static void check_texts(const char *text)
 
 TEST(svg_keeps_labels_scale_and_legend_within_the_frame)
 {
-    static const struct svg_legend legend = {"flat", "equilateral"};
+    static const struct svg_legend legend = {.low = "flat", .high = "equilateral"};
     static const double shapes[][8] = {{0, 0, 1, 0, 1, 1, 0, 1},
                                        {0, 0, 0, 0, 0, 9, 0, 9},
                                        {0, 0, 9, 0, 9, 0, 0, 0},

@@ -1,4 +1,4 @@
-/* shapes_test.c - cells and contour lines read from rows, written as GeoJSON and WKT. */
+/* shapes_test.c - cells, contour lines and bands read from rows, written as GeoJSON and WKT. */
 #include "clients/surfaces/shapes.h"
 
 #include <stdlib.h>
@@ -64,6 +64,31 @@ TEST(contours_become_lines_with_their_level)
     shapes_free(&s);
 }
 
+TEST(bands_become_polygons_with_their_holes)
+{
+    struct shapes s = {.kind = SHAPE_BAND};
+    CHECK(take(&s, "-inf 2.5 0 outer 3 0 0 9 0 0 9"));
+    CHECK(take(&s, "-inf 2.5 0 hole 3 1 1 1 2 2 1"));
+    CHECK(take(&s, "2.5 inf 1 outer 3 1 1 2 1 1 2"));
+    CHECK(s.n == 3 && shapes_count(&s) == 2 && shapes_rings(&s, 0) == 2 &&
+          shapes_rings(&s, 2) == 1);
+    char *text = written(&s, shapes_write_geojson);
+    CHECK_STR(text,
+              "{\"type\":\"FeatureCollection\",\"features\":[\n"
+              "{\"type\":\"Feature\",\"properties\":{\"low\":null,\"high\":2.5},\"geometry\":{"
+              "\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9,0],[0,9],[0,0]],"
+              "[[1,1],[1,2],[2,1],[1,1]]]}},\n"
+              "{\"type\":\"Feature\",\"properties\":{\"low\":2.5,\"high\":null},\"geometry\":{"
+              "\"type\":\"Polygon\",\"coordinates\":[[[1,1],[2,1],[1,2],[1,1]]]}}\n]}\n");
+    free(text);
+    text = written(&s, shapes_write_wkt);
+    CHECK_STR(text, "WKT,low,high\n"
+                    "\"POLYGON ((0 0,9 0,0 9,0 0),(1 1,1 2,2 1,1 1))\",-inf,2.5\n"
+                    "\"POLYGON ((1 1,2 1,1 2,1 1))\",2.5,inf\n");
+    free(text);
+    shapes_free(&s);
+}
+
 TEST(a_cell_without_corners_is_left_out)
 {
     struct shapes s = {.kind = SHAPE_CELL};
@@ -84,12 +109,21 @@ TEST(rows_that_are_not_shapes_are_refused)
                                         "1 -3 0 0",
                                         "1 4294967295 0 0",
                                         "1 3 0 0 1 nan 0 1"};
-    static const char *const lines[] = {"",
-                                        "5 2 0 0 1 1",
-                                        "5 ajar 2 0 0 1 1",
-                                        "5 open 2 0 0 1",
-                                        "5 open",
-                                        "5 closed 3 0 0 1 0 0 1 4 5"};
+    static const char *const lines[] = {
+        "",       "inf open 2 0 0 1 1",        "5 2 0 0 1 1", "5 ajar 2 0 0 1 1", "5 open 2 0 0 1",
+        "5 open", "5 closed 3 0 0 1 0 0 1 4 5"};
+    static const char *const bands[] = {"",
+                                        "1",
+                                        "1 2 0 open 3 0 0 1 0 0 1",
+                                        "1 2 outer 3 0 0 1 0 0 1",
+                                        "1 2 0 hole 3 0 0 1 0 0 1",
+                                        "1 nan 0 outer 3 0 0 1 0 0 1",
+                                        "infinity 2 0 outer 3 0 0 1 0 0 1"};
+    for (size_t i = 0; i < sizeof bands / sizeof bands[0]; i++) {
+        struct shapes s = {.kind = SHAPE_BAND};
+        CHECK_MSG(!take(&s, bands[i]) && s.fault != NULL && s.n == 0, "%s", bands[i]);
+        shapes_free(&s);
+    }
     for (size_t i = 0; i < sizeof cells / sizeof cells[0]; i++) {
         struct shapes s = {.kind = SHAPE_CELL};
         CHECK_MSG(!take(&s, cells[i]) && s.fault != NULL && s.n == 0, "%s", cells[i]);
