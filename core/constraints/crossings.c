@@ -1,5 +1,6 @@
-/* crossings.c - see crossings.h. Boxes are halved as long as that makes fewer pairs to look at; a segment is in both halves
- * if it meets both. */
+/* crossings.c - see crossings.h. Boxes are cut in two as long as that makes fewer pairs to look at; a segment is in both parts
+ * if it meets both. The cut is near the median of the segments, so that it helps also where most of them are in a small part of the
+ * box, as in maps. The pairs that are found do not depend on the cuts. */
 #include "core/constraints/crossings.h"
 
 #include <math.h>
@@ -161,13 +162,30 @@ static double middle(double lo, double hi)
     return fabs(mid) < 0x1p-140 ? 0 : mid;
 }
 
-static void halve(const struct dt_box *b, unsigned axis, struct dt_box half[2])
+/* About the median of the middles of the last n segments along the axis, within the box. */
+static double median(const struct search *f, const struct dt_box *b, unsigned axis, size_t n)
+{
+    enum { SAMPLE = 31 };
+    double v[SAMPLE] = {0}, lo = axis == 0 ? b->lo.x : b->lo.y, hi = axis == 0 ? b->hi.x : b->hi.y;
+    size_t k = 0;
+    for (; k < SAMPLE && k < n; k++) {
+        const struct dt_segment *s = &f->s[f->list[f->n - n + k * n / (n < SAMPLE ? n : SAMPLE)]];
+        double at = axis == 0 ? middle(s->p.x, s->q.x) : middle(s->p.y, s->q.y);
+        size_t i = k;
+        for (; i > 0 && v[i - 1] > at; i--)
+            v[i] = v[i - 1];
+        v[i] = at;
+    }
+    return v[k / 2] > lo && v[k / 2] < hi ? v[k / 2] : middle(lo, hi);
+}
+
+static void cut_box(const struct dt_box *b, unsigned axis, double at, struct dt_box half[2])
 {
     half[0] = half[1] = *b;
     if (axis == 0)
-        half[0].hi.x = half[1].lo.x = middle(b->lo.x, b->hi.x);
+        half[0].hi.x = half[1].lo.x = at;
     else
-        half[0].hi.y = half[1].lo.y = middle(b->lo.y, b->hi.y);
+        half[0].hi.y = half[1].lo.y = at;
 }
 
 static enum dt_status search(struct search *f, const struct dt_box *box, size_t n);
@@ -178,7 +196,7 @@ static enum dt_status search_halves(struct search *f, const struct dt_box *box, 
 {
     size_t from = f->n - n;
     struct dt_box half[2];
-    halve(box, axis, half);
+    cut_box(box, axis, median(f, box, axis, n), half);
     enum dt_status status = choose(f, from, n, &half[0]);
     size_t first = f->n - from - n;
     if (status == DT_OK)

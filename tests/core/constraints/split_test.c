@@ -404,6 +404,34 @@ TEST(a_grid_of_lines_gets_a_point_at_every_crossing)
     dt_free(t);
 }
 
+/* Segments in a tiny part of the box around all of them: the work must not be that of all pairs. */
+TEST(crossings_of_a_cluster_far_from_others_are_found_without_looking_at_all_pairs)
+{
+    enum { N = 20000, MOST = 10000000 };
+    struct dt_point *p = malloc((2 * N + 2) * sizeof *p);
+    struct dt_constraint *c = malloc((N + 1) * sizeof *c);
+    const struct dt_options few = {.steps = MOST};
+    uint32_t missing;
+    struct dt_split s;
+    CHECK(p != NULL && c != NULL);
+    for (uint32_t i = 0; i < N; i++) {
+        double x = (i % 100) * 1e-6, y = (double)(i / 100) * 1e-6, step = i == 5050 ? 2e-6 : 0.5e-6;
+        p[2 * i] = (struct dt_point){x, y};
+        p[2 * i + 1] = (struct dt_point){x + 0.2e-6, y + step};
+        c[i] = (struct dt_constraint){2 * i, 2 * i + 1, i % 2 == 0, i};
+    }
+    p[2 * N] = (struct dt_point){1e6, 1e6};
+    p[2 * N + 1] = (struct dt_point){1e6, 2e6};
+    c[N] = (struct dt_constraint){2 * N, 2 * N + 1, false, 0};
+    struct dt *t = set_of(p, 2 * N + 2, 0);
+    CHECK(dt_plan_split(t, c, N + 1, SIZE_MAX, &few, &s, &missing) == DT_OK && s.n_points == 1 &&
+          s.n_added == N + 3);
+    dt_split_clear(&s);
+    dt_free(t);
+    free(p);
+    free(c);
+}
+
 TEST(nearly_parallel_lines_and_lines_through_nearly_one_place_are_split)
 {
     enum { N = 40 };
