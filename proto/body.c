@@ -13,8 +13,11 @@ enum { FIRST_CAPACITY = 64 };
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
                bool (*coordinates_ok)(const double *v, size_t n))
 {
-    *b = (struct body){
-        .form = form, .left = count, .limit = limit, .coordinates_ok = coordinates_ok};
+    *b = (struct body){.form = form,
+                       .left = count,
+                       .limit = limit,
+                       .records_from = SIZE_MAX,
+                       .coordinates_ok = coordinates_ok};
     b->complete = form != BODY_DOT && count == 0;
     body_columns(b, 2, 0);
 }
@@ -43,6 +46,11 @@ void body_words(struct body *b)
 {
     body_columns(b, 0, 1);
     b->words = true;
+}
+
+void body_records(struct body *b, size_t points)
+{
+    b->records_from = points;
 }
 
 /* Bytes of a point. */
@@ -436,10 +444,12 @@ static void make_native(double *v, size_t n)
 /* The number of valid points before the first one that has a fault; n: none has. */
 static size_t count_valid(const struct body *b, const double *v, size_t n, enum body_fault *fault)
 {
+    size_t before = b->records_from > b->n ? b->records_from - b->n : 0,
+           points = before < n ? before : n;
     *fault = BODY_GOOD;
-    if (is_plain(b) && b->coordinates_ok(v, 2 * n))
+    if (is_plain(b) && b->coordinates_ok(v, 2 * points))
         return n;
-    for (size_t i = 0; i < n; i++, v += b->width)
+    for (size_t i = 0; i < points; i++, v += b->width)
         if ((*fault = judge_point(b, v)) != BODY_GOOD)
             return i;
     return n;

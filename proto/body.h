@@ -51,6 +51,7 @@ struct body {
     bool paths;                /* the last number is a mark (body_paths) */
     bool begins;               /* the next point begins a path */
     bool words;                /* BODY_BINARY: a point is 8 bytes of any kind */
+    size_t records_from;       /* from this point on they are bytes of any kind (body_records) */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
     size_t part; /* BODY_BINARY: bytes of the next point that have come; behind the others in xy */
@@ -86,6 +87,9 @@ static inline size_t body_numbers(const struct body *b)
 
 /* The same for a binary body whose points are 8 bytes of any kind, which take the place of a number. */
 void body_words(struct body *b);
+
+/* The same for a binary body of which only the first `points` are points; those behind them are records of any kind, as long as a point. */
+void body_records(struct body *b, size_t points);
 
 /* Parses bytes[n]; returns the number of bytes consumed (0: it needs more), or -1 if the framing is broken (a NUL
  * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:

@@ -74,6 +74,18 @@ static bool ends_with_places(const struct word *word, size_t words, long long le
     return i == last && len != INSIDE && !(number && len > 0 && len <= DIGITS);
 }
 
+/* LOADB set n, CONSTRAINTS m [SPLIT], FIELDS a,b, and then the body, unless the last word is SPLIT. */
+static bool ends_with_records(const struct word *word, size_t words, long long len)
+{
+    enum { SPLIT = sizeof "SPLIT" - 1 };
+    size_t i = 5, last = words - 1;
+    if (i == last && len == SPLIT)
+        return false;
+    i += i < last && word_is(&word[i], "SPLIT");
+    i += i < last && word_is(&word[i], "FIELDS") ? 2 : 0;
+    return i == last;
+}
+
 /* Whether a request of `words` words, of which all but the last are at `word`, ends with a body of `len` bytes. */
 static bool ends_with_body(const struct word *word, size_t words, long long len)
 {
@@ -84,6 +96,8 @@ static bool ends_with_body(const struct word *word, size_t words, long long len)
     if (word_is(word, "LOAD") &&
         (word_is(&word[2], "PATHS") || (words > 4 && word_is(&word[3], "PATHS"))))
         return false; /* lines follow */
+    if (word_is(word, "LOADB") && words > 4 && word_is(&word[3], "CONSTRAINTS"))
+        return ends_with_records(word, words, len);
     if (words > 6)
         return false;
     if (words == 6)

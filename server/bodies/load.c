@@ -1,6 +1,7 @@
 /* load.c - see load.h. */
 #include "server/bodies/load.h"
 
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
 #include "server/jobs/keep.h"
@@ -74,6 +75,20 @@ size_t load_paths_at(const struct load_shape *shape, const struct request *q)
     return 0;
 }
 
+struct load_constraints load_constraints_of(const struct load_shape *shape, const struct request *q)
+{
+    struct load_constraints c = {0};
+    size_t at = shape->count + 1;
+    if (!shape->constraints || q->n < at + 2 || !word_is(&q->word[at], "CONSTRAINTS"))
+        return c;
+    c.bad = !proto_read_u32(q->word[at + 1].text, q->word[at + 1].len, &c.n) ||
+            c.n > DT_MAX_CONSTRAINTS;
+    c.end = at + 2;
+    c.splits = c.end < q->n && word_is(&q->word[c.end], "SPLIT");
+    c.end += c.splits;
+    return c;
+}
+
 static size_t count_names(const struct word *w)
 {
     size_t n = w->len > 0;
@@ -86,7 +101,8 @@ static size_t count_names(const struct word *w)
 struct announced {
     enum body_form form;
     uint32_t count;
-    size_t values; /* of a row, besides its coordinates */
+    uint32_t constraints; /* behind the rows, each as long as one */
+    size_t values;        /* of a row, besides its coordinates */
 };
 
 /* The index of the word that counts the rows. */
@@ -106,7 +122,9 @@ static bool read_line(const struct load_shape *shape, const struct request *q, s
                                     : counted     ? BODY_LINES
                                                   : BODY_DOT,
                             .values = shape->rows == LOAD_VALUES ? 1 : count_names(&names)};
-    return b->form == BODY_DOT || (counted && proto_read_u32(n->text, n->len, &b->count));
+    const struct load_constraints c = load_constraints_of(shape, q);
+    b->constraints = c.n;
+    return b->form == BODY_DOT || (counted && !c.bad && proto_read_u32(n->text, n->len, &b->count));
 }
 
 static void begin(struct server *s, const struct load_shape *shape, const struct request *q,
@@ -120,13 +138,15 @@ static void begin(struct server *s, const struct load_shape *shape, const struct
     }
     l->shape = shape;
     size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
-    body_init(&l->body, b->form, b->count, most, dt_coordinates_ok);
+    body_init(&l->body, b->form, (uint64_t)b->count + b->constraints, most + b->constraints,
+              dt_coordinates_ok);
     if (shape->rows == LOAD_PAIRS)
         body_words(&l->body);
     else
         body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
     if (load_paths_at(shape, q) > 0)
         body_paths(&l->body);
+    body_records(&l->body, b->count);
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
     a->next = ANSWER_BODY;
     a->load = l;
@@ -137,9 +157,10 @@ void load_start(struct server *s, const struct load_shape *shape, const struct r
 {
     struct announced b;
     if (!read_line(shape, q, &b)) {
-        const struct word *w = &q->word[count_at(shape, q)];
-        answer_err(a, ERR_NUMBER, "%.*s is not a number of points",
-                   (int)(w->len < 32 ? w->len : 32), w->text);
+        bool constraints = load_constraints_of(shape, q).bad;
+        const struct word *w = &q->word[count_at(shape, q) + (constraints ? 2 : 0)];
+        answer_err(a, ERR_NUMBER, "%.*s is not a number of %s", (int)(w->len < 32 ? w->len : 32),
+                   w->text, constraints ? "constraints" : "points");
         a->closes = true;
     } else if (b.values > DT_MAX_FIELDS) {
         answer_err(a, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);

@@ -26,6 +26,8 @@ struct load_shape {
     bool
         fields; /* the last two words may be FIELDS and names: each row has values of these fields, too */
     bool paths; /* the word PATHS may follow the count, and then others about constraints */
+    bool
+        constraints; /* CONSTRAINTS m [SPLIT] may follow the count: m constraints follow the points */
 };
 
 struct load {
@@ -92,6 +94,17 @@ struct word load_field_names(const struct load_shape *shape, const struct reques
 
 /* The index of the word PATHS; 0: there is none. */
 size_t load_paths_at(const struct load_shape *shape, const struct request *q);
+
+/* The words CONSTRAINTS m [SPLIT] announce m records behind the points of a body. A record is as long as a point with its values, and has the
+ * ends of a constraint, its kind and its number as u32. */
+struct load_constraints {
+    uint32_t n;
+    bool splits;
+    size_t end; /* the index of the word behind these; 0: they are not there */
+    bool bad;   /* m is no number of constraints */
+};
+struct load_constraints load_constraints_of(const struct load_shape *shape,
+                                            const struct request *q);
 
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);

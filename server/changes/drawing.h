@@ -25,6 +25,7 @@ struct drawing {
         line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
     bool loads;    /* it is a LOAD, */
     bool thins;    /* or the points that SIMPLIFY has kept */
+    bool counts;   /* `line` has the numbers of constraints in a LOADB instead */
     bool asked;    /* it is asked to split constraints that cross, */
     bool splits;   /* and that has not been done yet */
     uint32_t most; /* points that may come with a split */

@@ -3,6 +3,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "server/changes/constraint.h"
 
 struct taking {
     struct change *c;
@@ -68,17 +71,13 @@ static void add_path(const struct taking *t, size_t row, size_t end, size_t poin
         add_constraint(t, t->c->n - 1, a, what, end - 1);
 }
 
-/* Room for all points, their values, and a constraint at each row. */
-static bool make_room(const struct taking *t)
+/* Room for these numbers of points, with their values, and of constraints. */
+static bool make_room(struct change *c, size_t points, size_t constraints)
 {
-    struct change *c = t->c;
     struct drawing *d = c->drawing;
-    size_t points = 0;
-    for (size_t i = 0, k; i < t->n; points += k)
-        i = path_end(t, i, &k);
     c->points = dt_pages_grow(c->pages, NULL, 0, (points + 1) * sizeof *c->points);
-    d->lists.added = dt_pages_grow(c->pages, NULL, 0, (t->n + 1) * sizeof *d->lists.added);
-    d->line = malloc((t->n + 1) * sizeof *d->line);
+    d->lists.added = dt_pages_grow(c->pages, NULL, 0, (constraints + 1) * sizeof *d->lists.added);
+    d->line = malloc((constraints + 1) * sizeof *d->line);
     if (c->columns != NULL) {
         size_t values = points * c->columns->count;
         c->columns->n = (uint32_t)points;
@@ -88,16 +87,51 @@ static bool make_room(const struct taking *t)
            (c->columns == NULL || c->columns->v != NULL);
 }
 
+static size_t count_points(const struct taking *t)
+{
+    size_t points = 0;
+    for (size_t i = 0, k; i < t->n; points += k)
+        i = path_end(t, i, &k);
+    return points;
+}
+
 bool paths_take(struct change *c, double *rows, size_t n, uint32_t first, uint32_t what)
 {
     size_t values = c->columns == NULL ? 0 : c->columns->count;
     struct taking t = {.c = c, .rows = rows, .n = n, .width = 3 + values, .first = first};
-    bool room = make_room(&t);
+    bool room = make_room(c, count_points(&t), n);
     c->n = 0;
     c->drawing->lists.n_added = 0;
     for (size_t i = 0, end, points; room && i < n; i = end, what += 2) {
         end = path_end(&t, i, &points);
         add_path(&t, i, end, points, what);
+    }
+    dt_pages_release(rows);
+    return room;
+}
+
+struct paths_record paths_record_at(const double *rows, size_t n, size_t width, size_t i)
+{
+    struct paths_record r;
+    memcpy(&r, rows + (n + i) * width, sizeof r);
+    return r;
+}
+
+bool paths_take_records(struct change *c, double *rows, size_t n, size_t records, uint32_t first)
+{
+    size_t values = c->columns == NULL ? 0 : c->columns->count;
+    struct taking t = {.c = c, .rows = rows, .n = n, .width = 2 + values, .first = first};
+    struct drawing *d = c->drawing;
+    bool room = make_room(c, n, records);
+    c->n = 0;
+    d->lists.n_added = 0;
+    for (size_t i = 0; room && i < n; i++)
+        add_point(&t, i);
+    for (size_t i = 0; room && i < records; i++) {
+        struct paths_record r = paths_record_at(rows, n, t.width, i);
+        d->lists.added[i] = (struct record_constraint){first + r.a, first + r.b,
+                                                       constraint_what(r.border != 0, r.number)};
+        d->line[i] = ++d->lists.n_added;
     }
     dt_pages_release(rows);
     return room;

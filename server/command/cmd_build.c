@@ -101,7 +101,7 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
 {
     dt_build_free(((struct build *)j)->made);
     if (a != NULL && j->status == DT_CROSSES)
-        answer_crosses(a, &((struct build *)j)->crossed, NULL);
+        answer_crosses(a, &((struct build *)j)->crossed, "", NULL);
     else if (job_succeeded(j, a))
         finish_triangulation(s, j, a);
 }

@@ -36,8 +36,8 @@ static bool read_paths(struct answer *a, const struct request *q, size_t at, str
     return true;
 }
 
-/* The change has its sizes: at most a constraint for each row. */
-static bool begin_paths(struct answer *a, const struct chosen *f, struct change *c)
+/* The change has its sizes; `constraints` is the most that it can have. */
+static bool begin_drawing(struct answer *a, bool splits, size_t constraints, struct change *c)
 {
     c->drawing = drawing_new();
     if (c->drawing == NULL) {
@@ -46,39 +46,96 @@ static bool begin_paths(struct answer *a, const struct chosen *f, struct change 
     }
     c->kind = &change_kinds[CHANGE_DRAW];
     c->drawing->loads = true;
-    c->drawing->asked = c->drawing->splits = f->splits;
-    c->drawing->lists.n_added = c->n;
+    c->drawing->asked = c->drawing->splits = splits;
+    c->drawing->lists.n_added = (uint32_t)constraints;
     return true;
 }
 
-static void load_paths(struct server *s, struct dataset *set, const struct request *q,
-                       struct answer *a, size_t at)
+/* Points and constraints that a body has: rows of paths, or with `records` points and then the records of constraints. */
+struct drawn_body {
+    size_t points, records;
+    uint32_t what;
+    bool splits;
+};
+
+static void load_drawing(struct server *s, struct dataset *set, const struct request *q,
+                         struct answer *a, const struct drawn_body *b)
 {
     struct load *l = a->body;
     struct word names = load_field_names(l->shape, q);
-    struct chosen f;
-    if (!world_alone(a) || !read_paths(a, q, at, &f))
-        return;
     struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
     if (x == NULL)
         return;
     struct change *c = &x->change;
     uint32_t first = set == NULL ? 0 : dt_next_id(set->current->dt);
     c->first = CHANGE_ANY;
-    c->n = (uint32_t)l->body.n;
+    c->n = (uint32_t)b->points;
     if ((names.len > 0 && (c->columns = read_field_names(a, set, &names)) == NULL) ||
-        !begin_paths(a, &f, c) || !submit_reserve(s, a, set, x)) {
+        !begin_drawing(a, b->splits, l->body.paths ? b->points : b->records, c) ||
+        !submit_reserve(s, a, set, x)) {
         job_free(s, &x->job);
         return;
     }
     x->expected = load_hand_on_expected(s, l);
-    size_t n = c->n;
-    if (paths_take(c, load_take(l, &x->job.memory), n, first, f.what)) {
+    double *rows = load_take(l, &x->job.memory);
+    c->drawing->counts = !l->body.paths;
+    if (l->body.paths ? paths_take(c, rows, b->points, first, b->what)
+                      : paths_take_records(c, rows, b->points, b->records, first)) {
         submit(s, a, set, x);
         return;
     }
     answer_out_of_memory(a);
     job_free(s, &x->job);
+}
+
+static void load_paths(struct server *s, struct dataset *set, const struct request *q,
+                       struct answer *a, size_t at)
+{
+    struct chosen f;
+    if (!world_alone(a) || !read_paths(a, q, at, &f))
+        return;
+    load_drawing(
+        s, set, q, a,
+        &(struct drawn_body){.points = a->body->body.n, .what = f.what, .splits = f.splits});
+}
+
+/* ---- LOADB ... CONSTRAINTS ---- */
+
+/* Whether every record is a constraint between two of the n points. */
+static bool check_records(struct answer *a, size_t n, size_t records)
+{
+    const struct body *b = &a->body->body;
+    for (size_t i = 0; i < records; i++) {
+        struct paths_record r = paths_record_at(b->xy, n, b->width, i);
+        bool good = r.a < n && r.b < n && r.a != r.b && r.border <= 1 && r.number <= DT_MAX_NUMBER;
+        if (good)
+            continue;
+        if (r.a >= n || r.b >= n)
+            answer_err(a, ERR_NOPOINT, "constraint %zu: %u %u are not two of the %zu points", i + 1,
+                       r.a, r.b, n);
+        else if (r.a == r.b)
+            answer_err(a, ERR_SYNTAX, "constraint %zu has one end only", i + 1);
+        else
+            answer_err(a, ERR_RANGE,
+                       "constraint %zu: 1 is a border, 0 a line; its number is at most %d", i + 1,
+                       DT_MAX_NUMBER);
+        return false;
+    }
+    return true;
+}
+
+static void load_records(struct server *s, struct dataset *set, const struct request *q,
+                         struct answer *a, const struct load_constraints *c)
+{
+    size_t names = load_field_names(a->body->shape, q).len > 0 ? 2 : 0,
+           points = a->body->body.n - c->n;
+    if (!world_alone(a))
+        return;
+    if (c->end + names != q->n)
+        answer_usage(a);
+    else if (check_records(a, points, c->n))
+        load_drawing(s, set, q, a,
+                     &(struct drawn_body){.points = points, .records = c->n, .splits = c->splits});
 }
 
 /* ---- the others ---- */
@@ -88,8 +145,12 @@ void cmd_load(struct server *s, struct dataset *set, const struct request *q, st
 {
     struct load *l = a->body;
     size_t paths = load_paths_at(l->shape, q);
-    if (paths > 0) {
-        load_paths(s, set, q, a, paths);
+    const struct load_constraints constraints = load_constraints_of(l->shape, q);
+    if (paths > 0 || constraints.end > 0) {
+        if (paths > 0)
+            load_paths(s, set, q, a, paths);
+        else
+            load_records(s, set, q, a, &constraints);
         return;
     }
     if (!submit_may(a, set, CHANGE_ADD, l->body.n))

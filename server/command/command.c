@@ -29,12 +29,13 @@ void answer_usage(struct answer *a)
     answer_err(a, ERR_SYNTAX, "usage: %s", a->command->usage);
 }
 
-/* Whether the number of words is one that the command takes. `most` counts FIELDS and the names, and PATHS BORDER OF k SPLIT, which
- * may be missing. */
+/* Whether the number of words is one that the command takes. `most` counts FIELDS and the names, PATHS BORDER OF k SPLIT, and CONSTRAINTS
+ * m SPLIT, which may be missing. */
 static bool has_words(const struct command *c, const struct request *q)
 {
     unsigned without = c->body.fields && load_field_names(&c->body, q).len == 0 ? 2 : 0;
     without += c->body.paths && load_paths_at(&c->body, q) == 0 ? 5 : 0;
+    without += c->body.constraints && load_constraints_of(&c->body, q).end == 0 ? 3 : 0;
     return q->n >= c->least && (c->most == 0 || q->n <= c->most - without);
 }
 

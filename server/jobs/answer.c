@@ -30,20 +30,22 @@ void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
     a->code = code;
 }
 
-/* A constraint, by its line if it has one. */
-static void name_constraint(char *text, size_t size, const struct dt_constraint *c, uint64_t line)
+/* A constraint, by its number in the request if it has one. */
+static void name_constraint(char *text, size_t size, const struct dt_constraint *c, const char *row,
+                            uint64_t number)
 {
-    if (line > 0)
-        snprintf(text, size, "line %" PRIu64, line);
+    if (number > 0)
+        snprintf(text, size, "%s %" PRIu64, row, number);
     else
         snprintf(text, size, "%u %u", c->a, c->b);
 }
 
-void answer_crosses(struct answer *a, const struct dt_crossed *c, const uint64_t *line)
+void answer_crosses(struct answer *a, const struct dt_crossed *c, const char *row,
+                    const uint64_t *number)
 {
-    char one[32], other[32];
-    name_constraint(one, sizeof one, &c->one, line == NULL ? 0 : line[0]);
-    name_constraint(other, sizeof other, &c->other, line == NULL ? 0 : line[1]);
+    char one[40], other[40];
+    name_constraint(one, sizeof one, &c->one, row, number == NULL ? 0 : number[0]);
+    name_constraint(other, sizeof other, &c->other, row, number == NULL ? 0 : number[1]);
     answer_err(a, ERR_CROSSES, "%s crosses %s", one, other);
 }
 

@@ -76,8 +76,9 @@ __attribute__((format(printf, 3, 4))) void answer_err(struct answer *a, enum rep
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
 
-/* The ERR line of DT_CROSSES. The two may be named by their lines; NULL, or 0: by their ids. */
-void answer_crosses(struct answer *a, const struct dt_crossed *c, const uint64_t *line);
+/* The ERR line of DT_CROSSES. The two may be named by their numbers in the request, each a `row`; NULL, or 0: by their ids. */
+void answer_crosses(struct answer *a, const struct dt_crossed *c, const char *row,
+                    const uint64_t *number);
 
 /* The reply of a command without facts or rows. */
 static inline void answer_ok(struct answer *a)

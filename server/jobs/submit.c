@@ -268,8 +268,10 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
 {
     const struct dt_constraint *one = &c->crossed.one;
     const char *kind = one->border ? "border" : "line";
+    const struct drawing *d = c->drawing;
     if (status == DT_CROSSES)
-        answer_crosses(a, &c->crossed, c->drawing == NULL ? NULL : c->drawing->crossed_line);
+        answer_crosses(a, &c->crossed, d != NULL && d->counts ? "constraint" : "line",
+                       d == NULL ? NULL : d->crossed_line);
     else if (status == DT_CONSTRAINED)
         answer_err(a, ERR_CONSTRAINED,
                    "point %u is an end of a constraint: RELEASE it, or DEL set id CASCADE",

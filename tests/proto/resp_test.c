@@ -138,6 +138,18 @@ TEST(resp_paths_follow_as_lines)
     CHECK(!ends_with_body("LOAD t 1 PATHS FIELDS z"));
 }
 
+TEST(resp_records_of_constraints_are_a_body)
+{
+    CHECK(ends_with_body("LOADB t 1 CONSTRAINTS 0 ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("LOADB t 1 CONSTRAINTS 0 SPLIT ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("LOADB t 1 CONSTRAINTS 0 FIELDS z ABCDEFGHABCDEFGH"));
+    CHECK(ends_with_body("LOADB t 1 CONSTRAINTS 0 SPLIT FIELDS z ABCDEFGHABCDEFGH"));
+    CHECK(!ends_with_body("LOADB t 1 CONSTRAINTS 0"));
+    CHECK(!ends_with_body("LOADB t 1 CONSTRAINTS 0 SPLIT"));
+    CHECK(!ends_with_body("LOADB t 1 CONSTRAINTS 0 FIELDS z"));
+    CHECK(!ends_with_body("LOADB t 1 CONSTRAINTS 0 SPLIT FIELDS z"));
+}
+
 TEST(resp_out_of_memory_is_reported)
 {
     struct request q = {0};

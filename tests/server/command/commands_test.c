@@ -384,7 +384,8 @@ TEST(load_that_the_input_ends_within_is_refused)
 TEST(load_without_a_clear_head_closes_the_connection)
 {
     converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x is not a number of points\n");
-    converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n [FIELDS a,b]\n");
+    converse_alone("LOADB t\nDROP t\n",
+                   "ERR SYNTAX usage: LOADB set n [CONSTRAINTS m [SPLIT]] [FIELDS a,b]\n");
     static const char usage[] = "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b] | LOAD set [n] PATHS "
                                 "[BORDER] [OF k] [SPLIT] [FIELDS a,b]\n";
     converse_alone("LOAD\n1 1\n.\n", usage);
