@@ -1,5 +1,6 @@
-/* sending.c - see sending.h. LOADB and CONSTRAINB are requests of their own, so a new set is given an expiry first, which drops it if this
- * program ends between them. */
+/* sending.c - see sending.h. Points and lines are one request, LOADB ... CONSTRAINTS. A set that is not triangulated
+ * shows only later where lines cross, and a .poly file which faces it has. So a new set gets an expiry first, which drops it if this program
+ * ends meanwhile. */
 #include "clients/cli/sending.h"
 
 #include <stdio.h>
@@ -21,10 +22,10 @@ struct sending {
     struct delaunay_client *c;
     const char *set;
     bool is_new;
-    uint64_t first; /* the id of the first point */
-    uint64_t constraints;
-    uint64_t crossings; /* points where lines crossed */
-    double deviation;   /* by which such a point is at most beside its lines */
+    uint64_t first;          /* the id of the first point */
+    struct segment *segment; /* owns; the constraints of the file's lines */
+    size_t segments;
+    bool sent; /* the set has the points and the lines */
     char *status, refusal[SENDING_STATUS];
 };
 
@@ -50,7 +51,44 @@ static void show_sending(void *ctx, size_t done, size_t total)
     progress_update(ctx, done, total, done);
 }
 
-static enum delaunay_result send_points(struct sending *s)
+/* Four numbers for each segment, as LOADB has them. NULL: out of memory. */
+static uint32_t *constraints_of(const struct sending *s)
+{
+    uint32_t *row = malloc((4 * s->segments + 1) * sizeof row[0]);
+    for (size_t i = 0; row != NULL && i < s->segments; i++) {
+        const struct segment *g = &s->segment[i];
+        memcpy(row + 4 * i, (const uint32_t[]){g->a, g->b, g->what % 2, g->what / 2},
+               4 * sizeof row[0]);
+    }
+    return row;
+}
+
+static enum delaunay_result send_request(struct sending *s, const char *names, struct progress *bar)
+{
+    const struct points_file *f = &s->r->file;
+    if (f->paths.n == 0)
+        return delaunay_send_values(s->c, s->set, names, f->xy, f->value, f->n, show_sending, bar);
+    s->segment = paths_segments(&f->paths, &s->segments);
+    uint32_t *row = s->segment == NULL ? NULL : constraints_of(s);
+    enum delaunay_result r =
+        row == NULL ? DELAUNAY_NOMEM
+                    : delaunay_send_drawing(s->c, s->set, names, f->xy, f->value, f->n, row,
+                                            s->segments, s->r->split, show_sending, bar);
+    free(row);
+    return r;
+}
+
+/* The points where lines crossed were added, too. */
+static void note_crossings(struct sending *s)
+{
+    uint64_t added = 0;
+    size_t n = strlen(s->status);
+    delaunay_key_number(delaunay_status(s->c), "added", &added);
+    snprintf(s->status + n, SENDING_STATUS - n, " crossings=%ju",
+             (uintmax_t)(added - s->r->file.n));
+}
+
+static enum delaunay_result send_file(struct sending *s)
 {
     const struct table_fields *t = &s->r->from.table.fields;
     const struct points_file *f = &s->r->file;
@@ -59,94 +97,24 @@ static enum delaunay_result send_points(struct sending *s)
     for (size_t i = 0, n = 0; i < f->fields; i++)
         n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", i > 0 ? "," : "", t->name[i]);
     progress_start(&bar, "sending");
-    enum delaunay_result result =
-        delaunay_send_values(s->c, s->set, names, f->xy, f->value, f->n, show_sending, &bar);
+    enum delaunay_result result = send_request(s, names, &bar);
     progress_end(&bar);
     if (result == DELAUNAY_OK)
         result = delaunay_receive(s->c, command_show_comment, NULL);
+    if (result == DELAUNAY_REFUSED)
+        snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
     if (result != DELAUNAY_OK)
         return result;
     delaunay_key_number(delaunay_status(s->c), "first", &s->first);
     snprintf(s->status, SENDING_STATUS, "%s", delaunay_status(s->c)->text);
+    if (s->r->split && f->paths.n > 0)
+        note_crossings(s);
     if (strstr(s->status, "coincident=0") == NULL)
         reading_note_coincident(s->r);
     return DELAUNAY_OK;
 }
 
 /* ---- lines ---- */
-
-/* `added` counts constraints, but points after SPLIT, where there are other parts than were sent. */
-static void count_declared(struct sending *s, uint64_t added)
-{
-    const char *text;
-    size_t len;
-    double deviation;
-    if (!s->r->split) {
-        s->constraints += added;
-        return;
-    }
-    s->crossings += added;
-    if (delaunay_key(delaunay_status(s->c), "deviation", &text, &len) &&
-        proto_read_double(text, len, &deviation) && deviation > s->deviation)
-        s->deviation = deviation;
-}
-
-/* The replies to n requests. The first refusal counts; the others are received, too. */
-static enum delaunay_result receive_declared(struct sending *s, size_t n)
-{
-    enum delaunay_result result = DELAUNAY_OK;
-    for (size_t i = 0; i < n; i++) {
-        uint64_t added = 0;
-        enum delaunay_result r = delaunay_receive(s->c, command_show_comment, NULL);
-        if (r != DELAUNAY_OK && r != DELAUNAY_REFUSED)
-            return r;
-        if (r == DELAUNAY_REFUSED && result == DELAUNAY_OK)
-            snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
-        if (r != DELAUNAY_OK)
-            result = r;
-        else if (delaunay_key_number(delaunay_status(s->c), "added", &added))
-            count_declared(s, added);
-    }
-    return result;
-}
-
-/* A request for each kind and number, many at once. */
-static enum delaunay_result declare(struct sending *s, struct segment *segment, size_t n)
-{
-    enum delaunay_result r = DELAUNAY_OK;
-    uint32_t *pair = malloc((2 * n + 1) * sizeof pair[0]);
-    size_t sent = 0, same;
-    if (pair == NULL)
-        return DELAUNAY_NOMEM;
-    for (size_t i = 0; i < n; i++) {
-        pair[2 * i] = (uint32_t)s->first + segment[i].a;
-        pair[2 * i + 1] = (uint32_t)s->first + segment[i].b;
-    }
-    for (size_t i = 0; i < n && r == DELAUNAY_OK; i += same) {
-        for (same = 1; i + same < n && segment[i + same].what == segment[i].what;)
-            same++;
-        const struct delaunay_constraint name = {segment[i].what / 2, segment[i].what % 2 != 0,
-                                                 s->r->split};
-        r = delaunay_send_constraints(s->c, s->set, &name, pair + 2 * i, same);
-        if (r == DELAUNAY_OK && ++sent == AT_ONCE) {
-            r = receive_declared(s, sent);
-            sent = 0;
-        }
-    }
-    if (r == DELAUNAY_OK)
-        r = receive_declared(s, sent);
-    free(pair);
-    return r;
-}
-
-static enum delaunay_result declare_lines(struct sending *s)
-{
-    size_t n;
-    struct segment *segment = paths_segments(&s->r->file.paths, &n);
-    enum delaunay_result r = segment != NULL ? declare(s, segment, n) : DELAUNAY_NOMEM;
-    free(segment);
-    return r;
-}
 
 static enum delaunay_result triangulate(struct sending *s)
 {
@@ -217,6 +185,50 @@ static size_t find_borders(const struct model *m, const struct sides *sides, con
     return n;
 }
 
+/* The replies to n requests. The first refusal counts; the others are received, too. */
+static enum delaunay_result receive_declared(struct sending *s, size_t n)
+{
+    enum delaunay_result result = DELAUNAY_OK;
+    for (size_t i = 0; i < n; i++) {
+        enum delaunay_result r = delaunay_receive(s->c, command_show_comment, NULL);
+        if (r != DELAUNAY_OK && r != DELAUNAY_REFUSED)
+            return r;
+        if (r == DELAUNAY_REFUSED && result == DELAUNAY_OK)
+            snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
+        if (r != DELAUNAY_OK)
+            result = r;
+    }
+    return result;
+}
+
+/* A request for each number, many at once. */
+static enum delaunay_result declare(struct sending *s, const struct segment *segment, size_t n)
+{
+    enum delaunay_result r = DELAUNAY_OK;
+    uint32_t *pair = malloc((2 * n + 1) * sizeof pair[0]);
+    size_t sent = 0, same;
+    if (pair == NULL)
+        return DELAUNAY_NOMEM;
+    for (size_t i = 0; i < n; i++) {
+        pair[2 * i] = (uint32_t)s->first + segment[i].a;
+        pair[2 * i + 1] = (uint32_t)s->first + segment[i].b;
+    }
+    for (size_t i = 0; i < n && r == DELAUNAY_OK; i += same) {
+        for (same = 1; i + same < n && segment[i + same].what == segment[i].what;)
+            same++;
+        const struct delaunay_constraint name = {segment[i].what / 2, true, false};
+        r = delaunay_send_constraints(s->c, s->set, &name, pair + 2 * i, same);
+        if (r == DELAUNAY_OK && ++sent == AT_ONCE) {
+            r = receive_declared(s, sent);
+            sent = 0;
+        }
+    }
+    if (r == DELAUNAY_OK)
+        r = receive_declared(s, sent);
+    free(pair);
+    return r;
+}
+
 static enum delaunay_result declare_faces(struct sending *s)
 {
     struct model m = {0};
@@ -245,19 +257,51 @@ static enum delaunay_result declare_faces(struct sending *s)
 /* ---- where lines cross ---- */
 
 struct side {
-    const struct path *path; /* NULL: the constraint was in the set before */
-    uint32_t a, b;
+    bool ours;               /* of the file; else of the set, where a and b are ids */
+    uint32_t a, b;           /* places in the file */
+    const struct path *path; /* NULL: not of the file */
 };
 
-static void find_side(const struct sending *s, struct side *side)
+/* A number of a constraint of LOADB, or ids; *at moves behind it. */
+static bool read_side(const struct sending *s, const char **at, struct side *side)
+{
+    size_t i;
+    int len = 0;
+    *side = (struct side){.ours = sscanf(*at, "constraint %zu%n", &i, &len) == 1};
+    if (side->ours && i - 1 < s->segments) {
+        side->a = s->segment[i - 1].a;
+        side->b = s->segment[i - 1].b;
+    } else if (side->ours || sscanf(*at, "%u %u%n", &side->a, &side->b, &len) != 2) {
+        return false;
+    } else if (s->sent && side->a - s->first < s->r->file.n && side->b - s->first < s->r->file.n) {
+        side->ours = true;
+        side->a -= (uint32_t)s->first;
+        side->b -= (uint32_t)s->first;
+    }
+    *at += len;
+    return true;
+}
+
+static bool read_crossing(const struct sending *s, struct side *v, struct side *w)
+{
+    static const char head[] = "ERR CROSSES ", between[] = " crosses ";
+    const char *at = s->refusal + sizeof head - 1;
+    if (strncmp(s->refusal, head, sizeof head - 1) != 0 || !read_side(s, &at, v) ||
+        strncmp(at, between, sizeof between - 1) != 0)
+        return false;
+    at += sizeof between - 1;
+    return read_side(s, &at, w);
+}
+
+static void find_path(const struct sending *s, struct side *side)
 {
     const struct paths *p = &s->r->file.paths;
-    for (size_t i = 0; i < p->n && side->path == NULL; i++)
+    for (size_t i = 0; side->ours && i < p->n && side->path == NULL; i++)
         for (size_t k = 0; k < paths_steps(&p->path[i]); k++) {
             uint32_t end[2];
             paths_step(p, &p->path[i], k, end);
-            uint64_t a = s->first + end[0], b = s->first + end[1];
-            if ((a == side->a && b == side->b) || (a == side->b && b == side->a))
+            if ((end[0] == side->a && end[1] == side->b) ||
+                (end[1] == side->a && end[0] == side->b))
                 side->path = &p->path[i];
         }
 }
@@ -267,8 +311,8 @@ static void crossing(const struct sending *s, const struct side *v, const struct
                      double place[2])
 {
     const double *xy = s->r->file.xy;
-    const double *a = xy + 2 * (v->a - s->first), *b = xy + 2 * (v->b - s->first),
-                 *c = xy + 2 * (w->a - s->first), *d = xy + 2 * (w->b - s->first);
+    const double *a = xy + 2 * (size_t)v->a, *b = xy + 2 * (size_t)v->b, *c = xy + 2 * (size_t)w->a,
+                 *d = xy + 2 * (size_t)w->b;
     double ux = b[0] - a[0], uy = b[1] - a[1], vx = d[0] - c[0], vy = d[1] - c[1];
     double det = ux * vy - uy * vx,
            t = det != 0 ? ((c[0] - a[0]) * vy - (c[1] - a[1]) * vx) / det : 0.5;
@@ -282,32 +326,34 @@ static void name_side(const struct side *v, char *to, size_t room)
     if (p == NULL)
         snprintf(to, room, "the constraint %u %u of the set", v->a, v->b);
     else if (p->feature > 0)
-        snprintf(to, room, "the %s of feature %ju in line %ju", p->border ? "border" : "line",
-                 (uintmax_t)p->feature, (uintmax_t)p->line);
+        snprintf(to, room, "%s %u of feature %ju in line %ju", p->border ? "border" : "line",
+                 (unsigned)p->number, (uintmax_t)p->feature, (uintmax_t)p->line);
     else
-        snprintf(to, room, "the %s of line %ju", p->border ? "border" : "line", (uintmax_t)p->line);
+        snprintf(to, room, "%s %u of line %ju", p->border ? "border" : "line", (unsigned)p->number,
+                 (uintmax_t)p->line);
 }
 
-/* In place of `ERR CROSSES a b crosses c d`, which has ids that the user does not know. False if it is another error. */
+/* In place of `ERR CROSSES constraint 3 crosses a b`, whose numbers the user does not know. False if it is another error. */
 static bool explain_crossing(const struct sending *s, char *to, size_t room)
 {
-    struct side v = {.path = NULL}, w = {.path = NULL};
-    char first[100], second[100], where[80] = "";
+    struct side v, w;
+    char first[120], second[120], where[80] = "";
     const char *name = source_name(&s->r->from);
-    if (sscanf(s->refusal, "ERR CROSSES %u %u crosses %u %u", &v.a, &v.b, &w.a, &w.b) != 4)
+    if (!read_crossing(s, &v, &w))
         return false;
-    find_side(s, &v);
-    find_side(s, &w);
+    find_path(s, &v);
+    find_path(s, &w);
     name_side(&v, first, sizeof first);
     name_side(&w, second, sizeof second);
-    if (v.path != NULL && w.path != NULL) {
+    if (v.ours && w.ours) {
         double place[2];
         crossing(s, &v, &w, place);
         snprintf(where, sizeof where, " at about %.9g %.9g", place[0], place[1]);
     }
     snprintf(to, room, "%s: %s crosses %s%s; nothing was loaded%s", name, first,
              v.path != NULL && v.path == w.path ? "itself" : second, where,
-             s->is_new && !s->r->split ? " (--split adds points where lines cross)" : "");
+             s->r->split || s->r->file.paths.faces ? ""
+                                                   : " (--split adds points where lines cross)");
     return true;
 }
 
@@ -361,48 +407,27 @@ static enum delaunay_result begin(struct sending *s)
     return ask(s, "EXPIRE", rest);
 }
 
-static void note_declared(struct sending *s)
-{
-    size_t n = strlen(s->status);
-    char deviation[PROTO_NUMBER_MAX + 1];
-    if (!s->r->split) {
-        snprintf(s->status + n, SENDING_STATUS - n, " constraints=%ju", (uintmax_t)s->constraints);
-        return;
-    }
-    deviation[proto_write_double(deviation, s->deviation)] = '\0';
-    snprintf(s->status + n, SENDING_STATUS - n, " crossings=%ju deviation=%s",
-             (uintmax_t)s->crossings, deviation);
-}
-
 static int send_lines(struct sending *s)
 {
-    enum delaunay_result r = begin(s);
     const bool faces = s->r->file.paths.faces;
-    if (r == DELAUNAY_OK && !s->is_new && (s->r->split || faces)) {
-        message_print("%s makes a new set, and there is a set %s",
-                      faces ? "a .poly file" : "--split", s->set);
+    enum delaunay_result r = begin(s);
+    if (r == DELAUNAY_OK && !s->is_new && faces) {
+        message_print("a .poly file makes a new set, and there is a set %s", s->set);
         return EXIT_REFUSED;
     }
     if (r == DELAUNAY_OK)
-        r = send_points(s);
-    if (r != DELAUNAY_OK) {
-        int status = command_outcome(s->c, r);
-        if (s->is_new)
-            ask(s, "DROP", "");
-        return status;
-    }
-    r = declare_lines(s);
+        r = send_file(s);
+    s->sent = r == DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = triangulate(s);
     if (r == DELAUNAY_OK && faces)
         r = declare_faces(s);
     if (r == DELAUNAY_OK && s->is_new)
         r = ask(s, "PERSIST", "");
-    note_declared(s);
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
-    int status = fail(s, r);
-    if (r == DELAUNAY_REFUSED && !undo(s))
+    int status = s->refusal[0] != '\0' ? fail(s, r) : command_outcome(s->c, r);
+    if (r == DELAUNAY_REFUSED && (s->sent || s->is_new) && !undo(s))
         message_print("the points could not be taken back: %s", delaunay_status(s->c)->text);
     return status;
 }
@@ -412,5 +437,7 @@ int sending_send(struct reading *r, struct delaunay_client *c, const char *set,
 {
     struct sending s = {.r = r, .c = c, .set = set, .status = status};
     status[0] = '\0';
-    return r->file.paths.n > 0 ? send_lines(&s) : command_outcome(c, send_points(&s));
+    int result = r->file.paths.n > 0 ? send_lines(&s) : command_outcome(c, send_file(&s));
+    free(s.segment);
+    return result;
 }

@@ -2,7 +2,8 @@
  *
  * A load gives out ids without gaps. The copy gets a filler for each id that the original does not have, and deletes it
  * afterwards; so every point has the same id in the copy. A filler is at the place of the point before the gap: every coordinate
- * is possible there, and the filler becomes an alias. */
+ * is possible there, and the filler becomes an alias. Constraints come in one request with all points. Until it is complete, the copy has an
+ * expiry, which drops it if this program ends. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +18,11 @@
 #include "proto/buf.h"
 #include "proto/number.h"
 
-enum { LINE_ROOM = 60000, RANGE = 1 << 24 /* ids that are loaded at a time */ };
+enum {
+    LINE_ROOM = 60000,
+    RANGE = 1 << 24, /* ids that are loaded at a time, without constraints */
+    EXPIRY_S = 86400
+};
 
 struct copy {
     struct url url[2];
@@ -70,19 +75,35 @@ static void list_fields(const struct copy *y, char names[MODEL_MOST_FIELDS * (MO
         at += (size_t)sprintf(names + at, "%s%s", f > 0 ? "," : "", y->m.field[f]);
 }
 
+/* Four numbers for each constraint, as LOADB has them. */
+static void fill_constraints(const struct model *m, uint32_t *row)
+{
+    for (size_t i = 0; i < m->constraints; i++) {
+        const uint32_t *c = m->constraint + 3 * i;
+        memcpy(row + 4 * i, (const uint32_t[]){m->id[c[0]], m->id[c[1]], c[2] % 2, c[2] / 2},
+               4 * sizeof row[0]);
+    }
+}
+
 static enum delaunay_result send_rows(struct copy *y, size_t first, size_t n)
 {
     char names[MODEL_MOST_FIELDS * (MODEL_NAME + 1)];
+    const size_t constraints = y->m.constraints;
     double *xy = malloc((n + 1) * 2 * sizeof *xy);
     double *value = malloc((n * y->m.fields + 1) * sizeof *value);
+    uint32_t *row = malloc((4 * constraints + 1) * sizeof row[0]);
     enum delaunay_result r = DELAUNAY_NOMEM;
     list_fields(y, names);
-    if (xy != NULL && value != NULL) {
+    if (xy != NULL && value != NULL && row != NULL) {
         fill_rows(y, first, n, xy, value);
-        r = delaunay_send_values(y->c[1], y->to, names, xy, value, n, NULL, NULL);
+        fill_constraints(&y->m, row);
+        r = constraints == 0 ? delaunay_send_values(y->c[1], y->to, names, xy, value, n, NULL, NULL)
+                             : delaunay_send_drawing(y->c[1], y->to, names, xy, value, n, row,
+                                                     constraints, false, NULL, NULL);
     }
     free(xy);
     free(value);
+    free(row);
     return r == DELAUNAY_OK ? delaunay_receive(y->c[1], command_show_comment, NULL) : r;
 }
 
@@ -126,69 +147,16 @@ static enum delaunay_result delete_fillers(struct copy *y, size_t from, size_t e
 
 static enum delaunay_result send_all(struct copy *y)
 {
-    size_t end = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0;
+    size_t end = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0,
+           range = y->m.constraints > 0 ? end : RANGE;
     enum delaunay_result r = end == 0 ? send_rows(y, 0, 0) : DELAUNAY_OK;
-    for (size_t first = 0; first < end && r == DELAUNAY_OK; first += RANGE) {
-        size_t n = end - first < RANGE ? end - first : RANGE;
+    for (size_t first = 0; first < end && r == DELAUNAY_OK; first += range) {
+        size_t n = end - first < range ? end - first : range;
         r = send_rows(y, first, n);
         if (r == DELAUNAY_OK)
             r = delete_fillers(y, first, first + n);
     }
     return r;
-}
-
-/* ---- constraints ---- */
-
-/* The line of a request that is sent when it is long, or the next constraint has another kind or number. */
-struct constraint_line {
-    struct copy *y;
-    struct buf text;
-    char head[120];
-    enum delaunay_result result;
-};
-
-static void send_constraints(struct constraint_line *l)
-{
-    if (l->result == DELAUNAY_OK && buf_len(&l->text) > 0)
-        l->result = send_line(l->y, &l->text);
-}
-
-/* A row `a b line|border k`. */
-static bool add_constraint(void *ctx, const struct delaunay_part *part)
-{
-    struct constraint_line *l = ctx;
-    char row[64], kind[8], head[sizeof l->head], ends[32];
-    unsigned a, b, k;
-    if (part->kind != DELAUNAY_PART_ROW)
-        return true;
-    snprintf(row, sizeof row, "%.*s", (int)part->len, part->text);
-    if (sscanf(row, "%u %u %7s %u", &a, &b, kind, &k) != 4) {
-        l->result = DELAUNAY_BROKEN;
-        return false;
-    }
-    bool border = strcmp(kind, "border") == 0;
-    snprintf(head, sizeof head, "CONSTRAIN %s%s OF %u", l->y->to, border ? " BORDER" : "", k);
-    if (strcmp(head, l->head) != 0 || buf_len(&l->text) >= LINE_ROOM)
-        send_constraints(l);
-    if (buf_len(&l->text) == 0)
-        buf_append_text(&l->text, head);
-    memcpy(l->head, head, sizeof head);
-    snprintf(ends, sizeof ends, " %u %u", a, b);
-    buf_append_text(&l->text, ends);
-    return l->result == DELAUNAY_OK;
-}
-
-static enum delaunay_result copy_constraints(struct copy *y)
-{
-    struct constraint_line l = {.y = y, .result = DELAUNAY_OK};
-    char line[100];
-    snprintf(line, sizeof line, "CONSTRAINTS %s", y->from);
-    enum delaunay_result r = delaunay_request(y->c[0], line, add_constraint, &l);
-    bool older =
-        r == DELAUNAY_REFUSED && strncmp(delaunay_status(y->c[0])->text, "ERR UNKNOWN ", 12) == 0;
-    send_constraints(&l);
-    buf_free(&l.text);
-    return l.result != DELAUNAY_OK || older ? l.result : r;
 }
 
 /* ---- what a load may not give ---- */
@@ -234,7 +202,7 @@ static int fetch(struct copy *y)
     if (r == DELAUNAY_OK)
         read_ttl(y);
     if (r == DELAUNAY_OK)
-        r = model_fetch(y->c[0], y->from, MODEL_FIELDS, &y->m);
+        r = model_fetch(y->c[0], y->from, MODEL_FIELDS | MODEL_CONSTRAINTS, &y->m);
     if (r != DELAUNAY_STOPPED)
         return command_outcome(y->c[0], r);
     message_print("%s", y->m.fault);
@@ -264,8 +232,10 @@ static enum delaunay_result finish(struct copy *y, bool *equal)
         r = delaunay_request(y->c[1], line, command_show_comment, NULL);
     if (r == DELAUNAY_OK)
         r = compare_aliases(y, equal);
-    snprintf(line, sizeof line, "EXPIRE %s %s", y->to, y->ttl);
-    if (r == DELAUNAY_OK && *equal && y->ttl[0] != '\0')
+    bool expires = y->ttl[0] != '\0';
+    snprintf(line, sizeof line, "%s %s%s%s", expires ? "EXPIRE" : "PERSIST", y->to,
+             expires ? " " : "", y->ttl);
+    if (r == DELAUNAY_OK && *equal)
         r = delaunay_request(y->c[1], line, NULL, NULL);
     return r;
 }
@@ -288,9 +258,10 @@ static int store(struct copy *y)
     enum delaunay_result r = delaunay_request(y->c[1], line, NULL, NULL);
     if (r != DELAUNAY_OK)
         return command_outcome(y->c[1], r);
-    r = send_all(y);
+    snprintf(line, sizeof line, "EXPIRE %s %d", y->to, EXPIRY_S);
+    r = delaunay_request(y->c[1], line, NULL, NULL);
     if (r == DELAUNAY_OK)
-        r = copy_constraints(y);
+        r = send_all(y);
     if (r == DELAUNAY_OK)
         r = finish(y, &equal);
     if (r == DELAUNAY_OK && equal)

@@ -254,10 +254,12 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
     return drain(c, SEND_AT);
 }
 
-/* The bytes after a request line: the points, and k values for each of them. */
+/* The bytes after a request line: the points, and k values for each of them; then constraints, each as long as a point. */
 struct body {
     const double *xy, *value; /* borrow 2 n, k n */
     size_t n, k;
+    const uint32_t *constraint; /* borrows 4 m */
+    size_t m;
 };
 
 static void queue_rows(struct delaunay_client *c, const struct body *b, size_t from, size_t n)
@@ -270,12 +272,44 @@ static void queue_rows(struct delaunay_client *c, const struct body *b, size_t f
     }
 }
 
+static void queue_constraints(struct delaunay_client *c, const struct body *b, size_t from,
+                              size_t n)
+{
+    const double none = 0;
+    if (b->k == 0)
+        queue_ids(c, b->constraint + 4 * from, 4 * n);
+    for (size_t i = from; b->k > 0 && i < from + n; i++) {
+        queue_ids(c, b->constraint + 4 * i, 4);
+        for (size_t k = 0; k < b->k; k++)
+            queue_doubles(c, &none, 1);
+    }
+}
+
+/* Rows of a body that follow each other: points, or constraints. */
+typedef void queue_rows_fn(struct delaunay_client *c, const struct body *b, size_t from, size_t n);
+
 /* A request or reply of which only a part has passed cannot be continued: the connection ends. */
 static enum delaunay_result give_up(struct delaunay_client *c, enum delaunay_result r)
 {
     c->mute = c->ended = true;
     buf_consume(&c->out, buf_len(&c->out));
     buf_consume(&c->in, buf_len(&c->in));
+    return r;
+}
+
+static enum delaunay_result send_rows(struct delaunay_client *c, const struct body *b,
+                                      queue_rows_fn *queue_some, size_t n,
+                                      delaunay_progress_fn *progress, void *ctx)
+{
+    enum delaunay_result r = DELAUNAY_OK;
+    for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
+        size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
+        queue_some(c, b, done, some);
+        r = drain(c, SEND_AT);
+        done += some;
+        if (progress != NULL)
+            progress(ctx, done, n);
+    }
     return r;
 }
 
@@ -290,14 +324,10 @@ static enum delaunay_result send_body(struct delaunay_client *c, const char *com
         return DELAUNAY_BADNAME;
     int len = snprintf(head, sizeof head, "%s %s %zu%s", command, set, b->n, rest);
     enum delaunay_result r = delaunay_send(c, head, (size_t)len);
-    for (size_t done = 0; r == DELAUNAY_OK && done < b->n && !c->mute;) {
-        size_t some = b->n - done < POINTS_AT_ONCE ? b->n - done : POINTS_AT_ONCE;
-        queue_rows(c, b, done, some);
-        r = drain(c, SEND_AT);
-        done += some;
-        if (progress != NULL)
-            progress(ctx, done, b->n);
-    }
+    if (r == DELAUNAY_OK)
+        r = send_rows(c, b, queue_rows, b->n, progress, ctx);
+    if (r == DELAUNAY_OK)
+        r = send_rows(c, b, queue_constraints, b->m, NULL, NULL);
     return r == DELAUNAY_OK ? r : give_up(c, r);
 }
 
@@ -305,7 +335,7 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx)
 {
-    return send_body(c, "LOADB", set, "", &(struct body){xy, NULL, n, 0}, progress, ctx);
+    return send_body(c, "LOADB", set, "", &(struct body){.xy = xy, .n = n}, progress, ctx);
 }
 
 /* The number of names in a list with commas between; 0 if one is not the name of a field, or the list is too long. */
@@ -329,13 +359,29 @@ enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char 
                                           size_t n, delaunay_progress_fn *progress, void *ctx)
 {
     char rest[FIELD_LIST_MAX + 16];
-    struct body body = {xy, value, n, 0};
+    struct body body = {.xy = xy, .value = value, .n = n};
     if (fields == NULL || fields[0] == '\0')
         return delaunay_send_points(c, set, xy, n, progress, ctx);
     body.k = count_fields(fields);
     if (body.k == 0)
         return DELAUNAY_BADNAME;
     snprintf(rest, sizeof rest, " FIELDS %s", fields);
+    return send_body(c, "LOADB", set, rest, &body, progress, ctx);
+}
+
+enum delaunay_result delaunay_send_drawing(struct delaunay_client *c, const char *set,
+                                           const char *fields, const double *xy,
+                                           const double *value, size_t n,
+                                           const uint32_t *constraint, size_t m, bool split,
+                                           delaunay_progress_fn *progress, void *ctx)
+{
+    char rest[FIELD_LIST_MAX + 64];
+    struct body body = {.xy = xy, .value = value, .n = n, .constraint = constraint, .m = m};
+    bool values = fields != NULL && fields[0] != '\0';
+    if (values && (body.k = count_fields(fields)) == 0)
+        return DELAUNAY_BADNAME;
+    snprintf(rest, sizeof rest, " CONSTRAINTS %zu%s%s%s", m, split ? " SPLIT" : "",
+             values ? " FIELDS " : "", values ? fields : "");
     return send_body(c, "LOADB", set, rest, &body, progress, ctx);
 }
 
@@ -480,7 +526,7 @@ enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const cha
                                             const double *xy, size_t n, uint32_t *triangle)
 {
     enum delaunay_result r =
-        send_body(c, "LOCATEB", set, "", &(struct body){xy, NULL, n, 0}, NULL, NULL);
+        send_body(c, "LOCATEB", set, "", &(struct body){.xy = xy, .n = n}, NULL, NULL);
     return receive_words(c, r, triangle, 3 * n);
 }
 
@@ -490,7 +536,7 @@ enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const ch
     char rest[16];
     snprintf(rest, sizeof rest, " %" PRIu32, k);
     enum delaunay_result r =
-        send_body(c, "NEARESTB", set, rest, &(struct body){xy, NULL, n, 0}, NULL, NULL);
+        send_body(c, "NEARESTB", set, rest, &(struct body){.xy = xy, .n = n}, NULL, NULL);
     return receive_words(c, r, id, k * n);
 }
 

@@ -367,6 +367,12 @@ static enum delaunay_result receive_constraints(struct delaunay_client *c, struc
     return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
 }
 
+/* Whether the version before and after must be the same: the parts have the ids of points. */
+static bool is_compared(unsigned parts)
+{
+    return (parts & (MODEL_MESH | MODEL_CONSTRAINTS)) != 0;
+}
+
 static enum delaunay_result send_parts(struct delaunay_client *c, const char *set, unsigned parts,
                                        const struct model *m)
 {
@@ -374,8 +380,7 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
     bool any = m->inside != NULL && strcmp(m->inside, "any") == 0;
     snprintf(form, sizeof form, "%s%s%.20s BINARY", m->inside != NULL ? " INSIDE" : "",
              m->inside == NULL || any ? "" : " ", m->inside == NULL || any ? "" : m->inside);
-    enum delaunay_result r =
-        (parts & MODEL_MESH) != 0 ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
+    enum delaunay_result r = is_compared(parts) ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = send_points(c, set, m);
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
@@ -388,7 +393,7 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
         r = send_table(c, "CONSTRAINTS", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_FIXED) != 0)
         r = send_table(c, "EDGES", set, " CONSTRAINED BINARY");
-    if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
+    if (r == DELAUNAY_OK && is_compared(parts))
         r = send_table(c, "STAT", set, "");
     return r;
 }
@@ -398,7 +403,7 @@ static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned pa
 {
     uint64_t before = 0, after = 0;
     enum delaunay_result r =
-        (parts & MODEL_MESH) != 0 ? delaunay_receive(c, take_version, &before) : DELAUNAY_OK;
+        is_compared(parts) ? delaunay_receive(c, take_version, &before) : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = receive_points(c, m);
     if (r == DELAUNAY_OK && m->n == 0 && (parts & MODEL_MESH) != 0) {
@@ -415,7 +420,7 @@ static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned pa
         r = receive_constraints(c, m);
     if (r == DELAUNAY_OK && (parts & MODEL_FIXED) != 0)
         r = receive_ids(c, m, 2, &m->fixed, &m->fixed_n);
-    if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
+    if (r == DELAUNAY_OK && is_compared(parts))
         r = delaunay_receive(c, take_version, &after);
     if (before != after)
         m->torn = true;

@@ -190,6 +190,21 @@ TEST(copy_keeps_constraints)
     cli_finish();
 }
 
+TEST(copy_keeps_constraints_of_the_first_points_after_a_gap)
+{
+    cli_begin();
+    cli_run_well("ADD t 7 7  0 0  4 0  0 0  1 1  4 4");
+    cli_run_well("constrain t 3 2");
+    cli_run_well("constrain t BORDER OF 2 1 5");
+    cli_run_well("DEL t 0 4");
+    copy_to_u();
+    cli_expect("constraints u", "OK 2\n1 5 border 2\n2 3 line 0\n");
+    cli_expect("points u", "OK 4\n1 0 0\n2 4 0\n3 0 0\n5 4 4\n");
+    cli_expect("coincident u", "OK 1\n3 1\n");
+    cli_expect("ttl u", "OK 0\n");
+    cli_finish();
+}
+
 TEST(copy_places_filler_points_farther_from_the_points_than_the_tolerance)
 {
     cli_begin();

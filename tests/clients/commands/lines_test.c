@@ -169,19 +169,18 @@ TEST(a_polygon_in_a_table_may_have_a_hundred_thousand_corners)
 TEST(lines_that_cross_are_named_by_line_and_feature_and_load_nothing)
 {
     cli_begin();
-    load_says(
-        "a.geojson", LINE("[[0,0],[4,4]]") POLYGON("[[[0,4],[4,0],[9,9],[0,4]]]"), "", 1,
-        "a.geojson: the border of feature 2 in line 2 crosses the line of feature 1 in line 1");
+    load_says("a.geojson", LINE("[[0,0],[4,4]]") POLYGON("[[[0,4],[4,0],[9,9],[0,4]]]"), "", 1,
+              "a.geojson: border 1 of feature 2 in line 2 crosses line 0 of feature 1 in line 1");
     cli_expect("sets", "OK 0\n");
     load_says("a.gmt", ">\n0 0\n4 4\n0 4\n4 0\n", "", 1,
-              "the line of line 1 crosses itself at about 2 2; "
+              "line 0 of line 1 crosses itself at about 2 2; "
               "nothing was loaded (--split adds points where lines cross)");
     cli_expect("sets", "OK 0\n");
     cli_run_well("add t 0 0  4 4");
     cli_run_well("triangulate t");
     cli_run_well("constrain t 0 1");
     load_says("a.gmt", ">\n0 4\n4 0\n", "", 1,
-              "crosses the constraint 0 1 of the set; nothing was loaded\n");
+              "crosses the constraint 0 1 of the set; nothing was loaded (--split ");
     cli_expect("points t", "OK 2\n0 0 0\n1 4 4\n");
     cli_expect("constraints t", "OK 1\n0 1 line 0\n");
     cli_finish();
@@ -206,8 +205,7 @@ TEST(run_and_draw_keep_the_lines_of_a_file)
     cli_begin();
     cli_write("a.gmt", ">\n0 0\n4 0\n>\n2 -1\n2 1\n>\n");
     snprintf(command, sizeof command, "run %s - -f ele", cli_path("a.gmt"));
-    CHECK(strstr(cli_run(&status, command), "the line of line 3 crosses that") == NULL &&
-          status == 1);
+    CHECK(strstr(cli_run(&status, command), "line 1 of line 3 crosses") == NULL && status == 1);
     cli_write("a.gmt", ">\n0 0\n4 0\n>\n2 1\n2 9\n2 -1\n");
     cli_write("a.gmt", ">\n0 0\n8 0\n>\n4 1\n5 1\n>\n4 -1\n5 -1\n");
     snprintf(command, sizeof command, "run %s - -f edge", cli_path("a.gmt"));
@@ -221,10 +219,10 @@ TEST(lines_that_cross_get_points_with_split)
 {
     cli_begin();
     load_says("a.geojson", LINE("[[0,0,0],[4,4,8]]") POLYGON("[[[0,4],[4,0],[9,9],[0,4]]]"),
-              "--split", 0, "crossings=1 deviation=0\n");
+              "--split", 0, "constraints=6 split=2 deviation=0");
     cli_expect("constraints t OF 0", "OK 2\n0 5 line 0\n1 5 line 0\n");
     cli_expect("fget t z 5", "OK 1\n5 4\n");
-    load_says("a.gmt", ">\n0 0\n4 4\n", "--split", 1,
-              "--split makes a new set, and there is a set t");
+    load_says("a.gmt", ">\n0 1\n3 1\n", "--split", 0, "added=3 ");
+    CHECK(strstr(cli_run(&(int){0}, "check t"), "delaunay=yes points=9 ") != NULL);
     cli_finish();
 }
