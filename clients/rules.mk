@@ -111,15 +111,15 @@ npm: all
 WASM_CC      ?= clang-14
 WASM_SOURCES := clients/js/wasm/doors.c core/memory/plain/pages.c \
                 $(filter-out core/memory/pages.c core/arrays/%,$(wildcard core/*/*.c))
-WASM_SMALL   := $(filter core/constraints/% core/shelling/% core/set/view% core/set/images.c core/set/check.c core/exact/bignum.c \
-                  core/edit/constrain.c core/edit/judged.c core/edit/remove_fixed.c core/edit/demand.c core/edit/restore.c \
+WASM_SMALL   := $(filter $(addprefix core/constraints/,constraints.c crossings.c declared.c history.c regions.c survey.c survey_one.c) core/shelling/% core/set/view% core/set/images.c core/set/check.c core/exact/bignum.c \
+                  core/edit/constrain.c core/edit/polygon.c core/edit/judged.c core/edit/remove_fixed.c core/edit/demand.c core/edit/restore.c \
                   core/surface/levels.c core/surface/alpha.c core/query/sweep.c core/query/nearest_fixed.c,$(WASM_SOURCES))
 WASM_FLAGS   := --target=wasm32-wasi -DNDEBUG -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -std=c11 -D_GNU_SOURCE -ffp-contract=off -I. $(filter-out -Wmissing-prototypes,$(WARNINGS))
 WASM_LINK    := -mexec-model=reactor -nostartfiles -Wl,--no-entry,--gc-sections,--strip-all,--export=malloc,--export=free \
                 -Wl,--stack-first,-z,stack-size=1048576
 WASM_OBJECTS := $(WASM_SOURCES:%.c=$(O)/wasm/%.o)
 
-# Functions that hot loops do not call are compiled for size: 7 of 139 KB.
+# Functions that hot loops do not call are compiled for size. test_wasm limits the size of the module.
 .PHONY: wasm bundle test_wasm
 $(WASM_OBJECTS): WASM_LEVEL := -O2
 $(WASM_SMALL:%.c=$(O)/wasm/%.o): WASM_LEVEL := -Oz
@@ -141,14 +141,16 @@ bundle:
 test_wasm: $(O)/wasm/core.wasm $(O)/delaunayd
 	clients/js/wasm/check.sh $(O) "$$($(WASM_CC) --version | head -n 1)"
 
-# ---- bench-js: what runs in process beside delaunator and d3-delaunay, which npm fetches ----
+# ---- bench-js: what runs in process beside delaunator, d3-delaunay and earcut, which npm fetches; earcut_fixtures has earcut's test polygons ----
 
 .PHONY: bench-js
 bench-js:
 	$(call need,nodejs npm,command -v npm)
-	@[ -d $(O)/npm_bench/node_modules/d3-delaunay ] || \
-	  npm install --prefix $(O)/npm_bench --no-save --no-audit --no-fund --ignore-scripts --silent delaunator@5.1.0 d3-delaunay@6.0.6
+	@[ -d $(O)/npm_bench/node_modules/earcut_fixtures ] || \
+	  npm install --prefix $(O)/npm_bench --no-save --no-audit --no-fund --ignore-scripts --silent delaunator@5.1.0 d3-delaunay@6.0.6 \
+	    earcut@3.2.4 earcut_fixtures@npm:earcut@1.4.2
 	@node tests/bench/beside_delaunator.mjs $(O)/npm_bench
+	@node tests/bench/beside_earcut.mjs $(O)/npm_bench
 
 # ---- interop: other clients, and ours in other languages ----
 

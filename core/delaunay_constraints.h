@@ -255,12 +255,12 @@ enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table tabl
 
 /* ---- a polygon at once ---- */
 
-/* Appends the triangles of a polygon to *out: three ids each, counterclockwise from the smallest, in no order. p[n]: the corners of all rings,
- * with the ids 0, 1, 2, ...; end[rings]: where each ring ends. A ring may repeat its first corner at its end or not; rings of one or two
- * corners enclose nothing. A triangle is inside if it is enclosed an odd number of times. Sides that cross an earlier one where no corner is
- * are left out, and *left_out counts them; then a triangle is inside if its centroid is enclosed an odd number of times by all sides.
- * pages may be NULL. DT_RANGE, DT_TOOBIG, DT_NOMEM. Cost: as of dt_triangulate and dt_constrain; with sides left out, as many steps
- * for each triangle. */
+/* Appends the triangles of a polygon to *out: three ids each, counterclockwise from the smallest, in no order.
+ * p[n]: the corners of all rings, with the ids 0, 1, 2, ... end[rings]: where each ring ends. A ring may repeat its first corner at its end
+ * or not; a ring of one or two corners encloses nothing. A triangle is inside if it is enclosed an odd number of times.
+ * A side that crosses an earlier one where no corner is is left out; *left_out counts these sides. Then a triangle is inside if all sides
+ * together enclose its centroid an odd number of times. pages may be NULL. DT_RANGE, DT_TOOBIG, DT_NOMEM.
+ * Cost: as of dt_triangulate and dt_constrain; each triangle that a side which is left out meets costs a step for each such side. */
 enum dt_status dt_polygon(const struct dt_point *p, size_t n, const uint32_t *end, size_t rings,
                           struct dt_pages *pages, struct dt_ids *out, size_t *left_out);
 

@@ -1,5 +1,6 @@
 /** The interface of earcut: the triangles of a polygon with holes, three corners each, counterclockwise in a plane whose y axis points
- * up. Throws Refused with the code CROSSES if sides cross where no corner is. */
+ * up. If sides cross between corners, no triangles are exact; then those whose centroid is enclosed an odd number of times are returned. Throws
+ * Refused if a coordinate is not a number (NUMBER) or beyond 2^201 (RANGE). */
 declare function earcut(data: ArrayLike<number>, holeIndices?: ArrayLike<number> | null, dim?: number): number[];
 
 declare namespace earcut {
@@ -10,6 +11,8 @@ declare namespace earcut {
     dim: number,
     triangles: ArrayLike<number>,
   ): number;
+  /** Does nothing: every edge of earcut()'s triangles is a side or Delaunay already. */
+  export function refine(triangles: ArrayLike<number>, vertices: ArrayLike<number>, dim?: number): void;
   /** The rings of a GeoJSON polygon as arguments. */
   export function flatten(rings: ArrayLike<ArrayLike<ArrayLike<number>>>): { vertices: number[]; holes: number[]; dimensions: number };
   export { earcut as default };

@@ -1,4 +1,4 @@
 import earcut from './earcut.js';
 
-export const { deviation, flatten } = earcut;
+export const { deviation, flatten, refine } = earcut;
 export { earcut as default };

@@ -66,7 +66,7 @@ static struct dt_point centroid(const struct flood *f, uint32_t h)
                              xy[v[0]].y / 3 + xy[v[1]].y / 3 + xy[v[2]].y / 3};
 }
 
-/* How often loose sides cross the way from the centroid of the triangle of h to the middle of its edge. */
+/* Counts how often loose sides cross the way from the centroid of h's triangle to the middle of h. */
 static uint32_t count_to_edge(const struct flood *f, uint32_t h)
 {
     if ((dt_face(f->m, h) & DT_FLOOD_NEAR) == 0 || dt_is_ghost(f->m, h))

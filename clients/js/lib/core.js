@@ -92,12 +92,17 @@ class Core {
 
   /** Calls it with the numbers, of a type, in the memory: call(name, set, address, how many, ...rest). Returns this. */
   callWith(name, set, Type, numbers, n, ...rest) {
+    return this.callNumbers(Type, numbers, (address) => this.call(name, set, address, n, ...rest));
+  }
+
+  /** Calls use() with the address of the numbers in the memory. Returns this. */
+  callNumbers(Type, numbers, use) {
     const { malloc, free } = this.#exports;
     const address = malloc(numbers.length * Type.BYTES_PER_ELEMENT + 1) >>> 0;
     if (address === 0) throw refusal(NOMEM);
     try {
       new Type(this.#memory().buffer, address, numbers.length).set(numbers);
-      this.call(name, set, address, n, ...rest);
+      use(address);
       return this;
     } finally {
       free(address);

@@ -169,7 +169,34 @@ test('polygons that touch themselves, lie on a line or cross themselves', () => 
   assert.deepEqual([earcut([]), earcut([1, 2, 3, 4]), earcut([0, 0, 1, 1, 2, 2])], [[], [], []]);
   const touching = [0, 0, 4, 0, 4, 4, 2, 0, 0, 4]; // a corner on another side
   assert.equal(deviation(touching, null, 2, earcut(touching)), 0);
-  assert.throws(() => earcut([0, 0, 1, 1, 1, 0, 0, 1]), { code: 'CROSSES' });
+  assert.throws(() => earcut([0, 0, 1, NaN, 1, 1]), { code: 'NUMBER' });
+  assert.throws(() => earcut([0, 0, 1, 1e300, 1, 1]), { code: 'RANGE' });
+});
+
+test('a polygon that crosses itself has the triangles whose centroid is enclosed', () => {
+  const bow = [0, 0, 9, 8, 9, 0, 0, 9]; // the sides cross near (4.8, 4.2)
+  assert.deepEqual(earcut(bow), [0, 1, 3]);
+  const data = [0, 0, 100, 0, 100, 100, 50, 100, 50.5, 101, 49.5, 101, 50, 99, 0, 100]; // a small loop at a side
+  assert.ok(deviation(data, null, 2, earcut(data)) < 0.01);
+  assert.equal(earcut(data).length > 0, true);
+});
+
+test('a hole of one corner is a vertex of the triangles', () => {
+  const square = [0, 0, 4, 0, 4, 4, 0, 4, 1, 2];
+  const triangles = earcut(square, [4]);
+  assert.ok(triangles.length === 12 && triangles.filter((i) => i === 4).length === 4);
+});
+
+test('arguments of earcut may be arrays of any kind, with more coordinates than corners need', () => {
+  const data = [0, 0, 7, 9, 0, 7, 9, 9, 7, 0, 9, 7, 2, 2, 7, 7, 2, 7, 7, 7, 7, 2, 7, 7];
+  const want = earcut(data, [4], 3);
+  assert.equal(want.length, 24);
+  assert.deepEqual(earcut(Float32Array.from(data), Uint32Array.of(4), 3), want);
+  assert.deepEqual(earcut([...data, 5], [4], 3), want);
+  const flat = data.filter((_, i) => i % 3 < 2);
+  assert.deepEqual(earcut([...flat, 5], [4]), want);
+  assert.deepEqual(earcut(Float64Array.from(flat), [4]), want);
+  assert.equal(earcut.refine(want, flat), undefined);
 });
 
 test('random stars are covered', () => {

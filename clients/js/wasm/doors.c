@@ -369,6 +369,27 @@ DOOR(set_inside) enum dt_status door_set_inside(struct dt *t, bool cw, uint32_t 
     return end(s, rows.v, NULL);
 }
 
+/* The triangles of a polygon. number: the coordinates of n corners, and then where each ring ends. out: ids, how many sides were left out. */
+DOOR(polygon)
+enum dt_status door_polygon(const double *number, uint32_t n, uint32_t rings, uint32_t *out)
+{
+    struct dt_ids triangles = {0};
+    size_t left_out;
+    uint32_t *ring_end = room(rings, sizeof *ring_end);
+    enum dt_status s = ring_end == NULL ? DT_NOMEM : DT_OK;
+    for (uint32_t i = 0; s == DT_OK && i < rings; i++)
+        ring_end[i] = (uint32_t)number[2 * (size_t)n + i];
+    if (s == DT_OK)
+        s = dt_polygon((const struct dt_point *)number, n, ring_end, rings, NULL, &triangles,
+                       &left_out);
+    free(ring_end);
+    if (s == DT_OK) {
+        give(out, triangles.v, triangles.n);
+        out[2] = (uint32_t)left_out;
+    }
+    return end(s, triangles.v, NULL);
+}
+
 /* ---- Voronoi cells ---- */
 
 /* Cells as they are read. */

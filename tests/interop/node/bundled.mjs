@@ -3,7 +3,7 @@ import { LiveSet } from 'delaunayd';
 import Constrainautor from 'delaunayd/constrainautor';
 import { Delaunay } from 'delaunayd/d3-delaunay';
 import Delaunator from 'delaunayd/delaunator';
-import earcut, { deviation, flatten } from 'delaunayd/earcut';
+import earcut, { deviation, flatten, refine } from 'delaunayd/earcut';
 
 const square = [0, 0, 9, 0, 9, 9, 0, 9, 2, 2, 7, 2, 7, 7, 2, 7];
 const parts = [

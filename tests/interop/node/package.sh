@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The npm package: built, installed from its tarball into an empty folder, imported and required there, its types checked;
-# compared with the published delaunator and d3-delaunay where npm can fetch them.
+# compared with the published delaunator, d3-delaunay, earcut and Constrainautor where npm can fetch them.
 #
 #     package.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/../common.sh" "$1"
@@ -12,9 +12,10 @@ export npm_config_update_notifier=false npm_config_fund=false npm_config_audit=f
 
 # The published packages, of fixed versions, kept in the build folder.
 fetch_peers() {
-    [ -e "$peers/node_modules/esbuild" ] ||
+    [ -e "$peers/node_modules/earcut_fixtures" ] ||
         timeout 120 npm install --prefix "$peers" --no-save --no-package-lock --ignore-scripts \
-            delaunator@5.1.0 d3-delaunay@6.0.6 esbuild@0.28.2 typescript@5.9.3 @types/node@20.19.0 >"$scratch/npm" 2>&1
+            delaunator@5.1.0 d3-delaunay@6.0.6 earcut@3.2.4 earcut_fixtures@npm:earcut@1.4.2 @kninnug/constrainautor@4.1.0 \
+            esbuild@0.28.2 typescript@5.9.3 @types/node@20.19.0 >"$scratch/npm" 2>&1
 }
 
 installs_offline() {
@@ -71,9 +72,11 @@ if fetch_peers; then
     count "the installed package can be bundled with require" runs_bundled bundled.cjs
     beside_peers "$tests/d3.test.mjs"
     beside_peers "$here/published.test.mjs"
+    beside_peers "$here/polygons.test.mjs"
 else
     cat "$scratch/npm"
-    for test in "the types are right in ES modules and in CommonJS" "the installed package can be bundled" "d3-delaunay beside ours" "published scripts run with another import"; do
+    for test in "the types are right in ES modules and in CommonJS" "the installed package can be bundled" "d3-delaunay beside ours" "published scripts run with another import" \
+        "earcut and Constrainautor beside ours"; do
         skip "$test" "npm cannot fetch packages here"
     done
 fi

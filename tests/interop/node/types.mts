@@ -46,6 +46,7 @@ export function constrained(): number[] {
   const con = new Constrainautor(del, edges).constrainAll(edges);
   const { vertices, holes, dimensions } = earcut.flatten([[[0, 0], [1, 0], [0, 1]]]);
   const corners: number[] = earcut(vertices, holes, dimensions);
+  earcut.refine(corners, vertices, dimensions);
   return con.isConstrained(con.findEdge(0, 1)) && earcut.deviation(vertices, holes, 2, corners) === 0 ? corners : [];
 }
 
