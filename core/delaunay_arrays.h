@@ -51,6 +51,14 @@ enum dt_status dt_arrays_declared(const struct dt_point *p, size_t n, const stru
                                   size_t constraints, struct dt_pages *pages, unsigned workers,
                                   uint32_t *triangle, struct dt_arrays **out, uint32_t wrong[4]);
 
+/* Plans, as dt_plan_split, how constraints that would cross get points in common. z[n]: the heights of the points, nan where there is none;
+ * NULL: there are none. The new points follow the others; *out has their heights as its values, if any, and no constraints to be released.
+ * The caller clears it by dt_split_clear. DT_CROSSES, DT_NOPOINT, DT_NOEDGE put into wrong[] what dt_arrays_declared does. Cost: that of
+ * dt_plan_split. */
+enum dt_status dt_arrays_split(const struct dt_point *p, const double *z, size_t n,
+                               const struct dt_constraint *c, size_t constraints,
+                               struct dt_split *out, uint32_t wrong[4]);
+
 /* The pairs a < b, ascending, of the edges that are parts of constraints. *out: as of dt_arrays_within. */
 enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_ids *out);
 

@@ -20,8 +20,8 @@ function numbersOf(data, holeIndices, dim) {
 }
 
 /** data: the coordinates of all corners, dim for each, of which the first two count; holeIndices: the corners where holes begin.
- * Returns three corners for each triangle. A place is inside if it is enclosed an odd number of times. Where sides cross between corners,
- * no triangles are exact. Then the result is the triangles whose centroid is inside. */
+ * Returns three corners for each triangle. A place is inside if it is enclosed an odd number of times. No triangles are exact if sides cross
+ * between corners. Then the result is the triangles whose centroid is inside. */
 function earcut(data, holeIndices, dim = 2) {
   const { numbers, corners, rings } = numbersOf(data, holeIndices, dim);
   const core = findCore();

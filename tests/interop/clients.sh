@@ -158,6 +158,14 @@ with delaunayd.Client("private:") as c:
         [[ $found == "1 $scratch/venv/"*" $scratch/venv/"* ]] && [ -s "$scratch"/venv/lib/python*/site-packages/delaunayd-*.dist-info/LICENSE ]
 }
 
+# ---- outlines that people publish ----
+
+fetch_atlas() {
+    [ -e "$build/interop/npm_atlas/node_modules/us-atlas" ] ||
+        timeout 120 npm install --prefix "$build/interop/npm_atlas" --no-save --no-package-lock --no-audit --no-fund --ignore-scripts \
+            world-atlas@2.0.2 us-atlas@3.0.1 >"$scratch/npm" 2>&1
+}
+
 # ---- haproxy ----
 
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
@@ -254,6 +262,12 @@ count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$
 count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/interop/surfaces.py "$build"
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
 count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
+if fetch_atlas; then
+    count "outlines of countries and counties in process beside shapely" "$python" tests/interop/outlines.py \
+        "$build"/interop/npm_atlas/node_modules/{world-atlas/countries-50m,world-atlas/land-10m,us-atlas/counties-10m}.json
+else
+    skip "outlines of countries and counties in process beside shapely" "npm cannot fetch packages here"
+fi
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 DELAUNAYD=$build/delaunayd tests/node.sh clients/js/test/*.test.mjs >"$scratch/node" 2>&1
 collect "$scratch/node"

@@ -52,6 +52,22 @@ def checked_segments(segments: ArrayLike) -> Ints:
     return np.array(pairs, dtype=np.int32, order="C")
 
 
+def checked_heights(z: ArrayLike, n: int) -> Floats:
+    """Heights of n points, contiguous."""
+    heights: Floats = np.array(z, dtype=np.float64, order="C")
+    if heights.shape != (n,):
+        raise ValueError("z must have the shape (n,): one height for each point")
+    if np.isinf(heights).any():
+        raise ValueError("z cannot contain infinity")
+    return heights
+
+
+def segments_of(declared: NDArray[Any]) -> Tuple[Ints, NDArray[Any], Ints]:
+    """The segments of constraints, whether they are borders, and their numbers."""
+    segments = np.column_stack([declared["a"], declared["b"]]).astype(np.int32)
+    return segments, declared["border"].copy(), declared["number"].astype(np.int32)
+
+
 def declare(segments: Ints, border: Any, number: Any) -> NDArray[Any]:
     """The constraints along segments; `border` and `number` are those of all, or one for each."""
     numbers = np.asarray(number)

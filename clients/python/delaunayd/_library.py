@@ -38,11 +38,29 @@ class Region(ctypes.Structure):
     _fields_ = [("number", c_uint32), ("closed", c_bool), ("triangles", c_uint32), ("area", c_double)]
 
 
+class Constraint(ctypes.Structure):
+    """struct dt_constraint."""
+
+    _fields_ = [("a", c_uint32), ("b", c_uint32), ("border", c_bool), ("number", c_uint32)]
+
+
+class Split(ctypes.Structure):
+    """struct dt_split."""
+
+    _fields_ = [
+        ("point", c_void_p), ("released", c_void_p), ("added", c_void_p), ("n_points", c_size_t), ("n_released", c_size_t),
+        ("n_added", c_size_t), ("column", c_void_p), ("value", c_void_p), ("columns", c_size_t), ("split", c_size_t),
+        ("deviation", c_double), ("crossed", Constraint * 2)
+    ]
+
+
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
     "dt_arrays_declared": [
         c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p), POINTER(c_uint32)
     ],
+    "dt_arrays_split": [c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, POINTER(Split), POINTER(c_uint32)],
+    "dt_split_clear": [POINTER(Split)],
     "dt_arrays_constrained_edges": [c_void_p, POINTER(Ids)],
     "dt_arrays_inside": [c_void_p, c_void_p, c_void_p],
     "dt_arrays_faces": [c_void_p, c_void_p, POINTER(Ids), POINTER(Ids)],
@@ -59,7 +77,7 @@ _FUNCTIONS = {
     "dt_arrays_free": [c_void_p],
     "dt_arrays_release": [c_void_p],
 }
-_NO_STATUS = frozenset(["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins"])
+_NO_STATUS = frozenset(["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_split_clear"])
 
 _loaded: Any = None
 pages: Optional[int] = None  # the keeper of pages of all triangulations
@@ -127,6 +145,6 @@ def check(status: int, what: str) -> None:
 
 
 __all__ = [
-    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region",
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region", "Split",
     "byref", "check", "library",
 ]

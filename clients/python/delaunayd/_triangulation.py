@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -50,6 +50,43 @@ def _check_declared(status: int, points: Floats, wrong: Any) -> None:
 
 def _first_wrong(status: int, points: Floats, wrong: Any) -> str:
     return "point %d" % wrong[0] if status in (NOPOINT, NOEDGE) else _first_bad(points)
+
+
+class Splitting(NamedTuple):
+    """The points, those in common last, their heights, the constraints along which segments run now, how many were split, and the largest
+    distance of a part from its segment."""
+
+    points: Floats
+    z: Optional[Floats]
+    declared: NDArray[Any]
+    split: int
+    deviation: float
+
+
+def split(points: Floats, z: Optional[Floats], declared: NDArray[Any]) -> Splitting:
+    """Gives constraints that cross points in common."""
+    library, plan, wrong = _library.library(), _library.Split(), (ctypes.c_uint32 * 4)()
+    heights = None if z is None else z.ctypes.data
+    status = library.dt_arrays_split(
+        points.ctypes.data, heights, len(points), declared.ctypes.data, len(declared), byref(plan), wrong
+    )
+    try:
+        _check_declared(status, points, wrong)
+        more = _copied_bytes(plan.point, 16 * plan.n_points).view(np.float64).reshape(-1, 2)
+        if z is not None:
+            values = _copied_bytes(plan.value, 8 * plan.n_points * (plan.columns > 0)).view(np.float64)
+            z = np.concatenate([z, values if plan.columns > 0 else np.full(len(more), np.nan)])
+        parts = _copied_bytes(plan.added, declared.itemsize * plan.n_added).view(declared.dtype)
+        return Splitting(np.concatenate([points, more]), z, parts, int(plan.split), float(plan.deviation))
+    finally:
+        library.dt_split_clear(byref(plan))
+
+
+def _copied_bytes(address: Optional[int], size: int) -> NDArray[Any]:
+    copied = np.empty(size, dtype=np.uint8)
+    if address is not None:
+        ctypes.memmove(copied.ctypes.data, address, size)
+    return copied
 
 
 class Triangulation:

@@ -27,7 +27,7 @@ import numpy as np
 
 from . import _declared, _near, _planes
 from ._declared import Crossing
-from ._triangulation import TOLERANCE, Triangulation
+from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
 
 if TYPE_CHECKING:
     from ._constraints import Regions
@@ -353,8 +353,11 @@ class ConstrainedDelaunay(Delaunay):
     that says it of each segment. `number`: of the line or region, the same for all segments or one for each. A triangle is inside a
     border if every way out crosses it an odd number of times. `from_rings` and `from_geometries` make segments of polygons.
 
-    It has all that Delaunay has, but add_points and natural neighbours; the paraboloid does not decide which edges there are. `z` has
-    the heights of the points where geometries have them."""
+    `split`: segments that cross get points in common, at the nearest places, and are replaced by their parts; the new points follow the
+    others. `deviation` is the largest distance of a part from its segment. `z`: heights of the points, NaN where there is none; those of new
+    points are between the heights at the ends.
+
+    It has all that Delaunay has, but add_points and natural neighbours; the paraboloid does not decide which edges there are."""
 
     def __init__(
         self,
@@ -363,42 +366,54 @@ class ConstrainedDelaunay(Delaunay):
         border: Any = False,
         *,
         number: Any = 0,
+        z: Optional[ArrayLike] = None,
+        split: bool = False,
         workers: Optional[int] = None,
     ):
         self.segments: Ints = _declared.checked_segments(segments)
         self.border, self.number = border, number
-        self.z: Optional[Floats] = None
+        checked = _checked(points)
+        self.z: Optional[Floats] = None if z is None else _declared.checked_heights(z, len(checked))
+        self.deviation = 0.0
         self._shared, self.ids = None, None
-        self._begin(_checked(points), False, workers)
+        self._begin(self._split(checked) if split else checked, False, workers)
+
+    def _split(self, points: Floats) -> Floats:
+        found = split_crossing(points, self.z, _declared.declare(self.segments, self.border, self.number))
+        self.segments, self.border, self.number = _declared.segments_of(found.declared)
+        self.z, self.deviation = found.z, found.deviation
+        return found.points
 
     def _begin(self, points: Floats, incremental: bool, workers: Optional[int]) -> None:
         self._incremental, self._workers = incremental, workers
         self._now = _Moment(points, workers, _declared.declare(self.segments, self.border, self.number))
 
     @classmethod
-    def from_rings(cls, *rings: ArrayLike, workers: Optional[int] = None) -> "ConstrainedDelaunay":
+    def from_rings(cls, *rings: ArrayLike, split: bool = False, workers: Optional[int] = None) -> "ConstrainedDelaunay":
         """That of a polygon, or of several: rings of shape (k, 2), closed or not. What is enclosed an odd number of times is inside.
         The points are those of all rings, one after the other."""
         if len(rings) == 0:
             raise ValueError("No rings given")
-        return cls.from_geometries({"type": "Polygon", "coordinates": rings}, workers=workers)
+        return cls.from_geometries({"type": "Polygon", "coordinates": rings}, split=split, workers=workers)
 
     @classmethod
-    def from_geometries(cls, geometries: Any, *, workers: Optional[int] = None) -> "ConstrainedDelaunay":
+    def from_geometries(
+        cls, geometries: Any, *, split: bool = False, workers: Optional[int] = None
+    ) -> "ConstrainedDelaunay":
         """That of polygons, lines and points: a geometry of shapely, a list or an array of them, a GeoSeries or GeoDataFrame, or GeoJSON
         (delaunayd.geometries). Polygons become borders; feature i has the number i."""
         from .geometries import read
 
-        return cls._from_graph(read(geometries), workers)
+        return cls._from_graph(read(geometries), split, workers)
 
     @classmethod
-    def _from_graph(cls, graph: Graph, workers: Optional[int]) -> "ConstrainedDelaunay":
+    def _from_graph(cls, graph: Graph, split: bool, workers: Optional[int]) -> "ConstrainedDelaunay":
         try:
-            d = cls(graph.points, graph.segments, graph.border, number=graph.number, workers=workers)
+            return cls(
+                graph.points, graph.segments, graph.border, number=graph.number, z=graph.z, split=split, workers=workers
+            )
         except Crossing as error:
             raise _declared.named(error, graph) from None
-        d.z = graph.z
-        return d
 
     def __repr__(self) -> str:
         return "<delaunayd.spatial.ConstrainedDelaunay of %d points, %d segments, %d triangles>" % (
@@ -459,10 +474,10 @@ class ConstrainedDelaunay(Delaunay):
         return Theirs(self.points[:, 0], self.points[:, 1], self.simplices, mask=mask)
 
 
-def triangulate_polygon(*polygon: Any, workers: Optional[int] = None) -> Tuple[Floats, Ints]:
+def triangulate_polygon(*polygon: Any, split: bool = False, workers: Optional[int] = None) -> Tuple[Floats, Ints]:
     """The triangles of a polygon with holes: the points, shape (n, 2), and the triangles inside, shape (m, 3). `polygon`: its rings, of shape
-    (k, 2), or one argument that ConstrainedDelaunay.from_geometries takes. What is inside any of several features counts. No
-    points are added. Crossing, a ValueError, names rings and sides that cross."""
+    (k, 2), or one argument that ConstrainedDelaunay.from_geometries takes. What is inside any of several features counts. Crossing,
+    a ValueError, names rings and sides that cross; with `split`, these get points in common, which follow the others."""
     from .geometries import read
 
     rings = len(polygon) > 1 or (len(polygon) == 1 and _is_ring(polygon[0]))
@@ -472,7 +487,7 @@ def triangulate_polygon(*polygon: Any, workers: Optional[int] = None) -> Tuple[F
     graph = read(geometries)
     if len(graph.points) == 0:
         return np.empty((0, 2)), np.empty((0, 3), dtype=np.int32)
-    d = ConstrainedDelaunay._from_graph(graph, workers)
+    d = ConstrainedDelaunay._from_graph(graph, split, workers)
     return d.points, d.simplices[d.inside]
 
 

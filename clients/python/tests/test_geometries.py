@@ -78,6 +78,32 @@ class Polygons(unittest.TestCase):
         with self.assertRaisesRegex(Crossing, "^line of feature 1 crosses line of feature 0: "):
             ConstrainedDelaunay.from_geometries(lines)
 
+    def test_crossings_are_split(self):
+        bow = [(0, 0), (4, 4), (4, 0), (0, 4)]
+        points, triangles = triangulate_polygon(bow, split=True)
+        self.assertEqual((points.tolist()[4:], area(points, triangles)), ([[2, 2]], 8))
+        points, triangles = triangulate_polygon(SQUARE, [(5, 5), (12, 5), (12, 6)], split=True)
+        self.assertEqual(points[7:, 0].tolist(), [9, 9])
+        outside = [(9, 5), (12, 5), (12, 6), (9, 5 + 4 / 7)]
+        self.assertAlmostEqual(area(points, triangles), 81 + area(*triangulate_polygon(outside)) - 4 * (4 / 7) / 2, places=12)
+        lines = [{"type": "LineString", "coordinates": [[0, 0, 0], [4, 4, 8]]}, {"type": "LineString", "coordinates": [[0, 4, 4], [4, 0, 0]]}]
+        d = ConstrainedDelaunay.from_geometries(lines, split=True)
+        self.assertEqual((d.points[4].tolist(), d.z[4], d.deviation), ([2, 2], 3, 0))
+        self.assertEqual((d.segments.tolist(), d.number.tolist(), d.border.any()), ([[0, 4], [1, 4], [2, 4], [3, 4]], [0, 0, 1, 1], False))
+        again = pickle.loads(pickle.dumps(d))
+        self.assertEqual((again.simplices.tolist(), again.z.tolist()), (d.simplices.tolist(), d.z.tolist()))
+        apart = ConstrainedDelaunay(SQUARE, [[0, 1]], z=[1, 2, 3, 4], split=True)
+        self.assertEqual((apart.segments.tolist(), apart.z.tolist(), apart.npoints), ([[0, 1]], [1, 2, 3, 4], 4))
+        nothing = ConstrainedDelaunay(SQUARE, [], z=[numpy.nan] * 4, split=True)
+        self.assertEqual((len(nothing.segments), nothing.nsimplex), (0, 2))
+        thirds = ConstrainedDelaunay([(0, 0), (1, 0.1), (0, 0.07), (1, 0.02)], [[0, 1], [2, 3]], split=True)
+        self.assertLess(thirds.deviation, 1e-16)
+        for z in ([1, 2, 3], [[1, 2, 3, 4]], [1, 2, 3, numpy.inf]):
+            with self.assertRaisesRegex(ValueError, "^z "):
+                ConstrainedDelaunay(SQUARE, [], z=z)
+        with self.assertRaisesRegex(ValueError, "point 9 does not exist"):
+            ConstrainedDelaunay(SQUARE, [[0, 9]], split=True)
+
     def test_bad_places_are_named(self):
         for polygon, words in (
             ([SQUARE, [(1, 1), (float("nan"), 2), (3, 3)]], "^ring 1: place 1 is "),
@@ -211,6 +237,15 @@ class Shapely(unittest.TestCase):
             self.assertLess(unary_union(pieces).symmetric_difference(shape).area, 1e-9 * shape.area)
             for piece in pieces[:: max(1, len(pieces) // 50)]:
                 self.assertTrue(shape.buffer(1e-9).contains(piece))
+
+    def test_polygons_that_cross_themselves_are_as_shapely_makes_them_valid(self):
+        from shapely.validation import make_valid
+
+        random = numpy.random.default_rng(4)
+        for n in (4, 5, 8, 20, 60):
+            ring = random.integers(0, 30, (n, 2))
+            want = make_valid(geometry.Polygon(ring)).area
+            self.assertAlmostEqual(area(*triangulate_polygon(ring, split=True)), want, delta=1e-9 * want + 1e-12)
 
     def test_points_are_in_the_order_of_coordinates(self):
         shapes = [geometry.box(0, 0, 1, 1), geometry.Polygon(SQUARE, [HOLE])]

@@ -271,3 +271,40 @@ TEST(without_borders_all_triangles_are_in_the_outer_face)
     dt_arrays_release(end.v);
     dt_arrays_free(a);
 }
+
+TEST(constraints_that_cross_get_points_in_common_with_heights)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 4}, {0, 4}, {4, 0}, {9, 9}};
+    const double z[] = {0, 8, 4, 0, NAN};
+    const struct dt_constraint c[] = {{1, 0, false, 5}, {2, 3, true, 6}, {1, 4, false, 7}};
+    for (int with = 0; with < 2; with++) {
+        struct dt_split plan;
+        struct dt_arrays *a;
+        uint32_t wrong[4], triangle[36];
+        struct dt_point all[6];
+        CHECK(dt_arrays_split(p, with ? z : NULL, 5, c, 3, &plan, wrong) == DT_OK);
+        CHECK(plan.n_points == 1 && plan.point[0].x == 2 && plan.point[0].y == 2);
+        CHECK(plan.n_added == 5 && plan.n_released == 0 && plan.split == 2 && plan.deviation == 0);
+        CHECK(plan.columns == (size_t)with && (!with || plan.value[0] == 3));
+        memcpy(all, p, sizeof p);
+        all[5] = plan.point[0];
+        CHECK(dt_arrays_declared(all, 6, plan.added, plan.n_added, NULL, 1, triangle, &a, wrong) ==
+              DT_OK);
+        dt_arrays_free(a);
+        dt_split_clear(&plan);
+    }
+}
+
+TEST(what_cannot_be_split_is_named)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 4}, {0x1p300, 4}};
+    const struct dt_constraint same = {1, 1, false, 0}, far = {0, 7, false, 0};
+    struct dt_split plan;
+    uint32_t wrong[4];
+    CHECK(dt_arrays_split(p, NULL, 2, &same, 1, &plan, wrong) == DT_NOEDGE && wrong[0] == 1);
+    CHECK(dt_arrays_split(p, NULL, 2, &far, 1, &plan, wrong) == DT_NOPOINT && wrong[0] == 7);
+    CHECK(dt_arrays_split(p, NULL, 3, &far, 1, &plan, wrong) == DT_RANGE);
+    dt_split_clear(&plan);
+    CHECK(dt_arrays_split(p, NULL, 2, NULL, 0, &plan, wrong) == DT_OK && plan.n_added == 0);
+    dt_split_clear(&plan);
+}
