@@ -276,6 +276,33 @@ enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, st
 
 void dt_alpha_free(struct dt_alpha *a); /* NULL: nothing */
 
+/* The least radius, of all doubles, whose alpha shape is one piece, connected through edges, and has every representative in it or
+ * on it. Larger radii may not give that, because a triangle that comes later need not be beside those that are there. As above:
+ *
+ *     dt_alpha_auto_begin(t, view, &a);
+ *     do
+ *         dt_alpha_auto_read(t, a, &done);    under the caller's lock
+ *     while (!done);
+ *     dt_alpha_auto_end(a, NULL, &radius);    which does not need the set
+ *     dt_alpha_auto_free(a);
+ *
+ * 0 if there are no triangles. Exact. Cost: O(n log n); radii whose order rounding leaves open are compared exactly, about ten
+ * times as slowly. */
+struct dt_alpha_auto;
+enum dt_status dt_alpha_auto_begin(const struct dt *t, const struct dt_view *v,
+                                   struct dt_alpha_auto **out);
+
+/* Reads the next triangles, about a thousand. *done: there are no more. */
+enum dt_status dt_alpha_auto_read(const struct dt *t, struct dt_alpha_auto *a, bool *done);
+
+/* Bytes that it has at most, dt_alpha_auto_end included. */
+size_t dt_alpha_auto_memory(const struct dt_alpha_auto *a);
+
+/* opt may be NULL: its flag is polled. */
+enum dt_status dt_alpha_auto_end(struct dt_alpha_auto *a, const struct dt_options *opt,
+                                 double *radius);
+void dt_alpha_auto_free(struct dt_alpha_auto *a); /* NULL: nothing */
+
 /* The signed area of a polygon, positive if it is counterclockwise: within 2^-52 of its value, and 2^-98 n of the area
  * of its bounding box. */
 double dt_polygon_area(const struct dt_point *corner, size_t n);

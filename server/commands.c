@@ -180,8 +180,10 @@ const struct command commands[] = {
      "SIMPLIFY set field ERROR e [POINTS n] [IDS name] INTO other",
      .help = "makes a new set of few points, whose surface is within the error of every point",
      .result = "points:i constraints:i error:d"},
-    {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius",
-     .help = "the boundary of the triangles whose circumradius is at most the radius",
+    {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius | ALPHA set AUTO",
+     .help =
+         "the boundary of the triangles whose circumradius is at most the radius, or the least one "
+         "that gives one piece with all points",
      .rows = "si"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      .help = "the steps of the shelling algorithm, for sets of up to 1000 points", .rows = "w"},

@@ -1,5 +1,6 @@
 /* alpha.c - `delaunay alpha SET RADIUS FILE`: the alpha shape as polygons, in GeoJSON, WKT or a picture. */
 #include <string.h>
+#include <strings.h>
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
@@ -11,7 +12,8 @@
 enum { MOST_TRIES = 10 };
 
 struct work {
-    const char *set, *radius;
+    const char *set, *wish; /* the radius, or auto */
+    char radius[PROTO_NUMBER_MAX + 1];
     struct shapes_file file; /* owns */
     struct rings rings;      /* owns */
 };
@@ -34,11 +36,25 @@ static enum delaunay_result fetch_version(struct delaunay_client *c, const struc
     return delaunay_request(c, line, take_version, version);
 }
 
+/* The radius is that of the request, or the one that the reply has. */
+static void take_radius(struct work *w, const struct delaunay_part *status)
+{
+    const char *text = w->wish;
+    size_t n = strlen(text);
+    (void)delaunay_key(status, "radius", &text, &n);
+    n = n < sizeof w->radius ? n : sizeof w->radius - 1;
+    memcpy(w->radius, text, n);
+    w->radius[n] = '\0';
+}
+
 static bool take_row(void *ctx, const struct delaunay_part *part)
 {
+    struct work *w = ctx;
     if (part->kind == DELAUNAY_PART_COMMENT)
         return command_show_comment(NULL, part);
-    return part->kind != DELAUNAY_PART_ROW || rings_take(ctx, part->text, part->len);
+    if (part->kind == DELAUNAY_PART_OK)
+        take_radius(w, part);
+    return part->kind != DELAUNAY_PART_ROW || rings_take(&w->rings, part->text, part->len);
 }
 
 /* Fills in the places of the corners. *torn: a corner is not among the points, so the set was edited meanwhile. */
@@ -61,10 +77,10 @@ static enum delaunay_result fetch_once(struct delaunay_client *c, struct work *w
     char line[300];
     rings_free(&w->rings);
     model_free(&w->file.model);
-    snprintf(line, sizeof line, "ALPHA %.100s %.100s", w->set, w->radius);
+    snprintf(line, sizeof line, "ALPHA %.100s %.100s", w->set, w->wish);
     enum delaunay_result r = fetch_version(c, w, &before);
     if (r == DELAUNAY_OK)
-        r = delaunay_request(c, line, take_row, &w->rings);
+        r = delaunay_request(c, line, take_row, w);
     if (r == DELAUNAY_OK)
         r = model_fetch(c, w->set, 0, &w->file.model);
     if (r == DELAUNAY_OK)
@@ -154,11 +170,13 @@ static int read_arguments(struct work *w, int argc, char **argv)
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];
-    w->radius = argv[optind + 1];
-    size_t n = strlen(w->radius);
-    if (n > PROTO_NUMBER_MAX || !proto_read_double(w->radius, n, &radius) || !(radius >= 0))
-        return options_wrong(argv[0], "the radius is a number of at least 0, not %.100s",
-                             w->radius);
+    w->wish = argv[optind + 1];
+    size_t n = strlen(w->wish);
+    bool automatic = strcasecmp(w->wish, "auto") == 0;
+    if (!automatic &&
+        (n > PROTO_NUMBER_MAX || !proto_read_double(w->wish, n, &radius) || !(radius >= 0)))
+        return options_wrong(argv[0], "the radius is a number of at least 0, or auto, not %.100s",
+                             w->wish);
     return shapes_file_choose(&w->file, argv[0], argv[optind + 2]);
 }
 

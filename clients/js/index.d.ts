@@ -243,6 +243,14 @@ export class Client {
   ): Promise<{ above: number; below: number; area: number }>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
+  alphaAuto(set: string, options?: { timeout?: number }): Promise<{ radius: number; loops: { hole: boolean; ids: Uint32Array }[] }>;
+  simplify(
+    set: string,
+    field: string,
+    error: number,
+    into: string,
+    options?: { points?: number; ids?: string; timeout?: number },
+  ): Promise<{ points: number; constraints: number; error: number }>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   constrain(set: string, ends: Pairs, options?: ConstrainOptions): Promise<Constrained>;
   constrainPath(set: string, ids: Iterable<number>, options?: ConstrainOptions & { closed?: boolean }): Promise<Constrained>;

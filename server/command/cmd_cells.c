@@ -7,10 +7,12 @@
  * that is three times as fast as one cell after the other, and takes 8 bytes for each. */
 #include "server/command/command.h"
 
+#include "proto/number.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum {
@@ -317,6 +319,7 @@ struct alpha_job {
     struct job job;
     struct dt_view *view; /* owns; NULL: now */
     double radius;
+    bool automatic;    /* the radius is to be found */
     struct dt_ids ids; /* owns: the loops */
     size_t loops;
 };
@@ -339,11 +342,34 @@ static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
     return status;
 }
 
+/* Finds the radius for AUTO. */
+static enum dt_status find_radius(struct alpha_job *j)
+{
+    struct dt_alpha_auto *a;
+    bool done = false;
+    enum dt_status status = dt_alpha_auto_begin(j->job.dt, j->view, &a);
+    if (status == DT_OK)
+        status = job_reserve(&j->job, dt_alpha_auto_memory(a));
+    while (status == DT_OK && !done) {
+        status = dt_alpha_auto_read(j->job.dt, a, &done);
+        if (status == DT_OK)
+            status = job_pause(&j->job);
+    }
+    job_end_visit(&j->job);
+    if (status == DT_OK)
+        status = dt_alpha_auto_end(a, &j->job.options, &j->radius);
+    dt_alpha_auto_free(a);
+    job_visit(&j->job);
+    return status;
+}
+
 static void run_alpha(struct job *job)
 {
     struct alpha_job *j = (struct alpha_job *)job;
-    struct dt_alpha *alpha;
-    job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
+    struct dt_alpha *alpha = NULL;
+    job->status = j->automatic ? find_radius(j) : DT_OK;
+    if (job->status == DT_OK)
+        job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
     if (job->status == DT_OK)
         job->status = read_alpha(j, alpha);
     job_end_visit(job); /* what is left does not need the set */
@@ -361,18 +387,36 @@ static void end_alpha(struct server *s, struct job *job, struct answer *a)
     if (job_succeeded(job, a)) {
         rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
         reply_ok(a->out, j->loops);
+        if (j->automatic)
+            reply_key_double(a->out, "radius", j->radius);
         reply_end(a->out);
         answer_rows(s, a, &rows, &j->ids);
     }
     free(j->ids.v);
 }
 
+/* Any finite number that is not negative: circumradii can be longer than a coordinate. */
+static bool read_radius(struct answer *a, const struct word *w, double *radius)
+{
+    if (!proto_read_double(w->text, w->len, radius))
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    else if (*radius < 0)
+        answer_err(a, ERR_RANGE, "a radius is not negative");
+    else if (isinf(*radius))
+        answer_err(a, ERR_RANGE, "a radius is finite");
+    else {
+        *radius += 0.0; /* -0 becomes 0 */
+        return true;
+    }
+    return false;
+}
+
 void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    double radius;
+    double radius = 0;
     struct version *v = set->current;
-    bool light = v->sum.points <= STARS_AT_ONCE;
-    if (!read_length(a, &q->word[2], "radius", &radius) || !check_delaunay(a, set))
+    bool light = v->sum.points <= STARS_AT_ONCE, automatic = word_is(&q->word[2], "AUTO");
+    if ((!automatic && !read_radius(a, &q->word[2], &radius)) || !check_delaunay(a, set))
         return;
     struct alpha_job *j = job_new(sizeof *j, run_alpha, end_alpha);
     if (j != NULL && !light)
@@ -383,6 +427,7 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
         return;
     }
     j->radius = radius;
+    j->automatic = automatic;
     j->job.what = "computing the boundary";
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);

@@ -42,6 +42,12 @@ function pointOf(row) {
   return distance === undefined ? { id, x, y } : { id, x, y, distance };
 }
 
+/** A row of ALPHA. */
+function loopOf(row) {
+  const [kind, , ...ids] = row.split(' ');
+  return { hole: kind === 'hole', ids: Uint32Array.from(ids, Number) };
+}
+
 /** Made by connect(). Requests may be made without waiting for one another. The methods here take or return more than words. */
 class Client extends Constraints {
   #address;
@@ -404,7 +410,24 @@ class Client extends Constraints {
   /** The boundary of the alpha shape, loops {hole, ids} with the shape on their left. */
   async alpha(set, radius, { timeout } = {}) {
     const { rows } = await this.request(`ALPHA ${checkSet(set)} ${Number(radius)}`, { timeout });
-    return rows.map((row) => row.split(' ')).map(([kind, , ...ids]) => ({ hole: kind === 'hole', ids: Uint32Array.from(ids, Number) }));
+    return rows.map(loopOf);
+  }
+
+  /** {radius, loops}: the least radius that gives one piece with all points, and the boundary of its alpha shape. */
+  async alphaAuto(set, { timeout } = {}) {
+    const { rows, keys } = await this.request(`ALPHA ${checkSet(set)} AUTO`, { timeout });
+    return { radius: Number(keys.radius), loops: rows.map(loopOf) };
+  }
+
+  /** Makes the new set `into` of few points of the set, at most `points`: the linear surface of the field through them is within the error
+   * of every point. The field `ids` of the new set gets their ids in the set. Returns {points, constraints, error}. */
+  async simplify(set, field, error, into, { points, ids, timeout } = {}) {
+    const words = ['SIMPLIFY', checkSet(set), checkField(field), 'ERROR', Number(error)];
+    if (points !== undefined) words.push('POINTS', Number(points));
+    if (ids !== undefined) words.push('IDS', checkField(ids));
+    const { keys } = await this.request([...words, 'INTO', checkSet(into)].join(' '), { timeout });
+    const worst = keys.error === 'inf' ? Infinity : Number(keys.error);
+    return { points: Number(keys.points), constraints: Number(keys.constraints), error: worst };
   }
 
   // ---- mirrors ----

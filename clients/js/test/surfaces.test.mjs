@@ -115,6 +115,15 @@ describe('surfaces', () => {
     await assert.rejects(client.raster('t', 'z', [0, 0, 4, 4], 2, 1, { clip: 'none' }), Refused);
   });
 
+  test('the automatic radius gives one piece, and a simplified set is within the error', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3] } });
+    await client.triangulate('t');
+    assert.deepEqual(await client.alphaAuto('t'), { radius: 2, loops: [{ hole: false, ids: Uint32Array.of(0, 1, 2, 3) }] });
+    assert.deepEqual(await client.simplify('t', 'z', 3, 'few'), { points: 4, constraints: 0, error: 3 });
+    assert.deepEqual(await client.simplify('t', 'z', 1, 'all', { points: 9, ids: 'old' }), { points: 5, constraints: 0, error: 0 });
+    await assert.rejects(client.simplify('t', 'z', 1, 'few'), Refused);
+  });
+
   test('volumes are between a surface and a level, or another surface', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3], low: [1, 1, 1, 1, 1] } });
     await client.triangulate('t');

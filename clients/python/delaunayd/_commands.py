@@ -271,6 +271,19 @@ class Commands(ConstraintCommands):
             words += ("MINUS", field_name(minus))
         return self._ask(protocol.numbers, *words)
 
+    def simplify(
+        self, name: str, field: str, error: float, into: str, points: Optional[int] = None, ids: Optional[str] = None
+    ) -> Dict[str, float]:
+        """Makes the new set `into` of few points of the set, at most `points`: the linear surface of the field through them is within
+        the error of every point. The field `ids` of the new set gets their ids in the set. Returns `points`, `constraints`
+        and the `error` of the worst point."""
+        words: Tuple[Word, ...] = ("SIMPLIFY", set_name(name), field_name(field), "ERROR", float(error))
+        if points is not None:
+            words += ("POINTS", int(points))
+        if ids is not None:
+            words += ("IDS", field_name(ids))
+        return self._ask(protocol.simplified, *words, "INTO", set_name(into))
+
     def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""
@@ -284,6 +297,10 @@ class Commands(ConstraintCommands):
     def alpha(self, name: str, radius: float) -> List[Loop]:
         """The boundary of the alpha shape: of the union of the triangles whose circumradius is at most the radius."""
         return self._ask(protocol.loops, "ALPHA", set_name(name), float(radius))
+
+    def alpha_auto(self, name: str) -> Tuple[float, List[Loop]]:
+        """The least radius that gives one piece with all points, and the boundary of its alpha shape."""
+        return self._ask(protocol.radius_and_loops, "ALPHA", set_name(name), "AUTO")
 
     def within(self, name: str, *where: float) -> List[int]:
         """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""

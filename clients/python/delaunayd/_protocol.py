@@ -223,6 +223,11 @@ def numbers(reply: Reply) -> Dict[str, float]:
     return {key: float(text) for key, text in reply.keys.items()}
 
 
+def simplified(reply: Reply) -> Dict[str, float]:
+    """The facts of SIMPLIFY, without the version of the new set."""
+    return {"points": int(reply.keys["points"]), "constraints": int(reply.keys["constraints"]), "error": float(reply.keys["error"])}
+
+
 def truth(text: str) -> bool:
     return text in ("yes", "1")
 
@@ -356,6 +361,11 @@ def loops(reply: "Reply") -> List["Loop"]:
     """The rows of ALPHA."""
     split = (row.split(" ") for row in reply.rows)
     return [Loop(kind == "hole", [int(id) for id in ids]) for kind, _, *ids in split]
+
+
+def radius_and_loops(reply: "Reply") -> Tuple[float, List["Loop"]]:
+    """The reply to ALPHA set AUTO."""
+    return float(reply.keys["radius"]), loops(reply)
 
 
 def contours(reply: "Reply") -> List["Contour"]:

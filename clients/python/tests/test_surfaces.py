@@ -96,6 +96,27 @@ class Shapes(WithDaemon):
         with self.assertRaises(Refused):
             self.client.alpha("t", -1)
 
+    def test_the_automatic_radius_gives_one_piece(self):
+        self.assertEqual(self.client.alpha_auto("t"), (2, [(False, [0, 1, 2, 3])]))
+        self.client.load("l", [(0, 0), (1, 1)])
+        self.client.triangulate("l")
+        self.assertEqual(self.client.alpha_auto("l"), (0, []))
+
+    def test_a_simplified_set_is_within_the_error(self):
+        self.client.load("many", [(x, y) for x in range(9) for y in range(9)])
+        self.client.set_field("many", "z", [abs(x - 4) + y / 8 for x in range(9) for y in range(9)])
+        facts = self.client.simplify("many", "z", 0.25, "few", ids="old")
+        self.assertLess(facts["points"], 20)
+        self.assertLessEqual(facts["error"], 0.25)
+        self.client.triangulate("few")
+        for x in range(9):
+            for y in range(9):
+                (z,) = self.client.interpolate("few", "z", [(x, y)])
+                self.assertLessEqual(abs(z - abs(x - 4) - y / 8), 0.25 + 1e-12)
+        self.assertEqual(self.client.simplify("many", "z", 0, "five", points=5)["points"], 5)
+        with self.assertRaises(Refused):
+            self.client.simplify("many", "z", 1, "few")
+
     def test_volumes_are_between_a_surface_and_a_level_or_another_surface(self):
         self.client.set_field("t", "z", [0, 0, 0, 0, 3])
         self.client.set_field("t", "low", [1, 1, 1, 1, 1])

@@ -31,6 +31,21 @@ TEST(alpha_writes_polygons_with_their_holes)
     cli_finish();
 }
 
+TEST(alpha_finds_the_radius_of_one_piece_with_all_points)
+{
+    int status;
+    cli_begin();
+    cli_run(&status, "add t 0 0 6 0 0 8 6 8 20 4");
+    cli_run(&status, "triangulate t");
+    CHECK_STR(cli_run(&status, "alpha t auto"),
+              "OK 1 radius=7.571428571428572\nouter 5 0 1 4 3 2\n");
+    CHECK_STR(cli_run(&status, "alpha t auto - -f wkt"),
+              "WKT,radius,holes\n\"POLYGON ((0 0,6 0,20 4,6 8,0 8,0 0))\",7.571428571428572,0\n");
+    cli_run(&status, "alpha t automatic -");
+    CHECK(status != 0);
+    cli_finish();
+}
+
 TEST(alpha_draws_the_shape_and_counts_its_polygons)
 {
     char command[200];

@@ -3,6 +3,7 @@
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "tests/core/sets.h"
+#include "tests/oracle/families.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -199,5 +200,133 @@ TEST(an_alpha_shape_of_a_view_stays_as_it_was)
     dt_view_end(v);
     free(before.v);
     free(then.v);
+    dt_free(t);
+}
+
+/* ---- the radius by itself ---- */
+
+static double automatic(const struct dt *t, const struct dt_view *v)
+{
+    struct dt_alpha_auto *a;
+    bool done = false;
+    double radius;
+    CHECK(dt_alpha_auto_begin(t, v, &a) == DT_OK);
+    while (!done)
+        CHECK(dt_alpha_auto_read(t, a, &done) == DT_OK);
+    CHECK(dt_alpha_auto_end(a, NULL, &radius) == DT_OK);
+    dt_alpha_auto_free(a);
+    return radius;
+}
+
+/* The triangles that come with a radius: whether they are one piece, through edges, with all points. */
+static bool is_one_piece(const struct brute *b, const struct dt_ids *all, double radius)
+{
+    const size_t n = all->n / 3;
+    bool *in = calloc(n + 1, 1), *seen = calloc(n + 1, 1), *corner = calloc(b->n + 1, 1);
+    size_t *stack = calloc(n + 1, sizeof *stack), stacked = 0, count = 0, reached = 0;
+    CHECK(in != NULL && seen != NULL && corner != NULL && stack != NULL);
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t *v = all->v + 3 * i;
+        in[i] = dt_compare_circumradius(b->p[v[0]], b->p[v[1]], b->p[v[2]], radius) <= 0;
+        count += in[i];
+        for (int k = 0; in[i] && k < 3; k++)
+            corner[v[k]] = true;
+        if (in[i] && stacked == 0 && reached == 0) {
+            stack[stacked++] = i;
+            seen[i] = true;
+            reached = 1;
+        }
+    }
+    while (stacked > 0) {
+        const uint32_t *v = all->v + 3 * stack[--stacked];
+        for (size_t i = 0; i < n; i++) {
+            const uint32_t *w = all->v + 3 * i;
+            int common = 0;
+            for (int k = 0; k < 9; k++)
+                common += v[k / 3] == w[k % 3];
+            if (in[i] && !seen[i] && common == 2) {
+                seen[i] = true;
+                stack[stacked++] = i;
+                reached++;
+            }
+        }
+    }
+    bool good = count > 0 && reached == count;
+    for (size_t i = 0; i < all->n; i++)
+        good = good && corner[all->v[i]]; /* every representative is a corner of some triangle */
+    free(in);
+    free(seen);
+    free(corner);
+    free(stack);
+    return good;
+}
+
+/* The least double that is not less than the circumradius, by halves. */
+static double radius_of(const struct brute *b, const uint32_t *v)
+{
+    double lo = 0, hi = 0x1p1000;
+    while (nextafter(lo, HUGE_VAL) < hi) {
+        double middle = lo > 0 && hi / lo > 4 ? sqrt(lo) * sqrt(hi)
+                        : lo == 0             ? (hi > 0x1p-900 ? hi * 0x1p-100 : hi / 2)
+                                              : lo + (hi - lo) / 2;
+        middle = middle <= lo ? nextafter(lo, HUGE_VAL) : middle >= hi ? nextafter(hi, 0) : middle;
+        if (dt_compare_circumradius(b->p[v[0]], b->p[v[1]], b->p[v[2]], middle) > 0)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return hi;
+}
+
+static void check_automatic(const struct pair *pair)
+{
+    struct dt_ids all = {0};
+    double want = 0;
+    brute_table(pair->b, DT_TRIANGLES, false, &all);
+    for (size_t i = 0; i < all.n; i += 3) {
+        double radius = radius_of(pair->b, all.v + i);
+        if ((want == 0 || radius < want) && is_one_piece(pair->b, &all, radius))
+            want = radius;
+    }
+    double got = automatic(pair->t, NULL);
+    CHECK_MSG(got == want, "%.17g instead of %.17g", got, want);
+    free(all.v);
+}
+
+TEST_TIMEOUT(the_automatic_radius_is_the_least_of_all_circumradii_that_will_do_on_every_family, 240)
+{
+    for_each_pair(check_automatic);
+}
+
+TEST(the_automatic_radius_of_a_view_stays_as_it_was)
+{
+    static const struct dt_point p[] = {{0, 0}, {6, 0}, {0, 8}, {6, 8}, {20, 4}};
+    struct dt *t = set_of(p, 5);
+    uint32_t id = 4, deleted, missing;
+    double before = automatic(t, NULL); /* 53/7, of the triangle 1 4 3 */
+    CHECK(before > 7.571 && before < 7.572);
+    struct dt_view *v = dt_view_begin(t, true);
+    CHECK(v != NULL && dt_delete(t, &id, 1, &deleted, &missing) == DT_OK);
+    CHECK(automatic(t, v) == before && automatic(t, NULL) == 5);
+    dt_view_end(v);
+    dt_free(t);
+}
+
+TEST(the_search_for_a_radius_ends_when_it_is_cancelled)
+{
+    struct dt_point p[5000];
+    family_points(family_find("uniform"), p, 5000, 7);
+    struct dt *t = set_of(p, 5000);
+    dt_atomic_bool cancel;
+    struct dt_options opt = {.cancel = &cancel};
+    struct dt_alpha_auto *a;
+    bool done = false;
+    double radius;
+    atomic_init(&cancel, true);
+    CHECK(dt_alpha_auto_begin(t, NULL, &a) == DT_OK);
+    while (!done)
+        CHECK(dt_alpha_auto_read(t, a, &done) == DT_OK);
+    CHECK(dt_alpha_auto_end(a, &opt, &radius) == DT_CANCELLED);
+    dt_alpha_auto_free(a);
     dt_free(t);
 }
