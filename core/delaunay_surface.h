@@ -15,7 +15,8 @@ enum dt_interpolation {
     DT_LINEAR,  /* in the triangle around the place; canonical, like the triangulation */
     DT_NATURAL, /* Sibson's, of natural neighbours: smooth except at the points */
     DT_LAPLACE, /* of natural neighbours, by the edges of Voronoi cells: continuous */
-    DT_CLOSEST /* the value of the nearest point, of the smallest id if several tie; for values only */
+    DT_CLOSEST, /* the value of the nearest point, of the smallest id if several tie; for values only */
+    DT_SMOOTH /* cubic in each third of a triangle, with continuous slopes; for values only */
 };
 
 /* The errors of the weights at a place add up to less than this. So the weighted mean of the points is the
@@ -52,13 +53,14 @@ void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
  *
  *   at a point            its value, exactly
  *   on an edge            of the hull, and with DT_LINEAR of any triangle: linear between the two ends
+ *   with DT_SMOOTH        the cubic of the triangle or edge (core/surface/smooth.c), linear beyond the range of doubles
  *   elsewhere inside      the mean of the values of the points around, by the weights above
  *   outside the hull      nan; or, if it goes on beyond the hull, the value at the nearest place of the hull, on an edge linear
  *                         between the two ends; with DT_CLOSEST the value of the nearest point
  *
  * It is nan where a value that counts is nan, and in triangles that have an edge longer than max_edge, but for
  * their corners and for edges that another triangle without such an edge shares; and where no triangle around the place is
- * inside borders, if the surface ends there. A mean is never outside the range
+ * inside borders, if the surface ends there. A mean, but not a cubic, is never outside the range
  * of the values that count; it errs by less than DT_WEIGHTS_ERROR times their range, 2^-51 times the largest
  * magnitude of them, and the least double, 2^-1074. */
 struct dt_surface {

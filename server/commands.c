@@ -148,16 +148,17 @@ const struct command commands[] = {
     {"AREAS", 2, 8, QUERIES, cmd_areas, "AREAS set [BOX x0 y0 x1 y1] [BINARY]",
      .help = "the areas of the Voronoi cells, clipped to a box", .rows = "id"},
     {"INTERPOLATE", 5, 0, SEARCHES | CMD_SHARES, cmd_interpolate,
-     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
+     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE "
+     "e] "
      "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at places between its points", .rows = "d"},
     {"INTERPOLATEB", 4, 12, SEARCHES, cmd_interpolateb,
-     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e] "
+     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] "
      "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
     {"RASTER", 9, 20, SEARCHES, cmd_raster,
-     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] "
+     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest|smooth] "
      "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [CLIP other] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",

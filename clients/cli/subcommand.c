@@ -106,7 +106,7 @@ const struct subcommand subcommands[] = {
      "      --cell SIDE       the side of a cell\n"
      "      --width COLUMNS   or how many cells there are across; else 1000 along the longer side\n"
      "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
-     "      --method M        linear, natural, laplace or nearest\n"
+     "      --method M        linear, natural, laplace, nearest or smooth\n"
      "      --max-edge E      nothing in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --outside nearest beyond the hull the values at its nearest place\n"

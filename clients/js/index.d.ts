@@ -75,7 +75,7 @@ export type Box = readonly [x0: number, y0: number, x1: number, y1: number] | Ar
 
 export interface SurfaceOptions {
   /** linear by default. */
-  method?: 'linear' | 'natural' | 'laplace' | 'nearest';
+  method?: 'linear' | 'natural' | 'laplace' | 'nearest' | 'smooth';
   /** No values in triangles with a longer edge. */
   maxEdge?: number;
   /** No values outside. */

@@ -48,12 +48,17 @@ static bool is_natural(const struct dt_valuer *v)
     return v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
 }
 
+enum { FEW_SLOPES = 256, MANY_SLOPES = 1 << 14 }; /* that are kept */
+
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               const struct dt_options *opt)
 {
     *v = (struct dt_valuer){
         .t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE, .edge.ghost = DT_NONE};
     enum dt_status status = is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
+    if (status == DT_OK && s->how == DT_SMOOTH &&
+        (v->smoother = dt_smoother_new(FEW_SLOPES)) == NULL)
+        status = DT_NOMEM;
     return status == DT_OK && s->inside ? dt_enclosure_of(t, s->number, &v->enclosure) : status;
 }
 
@@ -66,6 +71,13 @@ enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n)
             return DT_NOMEM;
         memset(v->fetched, 0xff, 2 * DT_BLOCKS * sizeof *v->fetched);
     }
+    if (v->s->how == DT_SMOOTH && n >= WORTH) {
+        struct dt_smoother *more = dt_smoother_new(MANY_SLOPES);
+        if (more == NULL)
+            return DT_NOMEM;
+        free(v->smoother);
+        v->smoother = more;
+    }
     return is_natural(v) ? dt_natural_keep(v, n) : DT_OK;
 }
 
@@ -73,6 +85,7 @@ void dt_valuer_clear(struct dt_valuer *v)
 {
     free(v->circle);
     free(v->fetched);
+    free(v->smoother);
     dt_weigher_clear(&v->weigher);
     free(v->ids.v);
 }
@@ -160,9 +173,9 @@ static double weighted_mean(const struct dt_valuer *v)
 enum { LONG_WORK = 8 }; /* what weights in double words take for a step of the tour */
 
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,
-                                 uint32_t half, double *out)
+                                 uint32_t half, enum dt_interpolation how, double *out)
 {
-    enum dt_status s = dt_weigh_begin(v->t, q, where, half, v->s->how, &v->work, &v->weigher);
+    enum dt_status s = dt_weigh_begin(v->t, q, where, half, how, &v->work, &v->weigher);
     if (s == DT_OK)
         s = dt_weigh_end(&v->weigher, &v->work);
     if (s == DT_OK && v->weigher.long_doubles)
@@ -170,6 +183,18 @@ static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt
     if (s == DT_OK)
         *out = weighted_mean(v);
     return s;
+}
+
+/* Linear where smooth values are beyond the range of doubles. */
+static enum dt_status smooth_value(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                                   uint32_t half, double *out)
+{
+    enum dt_status s = where == DT_ON_EDGE ? by_weights(v, q, where, half, DT_LINEAR, out) : DT_OK;
+    if (s == DT_OK && where == DT_ON_EDGE)
+        s = dt_smooth_on_edge(v, half, v->weigher.weight, out);
+    else if (s == DT_OK)
+        s = dt_smooth_value(v, q, half, out);
+    return s == DT_OK && isinf(*out) ? by_weights(v, q, where, half, DT_LINEAR, out) : s;
 }
 
 static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint32_t half,
@@ -219,7 +244,10 @@ static inline enum dt_status value_at(struct dt_valuer *v, struct dt_point q, en
     }
     if (v->s->how == DT_CLOSEST)
         return nearest_value(v, q, half, out);
-    return value_in_doubles(v, q, where, half, out) ? DT_OK : by_weights(v, q, where, half, out);
+    if (v->s->how == DT_SMOOTH)
+        return smooth_value(v, q, where, half, out);
+    return value_in_doubles(v, q, where, half, out) ? DT_OK
+                                                    : by_weights(v, q, where, half, v->s->how, out);
 }
 
 /* ---- outside the hull ---- */
@@ -234,7 +262,9 @@ static enum dt_status value_at_foot(struct dt_valuer *v, struct dt_point q, uint
     if (v->s->how == DT_CLOSEST)
         return nearest_value(v, q, ghost, out);
     enum dt_status s = dt_weigh_foot(v->t, q, ghost, &v->weigher);
-    if (s == DT_OK)
+    if (s == DT_OK && v->s->how == DT_SMOOTH)
+        s = dt_smooth_on_edge(v, ghost, v->weigher.weight, out);
+    if (s == DT_OK && (v->s->how != DT_SMOOTH || isinf(*out)))
         *out = weighted_mean(v);
     return s;
 }
@@ -260,7 +290,7 @@ static enum dt_status value_outside(struct dt_valuer *v, struct dt_point q, uint
 static bool value_near_ghost(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, double *out,
                              enum dt_status *s)
 {
-    bool planes = v->s->how != DT_CLOSEST && v->s->max_edge == HUGE_VAL && !v->s->inside;
+    bool planes = v->s->how < DT_CLOSEST && v->s->max_edge == HUGE_VAL && !v->s->inside;
     *s = DT_OK;
     if (planes && dt_foot_value(v, q, *ghost, out))
         return true;

@@ -34,6 +34,7 @@ struct dt_valuer {
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
     bool is_short;   /* none of them is longer */
     struct dt_foot_edge edge;
+    struct dt_smoother *smoother; /* owns; DT_SMOOTH */
     struct dt_weigher weigher;
     struct dt_ids ids; /* owns */
 };
@@ -150,6 +151,25 @@ bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half,
 /* Those of dt_values_in_row. Returns bit i where doubles are not exact enough, or place i may be on an edge. */
 uint64_t dt_plane_values(const struct dt_valuer *v, const uint32_t *half, const double *x, double y,
                          uint32_t n, double *out);
+
+/* ---- smooth values (smooth.c) ---- */
+
+/* The slopes at points that are kept, while the set does not change. */
+struct dt_smoother;
+
+/* Neighbours of a point are taken as on one line if the determinant of its equations is at most this share of the square of their
+ * number. */
+#define DT_SMOOTH_FLAT 0x1p-30
+
+/* Keeps slopes at up to `points` points, a power of 2. NULL: out of memory. free() ends it. */
+struct dt_smoother *dt_smoother_new(uint32_t points);
+
+/* The value at q, inside the triangle of the half edge; and on an edge, by the linear weights of its ends, the smaller id first. nan
+ * where a value is missing; HUGE_VAL where numbers are beyond the range of doubles. DT_NOMEM, DT_TOOLONG, DT_CANCELLED. Cost: the
+ * degrees of the corners whose slopes are not kept. */
+enum dt_status dt_smooth_value(struct dt_valuer *v, struct dt_point q, uint32_t half, double *out);
+enum dt_status dt_smooth_on_edge(struct dt_valuer *v, uint32_t half, const double weight[2],
+                                 double *out);
 
 /* ---- means in doubles (natural.c) ---- */
 

@@ -21,7 +21,8 @@ static bool read_method(const struct word *w, enum dt_interpolation *how)
     static const char *const name[] = {[DT_LINEAR] = "linear",
                                        [DT_NATURAL] = "natural",
                                        [DT_LAPLACE] = "laplace",
-                                       [DT_CLOSEST] = "nearest"};
+                                       [DT_CLOSEST] = "nearest",
+                                       [DT_SMOOTH] = "smooth"};
     for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
         if (word_is(w, name[i])) {
             *how = (enum dt_interpolation)i;
@@ -34,7 +35,7 @@ static bool read_method(const struct word *w, enum dt_interpolation *how)
 /* Whether values can be found by this method; else the ERR line has been written. */
 static bool check_method(struct answer *a, const struct dataset *set, enum dt_interpolation how)
 {
-    return how == DT_LINEAR || how == DT_CLOSEST || check_delaunay(a, set);
+    return (how != DT_NATURAL && how != DT_LAPLACE) || check_delaunay(a, set);
 }
 
 /* Whether the surface can be computed now; else the request waits, or the ERR line has been written. */
@@ -50,7 +51,7 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
     struct query query = {.kind = QUERY_WEIGHTS, .how = DT_LINEAR};
     bool method =
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
-    if (q->n > 4 && (!method || query.how == DT_CLOSEST))
+    if (q->n > 4 && (!method || query.how >= DT_CLOSEST))
         answer_usage(a);
     else if (check_method(a, set, query.how) && read_place(a, q, &query.place))
         query_answer(s, a, set, &query);

@@ -13,7 +13,7 @@ from scipy import interpolate as scipy_interpolate, spatial as scipy_spatial
 
 sys.path.insert(0, "clients/python")
 from delaunayd import Client  # noqa: E402
-from delaunayd.interpolate import LinearNDInterpolator  # noqa: E402
+from delaunayd.interpolate import LinearNDInterpolator, SmoothInterpolator  # noqa: E402
 from delaunayd.spatial import Delaunay  # noqa: E402
 
 
@@ -74,6 +74,19 @@ def imports():
     print("| import, beyond NumPy's | %.3g | %.3g | %.4f | 20 ms |" % (ours, theirs, ours / theirs), flush=True)
 
 
+def smooth(points):
+    """A smooth raster of as many cells as there are points, slopes included; neither time includes the triangulation. SciPy's
+    slopes are those of least curvature."""
+    side = int(len(points) ** 0.5)
+    heights = np.sin(7 * points[:, 0]) * np.cos(5 * points[:, 1])
+    x, y = np.meshgrid((np.arange(side) + 0.5) / side, (np.arange(side)[::-1] + 0.5) / side)
+    ours, theirs = Delaunay(points), scipy_spatial.Delaunay(points)
+    theirs.find_simplex(points[:1])
+    compare("smooth raster of %d cells, beside CloughTocher2DInterpolator" % side**2,
+            lambda: SmoothInterpolator(ours, heights)(x, y),
+            lambda: scipy_interpolate.CloughTocher2DInterpolator(theirs, heights)(x, y), "0.3", runs=3)
+
+
 def rasters(port, points):
     """A linear raster of as many cells as there are points; neither time includes the triangulation."""
     side = int(len(points) ** 0.5)
@@ -96,6 +109,7 @@ def main():
     triangulations(1000)
     points = triangulations(n)
     searches(points)
+    smooth(points)
     if len(sys.argv) > 2:
         rasters(sys.argv[2], points)
 

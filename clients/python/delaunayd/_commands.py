@@ -194,8 +194,8 @@ class Commands(ConstraintCommands):
         inside: Inside = None,
         outside: Optional[str] = None,
     ) -> Floats:
-        """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
-        nearest. None in triangles with an edge longer than max_edge, and outside the border of `inside`. Outside the hull
+        """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace,
+        nearest or smooth. None in triangles with an edge longer than max_edge, and outside the border of `inside`. Outside the hull
         there are none, or with `outside` nearest those at the nearest place of the hull."""
         data, n = protocol.pairs(places)
         words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)

@@ -14,7 +14,7 @@ from typing import Any, List, Optional
 NAME = "libdelaunay-core.so.0"
 _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next ones
 
-LINEAR, NATURAL, LAPLACE = range(3)  # enum dt_interpolation
+LINEAR, NATURAL, LAPLACE, _, SMOOTH = range(5)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
 _NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 13, 16  # enum dt_status
@@ -145,6 +145,6 @@ def check(status: int, what: str) -> None:
 
 
 __all__ = [
-    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region", "Split",
-    "byref", "check", "library",
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region", "SMOOTH",
+    "Split", "byref", "check", "library",
 ]

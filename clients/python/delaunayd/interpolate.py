@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
-from ._library import LAPLACE, LINEAR, NATURAL
+from ._library import LAPLACE, LINEAR, NATURAL, SMOOTH
 from .spatial import Delaunay
 
 if TYPE_CHECKING:
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
     from .client import Client
 
 __all__ = [
-    "CloughTocher2DInterpolator", "LinearNDInterpolator", "NaturalNeighborInterpolator", "NearestNDInterpolator", "griddata"
+    "CloughTocher2DInterpolator", "LinearNDInterpolator", "NaturalNeighborInterpolator", "NearestNDInterpolator", "SmoothInterpolator",
+    "griddata",
 ]
 
-_METHODS = {"linear": LINEAR, "natural": NATURAL, "laplace": LAPLACE}
+_METHODS = {"linear": LINEAR, "natural": NATURAL, "laplace": LAPLACE, "smooth": SMOOTH}
 
 
 def _places(args: Tuple[Any, ...]) -> Floats:
@@ -193,6 +194,14 @@ class NaturalNeighborInterpolator(_Interpolator):
         super().__init__(points, values, fill_value, **more)
 
 
+class SmoothInterpolator(_Interpolator):
+    """SmoothInterpolator(points, values, fill_value=nan)(xi): the surface of Clough and Tocher, whose slopes are continuous.
+    Slopes at points are found by least squares over their neighbours, at once and without SciPy. So values differ a little from those of
+    CloughTocher2DInterpolator, which searches for the slopes of least curvature. Arguments and calls are those of LinearNDInterpolator."""
+
+    _method = "smooth"
+
+
 class NearestNDInterpolator:
     """NearestNDInterpolator(points, values, rescale=False)(xi): the value of the nearest point, inside the hull and outside, as
     scipy.interpolate's of that name. Of points that are as near, the first one counts. `points` may be a Delaunay triangulation.
@@ -253,13 +262,15 @@ def griddata(
     workers: Optional[int] = None,
 ) -> NDArray[Any]:
     """The values at places, as scipy.interpolate.griddata for points of the plane: method "nearest", "linear", "cubic", which needs
-    SciPy, or also "natural" or "laplace"."""
+    SciPy, or also "natural", "laplace" or "smooth"."""
     if method == "nearest":
         return NearestNDInterpolator(points, values, rescale=rescale, workers=workers)(xi)
     if method == "linear":
         return LinearNDInterpolator(points, values, fill_value, rescale, workers=workers)(xi)
     if method in ("natural", "laplace"):
         return NaturalNeighborInterpolator(points, values, fill_value, method, rescale=rescale, workers=workers)(xi)
+    if method == "smooth":
+        return SmoothInterpolator(points, values, fill_value, rescale, workers=workers)(xi)
     if method == "cubic":
         found: NDArray[Any] = CloughTocher2DInterpolator(points, values, fill_value, rescale=rescale)(xi)
         return found

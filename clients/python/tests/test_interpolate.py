@@ -14,6 +14,7 @@ try:
         LinearNDInterpolator,
         NaturalNeighborInterpolator,
         NearestNDInterpolator,
+        SmoothInterpolator,
         griddata,
     )
     from delaunayd.spatial import ConstrainedDelaunay, Delaunay
@@ -68,6 +69,21 @@ class Interpolators(unittest.TestCase):
         values = self.points.sum(axis=1)
         for tri in (Delaunay(self.points), scipy.spatial.Delaunay(self.points)):
             self.assertAlmostEqual(float(self.ours(tri, values)(0.25, 0.5)), 0.75)
+
+    def test_smooth_values_need_no_scipy(self):
+        places = 0.1 + 0.8 * self.random.random((3000, 2))
+        plane = self.points @ [2, -3] + 1
+        np.testing.assert_allclose(SmoothInterpolator(self.points, plane)(places), places @ [2, -3] + 1, rtol=0, atol=1e-11)
+        wave = np.sin(7 * self.points[:, 0]) * np.cos(5 * self.points[:, 1])
+        want = np.sin(7 * places[:, 0]) * np.cos(5 * places[:, 1])
+        ours = SmoothInterpolator(self.points, wave)(places)
+        linear = LinearNDInterpolator(self.points, wave)(places)
+        self.assertLess(np.abs(ours - want).mean(), np.abs(linear - want).mean() / 2)
+        np.testing.assert_array_equal(griddata(self.points, wave, places, "smooth"), ours)
+        self.assertTrue(np.isnan(SmoothInterpolator(self.points, wave)(9, 9)))
+        if scipy is not None:
+            theirs = scipy.interpolate.CloughTocher2DInterpolator(self.points, wave)(places)
+            self.assertLess(np.abs(ours - theirs).max(), 0.02)
 
     def test_segments_that_a_triangulation_keeps_shape_the_surface(self):
         points, values = [(0, 0), (10, 0), (5, 1), (5, -1)], [0, 0, 1, 1]

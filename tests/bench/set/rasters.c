@@ -133,6 +133,8 @@ int main(int argc, char **argv)
     compare(&r, "CLIP by a star of 1000 corners", 0, &plain, star);
     compare(&r, "CLIP by the same, three times as wide and high", 1, &plain, star);
     compare(&r, "CLIP by the same, in a set of as many points", 0, &plain, large);
+    struct dt_surface smooth = {.max_edge = HUGE_VAL, .how = DT_SMOOTH};
+    compare(&r, "METHOD smooth", 0, &smooth, NULL);
     printf("\n");
     dt_free(star);
     dt_free(large);

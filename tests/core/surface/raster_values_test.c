@@ -60,7 +60,7 @@ static void check_rasters(const struct pair *pair)
 {
     make_values();
     for (int i = 0; i < 4; i++) {
-        struct dt_surface s = surface_of(all_methods[test_below(METHODS)]);
+        struct dt_surface s = surface_of(all_methods[test_below(METHODS + 1)]);
         struct dt_raster r = random_raster(pair->b);
         s.beyond = test_below(2) == 0;
         if (test_below(3) == 0)
@@ -83,7 +83,7 @@ TEST(cells_of_a_lattice_have_the_values_at_their_centres)
     for (int i = 0; i < 64; i++)
         p[i] = (struct dt_point){i % 8, i / 8};
     struct dt *t = set_of(p, 64);
-    for (int how = 0; how < METHODS; how++) {
+    for (int how = 0; how <= METHODS; how++) {
         struct dt_surface s = surface_of(all_methods[how]);
         s.beyond = true;
         check_cells(t, &s, &(struct dt_raster){{-1.5, -1.5}, {8.5, 8.5}, 10, 10});
@@ -130,7 +130,7 @@ TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
     check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 300, 3});
     check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 10, 20});
     check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 3, 9});
-    for (int how = 0; how < METHODS; how++) {
+    for (int how = 0; how <= METHODS; how++) {
         s = surface_of(all_methods[how]);
         s.beyond = how % 2 == 0;
         check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 150, 6});
@@ -188,7 +188,7 @@ TEST(cells_take_no_more_steps_than_they_may_and_go_on)
     }
     struct dt *t = set_with(p, z, N);
     struct dt_raster r = {{-1, -1}, {1, 1}, 4, 4};
-    for (int how = 0; how < METHODS; how++) {
+    for (int how = 0; how <= METHODS; how++) {
         struct dt_surface s = surface_in(t, all_methods[how]);
         struct dt_options few = {.steps = 1000};
         size_t done, at = 0;
@@ -215,7 +215,7 @@ TEST(cells_have_the_same_bytes_on_any_number_of_threads)
     }
     struct dt *t = set_with(p, z, N);
     struct dt_raster r = {{0, 0}, {1, 1}, SIDE, SIDE};
-    for (int how = 0; how < METHODS; how++) {
+    for (int how = 0; how <= METHODS; how++) {
         struct dt_surface s = surface_in(t, all_methods[how]);
         for (unsigned threads = 2; threads <= 3; threads++) {
             struct dt_pool pool = threads_pool(threads);
@@ -253,7 +253,7 @@ TEST(cells_survive_without_memory)
     struct dt *t = set_of(p, 6);
     static double out[2000];
     make_values();
-    for (int how = 0; how < METHODS; how++) {
+    for (int how = 0; how <= METHODS; how++) {
         enum dt_status status = DT_NOMEM;
         struct dt_surface s = surface_of(all_methods[how]);
         struct dt_raster r = {{0, 0}, {2, 2}, 40, 40};

@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-const enum dt_interpolation all_methods[METHODS] = {DT_LINEAR, DT_NATURAL, DT_LAPLACE, DT_CLOSEST};
+const enum dt_interpolation all_methods[METHODS + 1] = {DT_LINEAR, DT_NATURAL, DT_LAPLACE,
+                                                        DT_CLOSEST, DT_SMOOTH};
 
 /* Pages of values, by id; of the ids beyond them they are missing. */
 enum { PAGES = 60 };

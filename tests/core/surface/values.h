@@ -4,8 +4,9 @@
 
 #include "core/delaunay_surface.h"
 
+/* METHODS methods whose values are between those of points, and then DT_SMOOTH. */
 enum { METHODS = 4 };
-extern const enum dt_interpolation all_methods[METHODS];
+extern const enum dt_interpolation all_methods[METHODS + 1];
 
 /* Draws new random values, from 1000 to 1001, for the ids of 60 pages; values of higher ids are missing. */
 void make_values(void);

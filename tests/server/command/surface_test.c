@@ -62,10 +62,12 @@ static bool is_same(const double *a, const double *b, size_t n)
 
 #define INTERPOLATE_USAGE                                                                          \
     "ERR SYNTAX usage: INTERPOLATE set field x y [x y ...] "                                       \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest]\n"
+    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [OUTSIDE "            \
+    "nan|nearest]\n"
 #define RASTER_USAGE                                                                               \
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
-    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] "      \
+    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [OUTSIDE "            \
+    "nan|nearest] "                                                                                \
     "[CLIP other] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
     "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | "    \
