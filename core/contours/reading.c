@@ -1,5 +1,5 @@
 /* reading.c - see reading.h. */
-#include "core/surface/reading.h"
+#include "core/contours/reading.h"
 
 #include "core/exact/predicates.h"
 #include "core/mesh/fixed.h"

@@ -9,8 +9,8 @@
  *       below ----------- below
  *
  * If an edit changes the mesh before all triangles are read, the crossings are dropped, and all are read again. */
+#include "core/contours/reading.h"
 #include "core/exact/predicates.h"
-#include "core/surface/reading.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -15,7 +15,7 @@
  *
  * All this is decided by ids, levels and exact signs. Coordinates of crossings are rounded, so a ring may touch or cross
  * itself or another one by as much as they are rounded. */
-#include "core/surface/bands.h"
+#include "core/contours/bands.h"
 
 #include "core/exact/predicates.h"
 

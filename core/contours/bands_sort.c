@@ -3,7 +3,7 @@
  * Of the loops of a connected part exactly one has a positive area, and it is greater than those of the others. Areas of the
  * rounded places differ by little, so the loop with the greatest is taken: that is wrong only where both areas are
  * within the rounding of their places. */
-#include "core/surface/bands.h"
+#include "core/contours/bands.h"
 
 #include "core/exact/predicates.h"
 

@@ -16,7 +16,7 @@
  * either a crossing joins them (bands_join.c), or both ends of the edge are marked, and a tie names it.
  *
  * So no coordinate is compared, except to sort the sides around a marked point. */
-#include "core/surface/bands.h"
+#include "core/contours/bands.h"
 
 #include "core/exact/predicates.h"
 #include "core/set/view.h"

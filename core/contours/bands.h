@@ -2,8 +2,8 @@
 #ifndef DT_BANDS_H
 #define DT_BANDS_H
 
+#include "core/contours/reading.h"
 #include "core/control/stop.h"
-#include "core/surface/reading.h"
 
 /* The line of a level in a triangle, as in contour.c. An edge whose ends are equal is a vertex: its value is the level,
  * so the line goes through it. */
