@@ -261,7 +261,7 @@ void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t
 static double decide(const struct dt_corners *c, const struct dt_plane *p,
                      const struct dt_sample *q, double bound)
 {
-    double off = dt_plane_off(p, q);
+    double off = isinf(p->doubt) ? dt_plane_nearest_off(c, q) : dt_plane_off(p, q);
     if (!dt_plane_doubts(p, off, bound))
         return off;
     if (dt_plane_exceeds(c, q, bound))

@@ -121,20 +121,37 @@ static void add_big(struct dt_big *sum, const struct dt_big *weight, double valu
     dt_big_add(sum, &term, sum);
 }
 
+/* *sum / *area is how far q is off. */
+static void off_big(const struct dt_corners *c, const struct dt_sample *q, struct dt_big *sum,
+                    struct dt_big *area)
+{
+    struct dt_big second, third;
+    if (!c->on_line)
+        weights_big(c, q, area, &second, &third);
+    else
+        weights_on_line(c, q, area, &second);
+    dt_big_of(0, sum);
+    add_big(sum, area, c->first.z, q->z);
+    add_big(sum, &second, c->second.z, c->first.z);
+    if (!c->on_line)
+        add_big(sum, &third, c->third.z, c->first.z);
+    sum->sign = sum->sign == 0 ? 0 : 1;
+    area->sign = 1;
+}
+
 bool dt_plane_exceeds(const struct dt_corners *c, const struct dt_sample *q, double bound)
 {
-    struct dt_big area, second, third, sum, most;
-    if (!c->on_line)
-        weights_big(c, q, &area, &second, &third);
-    else
-        weights_on_line(c, q, &area, &second);
-    dt_big_of(0, &sum);
-    add_big(&sum, &area, c->first.z, q->z);
-    add_big(&sum, &second, c->second.z, c->first.z);
-    if (!c->on_line)
-        add_big(&sum, &third, c->third.z, c->first.z);
+    struct dt_big sum, area, most;
+    off_big(c, q, &sum, &area);
     dt_big_of(bound, &most);
     dt_big_multiply(&most, &area, &most);
-    sum.sign = sum.sign == 0 ? 0 : 1;
     return dt_big_compare(&sum, &most) > 0;
+}
+
+double dt_plane_nearest_off(const struct dt_corners *c, const struct dt_sample *q)
+{
+    struct dt_big sum, area;
+    off_big(c, q, &sum, &area);
+    dt_big_divide(&sum, &area, &sum);
+    return dt_big_nearest(&sum);
 }

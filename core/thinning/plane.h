@@ -45,6 +45,9 @@ struct dt_plane dt_plane_of(const struct dt_corners *c, double largest);
 /* Whether q, with a value, is off by more than the bound: exactly, for corners that have values. */
 bool dt_plane_exceeds(const struct dt_corners *c, const struct dt_sample *q, double bound);
 
+/* How far q is off: the nearest double, for corners that have values. */
+double dt_plane_nearest_off(const struct dt_corners *c, const struct dt_sample *q);
+
 /* How far q is off, rounded. */
 static inline double dt_plane_off(const struct dt_plane *p, const struct dt_sample *q)
 {

@@ -18,31 +18,46 @@ static void big_cross(struct dt_point o, struct dt_point a, struct dt_point b, s
     dt_big_subtract(&ax, &ay, r);
 }
 
-/* The weights are areas, or on a line lengths. */
-int exact_side(const struct corner *k, int corners, struct dt_point q, double z, double bound)
+/* *sum / *all is the distance; the weights are areas, or on a line lengths. */
+static void exact_off(const struct corner *k, int corners, struct dt_point q, double z,
+                      struct dt_big *sum, struct dt_big *all)
 {
-    struct dt_big w[3], sum, all, term;
-    dt_big_of(0, &sum);
-    dt_big_of(0, &all);
+    struct dt_big w, term;
+    dt_big_of(0, sum);
+    dt_big_of(0, all);
     for (int i = 0; i < corners; i++) {
         const struct corner *a = &k[(i + 1) % corners], *b = &k[(i + 2) % corners];
         bool by_x = k[0].at.x != k[1].at.x;
         if (corners == 3)
-            big_cross(q, a->at, b->at, &w[i]);
+            big_cross(q, a->at, b->at, &w);
         else
-            dt_big_difference(by_x ? a->at.x : a->at.y, by_x ? q.x : q.y, &w[i]);
+            dt_big_difference(by_x ? a->at.x : a->at.y, by_x ? q.x : q.y, &w);
         if (corners == 2 && i == 1)
-            w[i].sign = -w[i].sign;
-        dt_big_add(&all, &w[i], &all);
+            w.sign = -w.sign;
+        dt_big_add(all, &w, all);
         dt_big_difference(k[i].z, z, &term);
-        dt_big_multiply(&term, &w[i], &term);
-        dt_big_add(&sum, &term, &sum);
+        dt_big_multiply(&term, &w, &term);
+        dt_big_add(sum, &term, sum);
     }
-    all.sign = all.sign == 0 ? 0 : 1;
-    sum.sign = sum.sign == 0 ? 0 : 1;
+    all->sign = all->sign == 0 ? 0 : 1;
+    sum->sign = sum->sign == 0 ? 0 : 1;
+}
+
+int exact_side(const struct corner *k, int corners, struct dt_point q, double z, double bound)
+{
+    struct dt_big sum, all, term;
+    exact_off(k, corners, q, z, &sum, &all);
     dt_big_of(bound, &term);
     dt_big_multiply(&term, &all, &term);
     return dt_big_compare(&sum, &term);
+}
+
+static double nearest_off(const struct corner *k, int corners, struct dt_point q, double z)
+{
+    struct dt_big sum, all;
+    exact_off(k, corners, q, z, &sum, &all);
+    dt_big_divide(&sum, &all, &sum);
+    return dt_big_nearest(&sum);
 }
 
 double rounded_off(const struct corner *k, int corners, struct dt_point q, double z)
@@ -57,7 +72,9 @@ double rounded_off(const struct corner *k, int corners, struct dt_point q, doubl
         double cx = k[2].at.x - k[0].at.x, cy = k[2].at.y - k[0].at.y, cz = k[2].z - k[0].z;
         double bb = bx * bx + by * by, cc = cx * cx + cy * cy, area = bx * cy - by * cx;
         bool thin = !((bb > cc ? bb : cc) / area < 0x1p30);
-        if (!thin && (bz != 0 || cz != 0)) {
+        if (thin && (bz != 0 || cz != 0))
+            return nearest_off(k, corners, q, z);
+        if (bz != 0 || cz != 0) {
             dx = (bz * cy - cz * by) / area;
             dy = (cz * bx - bz * cx) / area;
         }
