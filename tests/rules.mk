@@ -91,7 +91,7 @@ $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
 
 # Operations on one set.
 SET_BENCH := $(addprefix $(O)/tests/bench/,set/live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-$(addprefix $(O)/tests/bench/set/,live surface rasters): %: %.o $(SET_BENCH)
+$(addprefix $(O)/tests/bench/set/,live surface rasters simplify): %: %.o $(SET_BENCH)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 CGAL_BENCH := $(addprefix $(O)/tests/bench/,cgal_speed cgal_text set/cgal_live set/cgal_surface)
@@ -140,6 +140,15 @@ bench-clients: all lib $(O)/tests/bench/points
 
 bench-python: lib
 	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
+
+# ---- bench-simplify: a raster of a million cells beside delatin, which npm fetches, with its goal; SIDE=1025 ERROR=1.62 ----
+
+.PHONY: bench-simplify
+bench-simplify: $(O)/tests/bench/set/simplify
+	$(call need,nodejs npm,command -v node && command -v npm)
+	@[ -d $(O)/delatin/node_modules/delatin ] || \
+	  timeout 120 npm install --prefix $(O)/delatin --no-audit --no-fund --ignore-scripts --silent delatin@0.2.0
+	@node tests/bench/beside_delatin.mjs $(O)/delatin $< $(SIDE) $(ERROR) | tee $(O)/bench-simplify.md
 
 # ---- bench-bands: filled contours beside Matplotlib's, with their goal; POINTS=1000000 ----
 
