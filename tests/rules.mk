@@ -186,6 +186,13 @@ bench-refine: $(O)/tests/bench/refine
 bench-constraints: $(O)/tests/bench/constrained
 	$< $(or $(POINTS),1000000) $(or $(ACROSS),200000) $(or $(LONG),1000)
 
+# ---- bench-coastlines: from the world's coastlines in GeoJSON to a mesh of the inside, in processor time: CORNERS=477000 of 1.2 million;
+# ---- fetches an npm package of 5 MB once ----
+
+.PHONY: bench-coastlines
+bench-coastlines: all
+	@tests/bench/set/coastlines.py $(O)/delaunay $(O)/coastlines $(or $(CORNERS),477000) | tee $(O)/bench-coastlines.md
+
 # ---- mutants: N=60 random changes of single lines, which a test must notice; SEED=s draws other ones, M=server/disk selects files.
 # ---- LIST=syncs the entries of that list, LIST=all of all; N=0 checks that every entry applies; see tests/mutants/README.md ----
 
