@@ -194,6 +194,9 @@ bool input_close(struct input *in, bool all, char *why, size_t room)
     while (waitpid(in->child, &status, 0) < 0 && errno == EINTR)
         continue;
     if (status != 0 && all)
-        snprintf(why, room, "%s could not read all of it", in->program);
+        snprintf(why, room, "%s could not read all of it%s", in->program,
+                 strcmp(in->program, "ogr2ogr") == 0
+                     ? " as one layer (ogr2ogr OUT FILE LAYER copies a layer)"
+                     : "");
     return status == 0 || !all;
 }

@@ -276,5 +276,9 @@ TEST(shapefiles_and_geopackages_are_read_through_ogr2ogr)
     expect("PATH=/none $D run a.shp - -f ele || echo $?",
            "delaunay: a.shp: to read this file the program ogr2ogr is needed (Debian: gdal-bin): "
            "No such file or directory\n1\n");
+    expect(
+        "printf '#!/bin/sh\nexit 1\n' > ogr2ogr; PATH=$PWD:$PATH $D run a.shp - -f ele || echo $?",
+        "delaunay: a.shp: ogr2ogr could not read all of it as one layer "
+        "(ogr2ogr OUT FILE LAYER copies a layer); nothing was loaded\n1\n");
     finish();
 }
