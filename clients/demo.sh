@@ -136,6 +136,15 @@ if [ -n "$contours" ]; then
     show 2 INTERPOLATE terrain z 500 -12000 METHOD natural
     show 1 contour terrain z "$contours" --every 50
 fi
+outlines=$(dirname "$0")/examples/field.geojson
+if [ -f "$outlines" ]; then
+    say "Outlines and a breakline, GeoJSON: each polygon is a border with a number, and its holes are outside"
+    show 1 load land "$outlines"
+    show 3 REGIONS land
+    show 2 REGIONS land AT 40 10
+    show 12 show land --width 50 --height 11
+    show 1 export land "${svg%.svg}-land.svg"
+fi
 if [ -n "$cells" ]; then
     say "Voronoi cells: what is nearer to a point than to any other, as \`id corners x y ...\`; and all of them as a picture"
     show 2 VORONOI terrain 12706
