@@ -1,8 +1,8 @@
 /* delaunay_thinning.h - the core's public header for surfaces of few points; see delaunay.h.
  *
  * Points with values are thinned out greedily [Garland & Heckbert, "Fast polygonal approximation of terrains and height
- * fields", 1995, algorithm III]: the surface begins with the points that must stay, and gets the point with the largest
- * error until every point is within a bound of it. The surface is linear in each triangle of the constrained Delaunay
+ * fields", 1995, algorithm III]. The surface begins with the points that must stay. Then it gets the point with the largest
+ * error until every point is within a bound of the surface. The surface is linear in each triangle of the constrained Delaunay
  * triangulation of the points that are kept. */
 #ifndef DT_DELAUNAY_THINNING_H
 #define DT_DELAUNAY_THINNING_H
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* What is to be thinned out. All arrays are borrowed. */
+/* The points to thin out, with their values and constraints. All arrays are borrowed. */
 struct dt_thinning {
     const struct dt_point *point; /* n different places that dt_coordinate_ok accepts */
     const double *value;          /* n finite numbers; nan: it has none */
@@ -22,7 +22,7 @@ struct dt_thinning {
     size_t constraints;
     double error;  /* >= 0 */
     uint32_t most; /* points to keep */
-    /* Reserves so many bytes in all before they are allocated; may refuse, DT_NOMEM. NULL: there is no limit. */
+    /* Called before memory is allocated: reserves `bytes` in all, or refuses with DT_NOMEM. NULL: there is no limit. */
     enum dt_status (*reserve)(void *ctx, size_t bytes);
     void *ctx;
 };
@@ -34,11 +34,11 @@ struct dt_thinned {
     double error;   /* the largest of any point: within 2^-40 of the largest value */
 };
 
-/* Chooses the points that are kept: the corners of the hull of those with a value and of the ends of constraints; the ends,
- * and points at which constraints cross; and then, as long as some point with a value is more than the error off, the one
- * that is off the most, of equal ones the lexicographically least place. A point is off by infinity where the surface
- * has no value, because a corner of its triangle has none. Which points are off by more than the error is decided exactly.
- * So the result is a function of the places, values and constraints, whatever their order.
+/* Chooses the points that are kept. These points must stay: the corners of the hull of the points with a value and of the ends of
+ * constraints; these ends; and points at which constraints cross. Then, as long as a point with a value is off by more than the
+ * error, the point with the largest distance follows; of equal distances the lexicographically least place comes first. The
+ * distance is infinite where the surface has no value, because a corner of the triangle has none. The comparison with the
+ * error is exact. So the result depends on the places, values and constraints, not on their order.
  *
  * If out->least > most: DT_TOOBIG, and nothing is kept. Other failures: DT_NOMEM, DT_CANCELLED, and those of dt_constrain.
  * opt may be NULL: its flag is polled, its progress is that of the points that are within the error. Cost: O(n log k)

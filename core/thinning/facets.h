@@ -1,9 +1,9 @@
-/* facets.h - the triangles of the surface, each with a list of the points that lie in it, and a heap of those that have a
- * point that is off by more than the bound, the worst one first. Entries of the heap whose facet has changed are dropped
+/* facets.h - the triangles of the surface, each with a list of the points in it. A heap has the triangles with a point that is
+ * off by more than the bound, the worst one first. Entries of the heap whose facet has changed are dropped
  * when they are found.
  *
  * Every point with a value that is not kept is in one list. A point on an edge belongs to the triangle on the left of
- * the edge, directed from its lesser end to the other; on an edge of the hull to the one triangle there. So which
+ * the edge, directed from its lesser end to the other. A point on an edge of the hull belongs to the one triangle there. So which
  * triangle has a point depends on the triangulation alone, not on its history.
  *
  * While all points that are kept are on one line there are ghosts only (mesh.h): the one whose corners ascend is the facet of

@@ -3,8 +3,8 @@
 
 #include "core/exact/bignum.h"
 
-/* Of the largest value: beyond, products could overflow; below, what they lose at the least doubles, 2^-485 after the
- * division by D >= 2^-388 and times a side below 2^202, would not be negligible. */
+/* The range of the largest value in which doubles are used. Beyond it products could overflow. Below it the bits that products
+ * lose at the least doubles count: they become 2^-485 by the division by D >= 2^-388 and a side below 2^202. */
 #define PLANE_MOST 0x1p600
 #define PLANE_LEAST 0x1p-300
 

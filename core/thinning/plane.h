@@ -7,8 +7,9 @@
  * corner's; u = 2^-53.
  *
  * 1. D errs by 4 u m^2, which is 4 f u of itself; a numerator of a slope by 4 u 2 m Z.
- * 2. So the products of both slopes and the sides of q, at most m, err by 16 f u Z from the numerators and 4 f u Z from D,
- *    and by 4 u of themselves, at most 2 f Z each, from quotients, sides and products; the sum by 4 f u Z: below 48 f u Z.
+ * 2. The sides of q are at most m. The products of slopes and sides err by 16 f u Z from the numerators, and by 4 f u Z from D.
+ *    Quotients, sides and products add 4 u of each product, which is at most 2 f Z. The sum adds 4 f u Z. All this is
+ *    below 48 f u Z.
  * 3. z(q), its sum and the difference to a value err by 4 u of the largest value, and by u of the result.
  *
  * `doubt` exceeds the sum: 64 f u Z + 16 u times the largest value. */

@@ -2,9 +2,9 @@
  * blocks of them.
  *
  * A block of level k has four blocks of the level below, the last one perhaps fewer; points are level 0. As the points are
- * in Morton order, blocks are small in the plane, too. Where a block lies within one triangle, it stands for all of its
- * points: then one look at the block shows that none of them can be the worst point of the triangle, or that they all are
- * in the same part of it. */
+ * in Morton order, blocks are small in the plane, too. A block within one triangle stands for all of its points.
+ * Often its box and its range of values show that none of its points can be the worst point of the triangle, or that all of
+ * them are on the same side of a new edge. */
 #ifndef DT_SAMPLES_H
 #define DT_SAMPLES_H
 

@@ -238,8 +238,8 @@ static inline uint32_t sector_of(const struct dt_share *h, struct dt_point p, st
     return i - 1;
 }
 
-/* The same for points that are on no line of an edge, else DT_NONE, without a branch for each edge, which would be
- * unpredictable: bit i of `left` says whether q is left of edge i. */
+/* The same for points that are on no line of an edge, else DT_NONE. Branches would be unpredictable, so there is none for each
+ * edge: bit i of `left` says whether q is left of edge i. */
 static inline uint32_t sector_at_once(const struct dt_share *h, struct dt_point p,
                                       struct dt_point q)
 {

@@ -66,7 +66,7 @@ static bool read_options(struct answer *a, const struct request *q, struct simpl
     return read_other(a, &w[1], &x->other);
 }
 
-/* The new set is saved, also if the set is temporary, which command.c does not check then. */
+/* command.c checks whether changes can be saved, unless the set is temporary. The new set is saved in any case. */
 void cmd_simplify(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct simplify x = {.field = find_field(a, set, &q->word[2]), .most = UINT32_MAX};
