@@ -128,7 +128,7 @@ TEST(smooth_values_are_near_the_function)
         smooth += fabs(value_at(t, &s, q) - want);
         linear += fabs(value_at(t, &l, q) - want);
     }
-    CHECK_MSG(smooth < linear / 3, "%g %g", smooth, linear);
+    CHECK_MSG(smooth < linear / 2, "%g %g", smooth, linear);
     dt_surface_end(&s);
     dt_surface_end(&l);
     dt_free(t);
