@@ -101,6 +101,13 @@ const struct command commands[] = {
     {"RELEASEB", 3, 6, EDITS | CMD_FRESH, cmd_constrainb, "RELEASEB set [BORDER] [OF k] n",
      .help = "releases n segments: n pairs of little-endian uint32 follow, the ids of their ends",
      .result = "released:i", .body = {.rows = LOAD_PAIRS}, .change = CHANGE_RELEASE},
+    {"REFINE", 2, 12, EDITS | CMD_EXISTING | CMD_FRESH | CMD_LIVE, cmd_change,
+     "REFINE set [ANGLE d] [AREA a] [LENGTH l] [INSIDE [k]] [KEEP] [LIMIT n]",
+     .help =
+         "adds points until no triangle inside borders has a smaller angle, or a larger area or "
+         "a longer edge",
+     .result = "first:i added:i split:i angle:d unrefined:i hull:i", .change = CHANGE_DRAW,
+     .read = read_refinement},
     {"CONSTRAINTS", 2, 0, READS | CMD_SHARES, cmd_constraints,
      "CONSTRAINTS set [OF k] [BINARY] | CONSTRAINTS set id [id ...] [BINARY]",
      .help = "every constraint, those of a number, or those that end at points", .rows = "iisi"},

@@ -110,6 +110,27 @@ export interface Constrained {
   deviation?: number;
 }
 
+/** Limits of triangles inside borders: degrees, area, length of an edge; and of the points that may be added. */
+export interface RefineOptions extends RequestOptions {
+  angle?: number;
+  area?: number;
+  length?: number;
+  inside?: Inside;
+  keep?: boolean;
+  limit?: number;
+}
+
+/** New points from the id `first` on, constraints that were divided, the least angle, triangles that are not as wanted, and edges of the
+ * hull that became border 0. */
+export interface Refined {
+  first: number;
+  added: number;
+  split: number;
+  angle: number;
+  unrefined: number;
+  hull: number;
+}
+
 export interface Region {
   closed: boolean;
   triangles: number;
@@ -254,6 +275,7 @@ export class Client {
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   constrain(set: string, ends: Pairs, options?: ConstrainOptions): Promise<Constrained>;
   constrainPath(set: string, ids: Iterable<number>, options?: ConstrainOptions & { closed?: boolean }): Promise<Constrained>;
+  refine(set: string, options?: RefineOptions): Promise<Refined>;
   release(set: string, ends: Pairs, options?: WhichConstraints & RequestOptions): Promise<number>;
   /** Of all kinds if there is no number. */
   releaseAll(set: string, options?: WhichConstraints & RequestOptions): Promise<number>;

@@ -66,7 +66,7 @@ static inline bool dt_encroaches(struct dt_point a, struct dt_point b, struct dt
 double dt_shape_tangent(const struct dt_shape *s);
 
 /* atan of it in degrees, 0 <= tangent <= 2; equal bytes everywhere, since it takes sums, products, quotients and square roots
- * alone. Relative error below 2^-48. */
+ * alone. The nearest double, unless the angle is within 2^-90 of the middle of two, relatively. */
 double dt_degrees(double tangent);
 
 #endif

@@ -97,6 +97,24 @@ static enum dt_status plan(struct dt *dt, struct drawing *d, const struct dt_opt
     return status;
 }
 
+/* The same for a REFINE, with as many points as there is memory for. */
+static enum dt_status plan_refinement(struct dt *dt, struct drawing *d,
+                                      const struct dt_options *opt, struct dt_split *out)
+{
+    struct dt_quality quality = d->quality;
+    struct dt_refined refined;
+    if (quality.most > d->most)
+        quality.most = (size_t)d->most + 1; /* one too many is an error */
+    quality.reserve = d->reserve;
+    quality.ctx = d->ctx;
+    enum dt_status status = dt_plan_refine(dt, &quality, opt, &refined);
+    *out = refined.change;
+    d->angle = refined.angle;
+    d->unrefined = refined.unrefined;
+    d->hull = refined.hull;
+    return status;
+}
+
 static struct record_constraint *records_of(struct dt_pages *pages, const struct dt_constraint *c,
                                             size_t n)
 {
@@ -266,7 +284,8 @@ static enum dt_status split(struct dt *dt, struct drawing *d, struct drawn_point
                             struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing)
 {
     struct dt_split s = {0};
-    enum dt_status status = plan(dt, d, opt, &s, missing);
+    enum dt_status status =
+        d->refines ? plan_refinement(dt, d, opt, &s) : plan(dt, d, opt, &s, missing);
     if (status == DT_OK)
         status = carry_out(dt, d, p, pages, &s, opt);
     dt_split_clear(&s);

@@ -1,4 +1,4 @@
-/* drawing.h - points and constraints that come together, and count together: of `CONSTRAIN ... SPLIT` and LOAD PATHS.
+/* drawing.h - points and constraints that come together, and count together: of `CONSTRAIN ... SPLIT`, LOAD PATHS and REFINE.
  *
  * A request asks for points, and for constraints between them and others. With `split`, constraints that would cross are replaced
  * by parts with points in common. Afterwards the change describes its effect: all points, with their values, and the constraints
@@ -28,6 +28,8 @@ struct drawing {
     bool counts;   /* `line` has the numbers of constraints in a LOADB instead */
     bool asked;    /* it is asked to split constraints that cross, */
     bool splits;   /* and that has not been done yet */
+    bool refines;  /* it is a REFINE, to `quality`: planned as a split is */
+    struct dt_quality quality;
     uint32_t most; /* points that may come with a split */
     enum dt_status (*reserve)(void *ctx,
                               size_t bytes); /* memory for a split; NULL: there is no limit */
@@ -35,7 +37,9 @@ struct drawing {
     /* the outcome: */
     size_t declared, split;
     double deviation;
-    double error;              /* of `thins` */
+    double error; /* of `thins` */
+    double angle; /* as the next two, of a REFINE: see struct dt_refined */
+    size_t unrefined, hull;
     struct dt_crossed crossed; /* of DT_CROSSES, */
     uint64_t crossed_line[2];  /* and the lines of the two; 0: it has none */
 };

@@ -205,6 +205,7 @@ command_handler cmd_triangulate, cmd_check, cmd_digest;                    /* cm
 command_handler cmd_constraints, cmd_constrainb;                           /* cmd_constraint.c */
 command_handler cmd_regions;                                               /* cmd_region.c */
 change_reader read_constraints, read_releases;                             /* cmd_constraint.c */
+change_reader read_refinement;                                             /* cmd_mesh.c */
 
 /* Carries out a TRIANGULATE of the set, which must have no writer. `rebuild`: even if it is current. */
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,

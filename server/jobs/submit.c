@@ -9,6 +9,7 @@
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* ---- the log ---- */
@@ -239,9 +240,17 @@ static void answer_drawing(struct answer *a, const struct change *c)
         reply_key_u64(a->out, "coincident", c->added.coincident);
         reply_key_u64(a->out, "constraints", d->declared);
     }
-    if (d->asked) {
+    if (d->asked || d->refines)
         reply_key_u64(a->out, "split", d->split);
+    if (d->asked)
         reply_key_double(a->out, "deviation", d->deviation);
+    if (d->refines) {
+        if (isnan(d->angle))
+            reply_key_text(a->out, "angle", "nan");
+        else
+            reply_key_double(a->out, "angle", d->angle);
+        reply_key_u64(a->out, "unrefined", d->unrefined);
+        reply_key_u64(a->out, "hull", d->hull);
     }
 }
 
@@ -263,9 +272,26 @@ static void answer_facts(struct answer *a, const struct change *c)
     }
 }
 
+/* Whether there is nothing that can be refined; then the error has been written. */
+static bool answer_refinement(struct answer *a, enum dt_status status, const struct drawing *d)
+{
+    if (d == NULL || !d->refines)
+        return false;
+    uint32_t number = d->quality.number;
+    if (status == DT_NOREGION)
+        answer_err(a, ERR_NOREGION, "there is no border of number %u", number);
+    else if (status == DT_OPEN && number != DT_NONE)
+        answer_err(a, ERR_OPEN, "the border of number %u is open", number);
+    else if (status == DT_OPEN)
+        answer_err(a, ERR_OPEN, "all borders are open");
+    return a->refused;
+}
+
 /* Whether constraints do not allow the change; then the error has been written. */
 static bool answer_constraint(struct answer *a, enum dt_status status, const struct change *c)
 {
+    if (answer_refinement(a, status, c->drawing))
+        return true;
     const struct dt_constraint *one = &c->crossed.one;
     const char *kind = one->border ? "border" : "line";
     const struct drawing *d = c->drawing;
@@ -335,6 +361,8 @@ enum { VALUES_AT_ONCE = 4096 };
 
 static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
+    if (c->drawing != NULL && c->drawing->refines)
+        return JOB_LONG;
     const struct drawn *v = c->drawing == NULL ? NULL : &c->drawing->lists;
     bool refreshes =
         (c->kind->record >= RECORD_CONSTRAIN || v != NULL) && version_is_stale(set->current);
@@ -361,9 +389,11 @@ static enum job_weight weight_of(const struct dataset *set, const struct change 
     return frees && !cost_at_once(COST_FREE, kib) ? JOB_SHORT : JOB_LIGHT;
 }
 
-/* Points that it adds, deletes or moves. */
-static size_t points_of(const struct change *c)
+/* Points that it adds, deletes or moves; a REFINE, of which that is unknown, counts as one that doubles the set. */
+static size_t points_of(const struct dataset *set, const struct change *c)
 {
+    if (c->drawing != NULL && c->drawing->refines)
+        return set->current->sum.points;
     if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS ||
         c->kind->items == ITEMS_DRAWING)
         return c->n;
@@ -440,8 +470,8 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
     if (set == NULL)
         set = create(s, a, x);
     if (set != NULL && c->kind->edit != NULL) {
-        x->job.what = c->kind->what;
-        x->job.points = points_of(c);
+        x->job.what = c->drawing != NULL && c->drawing->refines ? "refining" : c->kind->what;
+        x->job.points = points_of(set, c);
         x->job.copies = keeps_live(s, set, x);
         job_change(s, a, &x->job, set, weight_of(set, c));
         return;

@@ -43,6 +43,15 @@ class Constraints extends Table {
     return this.constrain(set, closed ? [...ends, [way.at(-1), way[0]]] : ends, options);
   }
 
+  /** Adds points until no triangle inside borders, or inside border `inside`, has an angle below `angle` degrees (25 without any limit), an
+   * area above `area`, or an edge longer than `length`. keep: constraints are not divided; limit: points that may be added. Resolves with
+   * {first, added, split, angle, unrefined, hull}. */
+  async refine(set, { angle, area, length, inside, keep, limit, ...options } = {}) {
+    const limits = Object.entries({ ANGLE: angle, AREA: area, LENGTH: length, LIMIT: limit });
+    const rest = line(...limits.flatMap(([word, value]) => (value === undefined ? [] : [[word, value]])), option('INSIDE', inside), option('KEEP', keep));
+    return typedKeys(await this.request(`REFINE ${checkSet(set)} ${rest}`.trimEnd(), options));
+  }
+
   /** Releases constraints, given as for constrain(), all or none; resolves with how many. */
   async release(set, ends, { border, number, ...options } = {}) {
     const body = idBytes(pairs(ends));

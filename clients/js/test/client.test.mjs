@@ -122,6 +122,18 @@ describe('a client', () => {
     assert.deepEqual(await client.get('t', [4]), [{ id: 4, x: 2, y: 2 }]);
   });
 
+  test('meshes are refined, and what is left is counted', async () => {
+    await client.load('m', [0, 0, 8, 0, 8, 1, 0, 1]);
+    await client.triangulate('m');
+    const { first, hull, unrefined, angle, added } = await client.refine('m', { angle: 30, area: 0.1, limit: 1000 });
+    assert.deepEqual([first, hull, unrefined], [4, 4, 0]);
+    assert.ok(angle >= 30 && added > 40);
+    assert.equal((await client.refine('m', { angle: 30, area: 0.1, inside: 0 })).added, 0);
+    assert.equal((await client.refine('m', { length: 0.01, keep: true, limit: 3 })).added, 3);
+    assert.equal((await client.refine('m')).added, 0);
+    await assert.rejects(client.refine('m', { angle: 60 }), /60/);
+  });
+
   test('regions, and nothing outside of a border', async () => {
     await loadParcels();
     const { triangles, area, borders } = await client.regions('t');

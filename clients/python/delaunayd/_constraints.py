@@ -77,6 +77,28 @@ class ConstraintCommands(Table):
         words = ("ALL",) if number is None else option("BORDER", border) + _of(number)
         return self._ask(_released, "RELEASE", set_name(name), *words)
 
+    def refine(
+        self,
+        name: str,
+        angle: Optional[float] = None,
+        area: Optional[float] = None,
+        length: Optional[float] = None,
+        inside: Inside = None,
+        keep: bool = False,
+        limit: Optional[int] = None,
+    ) -> Dict[str, Value]:
+        """Adds points until no triangle inside borders, or inside border `inside`, has an angle below `angle` degrees (25 without any limit), an
+        area above `area`, or an edge longer than `length`; in a set without borders the hull becomes one. `keep`: constraints
+        are not divided; `limit`: points that may be added, 16 for each one by default. Returns `first`, `added`, `split`, the least
+        `angle`, how many triangles are `unrefined`, and how many edges of the `hull` became border 0."""
+        words: Tuple[Word, ...] = ()
+        for word, value in (("ANGLE", angle), ("AREA", area), ("LENGTH", length)):
+            words += () if value is None else (word, float(value))
+        words += (*option("INSIDE", inside), *option("KEEP", bool(keep)))
+        if limit is not None:
+            words += ("LIMIT", int(limit))
+        return self._ask(protocol.values, "REFINE", set_name(name), *words)
+
     def constraints(self, name: str, ids: Iterable[int] = (), number: Optional[int] = None) -> Constraints:
         """All constraints, those that end at one of some ids, or those of a number."""
         which = [int(i) for i in ids]

@@ -30,6 +30,21 @@ class Constraining(WithDaemon):
         for ring, number in ((OUTER, 1), (HOLE, 1), (RIGHT, 2)):
             self.assertEqual(c.constrain_path("t", ring, closed=True, border=True, number=number)["added"], 4)
 
+    def test_meshes_are_refined_and_what_is_left_is_counted(self):
+        c = self.client
+        self.load_parcels()
+        done = c.refine("t", angle=30, area=0.5, inside=2)
+        self.assertEqual((done["first"], done["unrefined"], done["hull"]), (10, 0, 0))
+        self.assertGreaterEqual(done["angle"], 30)
+        self.assertTrue(done["added"] > 50 and done["split"] > 0 and isinstance(done["added"], int))
+        self.assertEqual(c.regions("t").borders[2].triangles * 0.5 >= 36, True)
+        self.assertEqual(c.refine("t", length=4, keep=True, limit=0)["added"], 0)
+        with self.assertRaises(Refused):
+            c.refine("t", angle=60)
+        c.load("plain", [(0, 0), (8, 0), (8, 1), (0, 1)])
+        c.triangulate("plain")
+        self.assertEqual(c.refine("plain")["hull"], 4)
+
     def test_constraints_are_declared_listed_and_released(self):
         c = self.client
         self.load_parcels()
