@@ -20,9 +20,11 @@ const struct subcommand subcommands[] = {
      "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --inside K, --force\n"
      "                           as export's\n"
      "      --geographic         as export's; usual where the headings are those of degrees\n"
-     "      --planar             x and y alike, whatever the headings are\n",
+     "      --planar             x and y alike, whatever the headings are\n"
+     "      --angle D, --area A, --length L, --keep, --limit N\n"
+     "                           as run's\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run "
+     "--border --points --split --dry-run --angle --area --length --keep --limit "
      "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
@@ -32,9 +34,16 @@ const struct subcommand subcommands[] = {
      "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
      "V,\n"
      "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
-     "      --inside K           as export's\n",
+     "      --inside K           as export's\n"
+     "      --angle D            points are added inside borders, or inside the hull, until no "
+     "angle "
+     "is\n"
+     "                           below D degrees (25 or so),\n"
+     "      --area A, --length L no area above A, no edge longer than L\n"
+     "      --keep               lines and borders are not divided\n"
+     "      --limit N            points that may be added (16 for each one)\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run "
+     "--border --points --split --dry-run --angle --area --length --keep --limit "
      "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"load", command_load, false, true,

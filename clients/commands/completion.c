@@ -16,7 +16,8 @@ static const char inputs[] = "xy csv geojson node xyz gpx las poly obj",
                   colours[] = "quality degree relief";
 static const char valued[] =
     " --columns | --viewport | --seconds | --width | --height | --cell | --every | --base | "
-    "--levels | --max-edge | --inside | --field | --skip-lines | --nodata | --negate ";
+    "--levels | --max-edge | --inside | --field | --skip-lines | --nodata | --negate | --angle | "
+    "--area | --length | --limit ";
 
 static void put_formats(void)
 {

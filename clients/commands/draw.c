@@ -9,12 +9,14 @@
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/sending.h"
 #include "clients/commands/export.h"
+#include "clients/commands/refining.h"
 
 static const char set[] = "points";
 
 struct drawing {
     struct reading reading;
     struct export to;
+    struct refining refining;
     bool on_terminal;
     char name[100]; /* the file's, as a title */
 };
@@ -24,6 +26,8 @@ static int read_option(struct drawing *d, int option, char **argv)
     bool known;
     int status =
         reading_option(&d->reading, option == 'c' ? READING_COLUMNS : option, argv, &known);
+    if (!known)
+        status = refining_option(&d->refining, option, argv, &known);
     return known ? status : export_option(&d->to, option, argv);
 }
 
@@ -48,6 +52,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
         {"format", required_argument, NULL, 'f'},
         {"input-format", required_argument, NULL, READING_FORMAT},
         READING_OPTIONS,
+        REFINING_OPTIONS,
         EXPORT_OPTIONS,
         {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
@@ -86,6 +91,10 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
         done ? DELAUNAY_OK : delaunay_request(c, line, command_show_comment, NULL);
     if (r != DELAUNAY_OK)
         return command_outcome(c, r);
+    int status = refining_asked(&d->refining) ? refining_refine(c, &d->refining, set, d->to.inside)
+                                              : EXIT_DONE;
+    if (status != EXIT_DONE)
+        return status;
     return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)
                           : export_set(c, &d->to, set, d->name);
 }

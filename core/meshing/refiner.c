@@ -99,12 +99,12 @@ static unsigned can_mend(const struct dt_refiner *r, uint32_t h, const struct dt
     uint32_t p = h + (uint32_t)s->first, q = dt_next(p);
     if ((breaks & DT_SHARP) != 0 && are_on_shell(r, dt_origin(m, p), dt_origin(m, q)))
         breaks &= ~(unsigned)DT_SHARP;
-    if (breaks == DT_LONG) { /* fixed edges are divided themselves, or kept */
+    if ((breaks & DT_LONG) != 0) { /* fixed edges are divided themselves, or kept */
         bool one = false;
         for (uint32_t k = h; k < h + 3; k++)
             one |= !dt_is_fixed(m, k) &&
                    dt_is_long(&r->wanted, places(r)[dt_origin(m, k)], places(r)[dt_dest(m, k)]);
-        breaks = one ? breaks : 0;
+        breaks &= one ? ~0u : ~(unsigned)DT_LONG;
     }
     return breaks;
 }
@@ -425,9 +425,9 @@ static enum dt_status list_encroached(struct dt_refiner *r, struct dt_point q)
     return status;
 }
 
-/* Adds q, which is where `at` says; *again: edges have been divided instead. */
+/* Adds q, which is where `at` says; *again: edges have been divided instead. near: also in the circle of an edge. */
 static enum dt_status add_free(struct dt_refiner *r, struct dt_point q, struct dt_way_end at,
-                               bool *again)
+                               bool near, bool *again)
 {
     struct dt_mesh *m = &r->t->mesh;
     struct dt_cavity *c = &r->t->scratch;
@@ -439,7 +439,7 @@ static enum dt_status add_free(struct dt_refiner *r, struct dt_point q, struct d
         status = DT_NOMEM;
     if (status == DT_OK)
         status = dt_find_cavity(m, places(r), dt_base(at.half), q, c);
-    if (status == DT_OK)
+    if (status == DT_OK && !near)
         status = list_encroached(r, q);
     if (status != DT_OK)
         return status;
@@ -465,7 +465,8 @@ static enum dt_status refine(struct dt_refiner *r, uint32_t h, bool *again)
         return divide(r, at.half, again);
     if (at.where == DT_OUTSIDE || at.where == DT_ON_VERTEX)
         return DT_OK;
-    return add_free(r, q, at, again);
+    /* Beside edges that are kept, large triangles are divided all the same; to do that for angles would have no end. */
+    return add_free(r, q, at, r->keep && (breaks & (DT_LARGE | DT_LONG)) != 0, again);
 }
 
 static bool is_waiting(const struct dt_refiner *r, const struct dt_waiting *w)

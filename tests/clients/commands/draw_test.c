@@ -223,6 +223,28 @@ TEST(run_writes_what_is_inside_borders)
     cli_finish();
 }
 
+TEST(run_refines_the_mesh_and_says_what_is_left)
+{
+    int status;
+    begin();
+    expect("printf '0 0\\n8 0\\n8 1\\n0 1\\n' > plate.xy && $D run plate.xy plate.obj --angle 30",
+           "delaunay: there is no border, so the hull is one\n"
+           "delaunay: 10 points added; the least angle is 45 degrees\n"
+           "plate.obj: 14 points, 12 triangles, hull of 14\n");
+    expect("printf '>\\n0 0\\n8 0\\n8 1\\n0 0\\n' > wedge.gmt && "
+           "$D run wedge.gmt wedge.obj --border --inside any --angle 30 --force",
+           "delaunay: 8 points added; the least angle is 7.1250 degrees\n"
+           "delaunay: triangles that are not as wanted: 2; sharp corners stay, and at most --limit "
+           "points are added\n"
+           "wedge.obj: 11 points, 9 triangles, hull of 11\n");
+    const char *got = run(&status, "$D run plate.xy - -f obj --angle x");
+    CHECK(status == 2 && strstr(got, "a limit is a number above 0, not x") != NULL);
+    got = run(&status, "$D run plate.xy - -f obj --angle 60");
+    CHECK(status == 1 && strstr(got, "RANGE") != NULL);
+    expect("$D run plate.xy - -f obj --length 1 --keep 2>&1 | grep -c '^v '", "26\n");
+    finish();
+}
+
 TEST(pictures_are_pale_outside_borders_and_coloured_by_number_inside)
 {
     char command[300];
