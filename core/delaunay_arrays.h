@@ -75,6 +75,20 @@ enum dt_status dt_arrays_faces(const struct dt_arrays *a, uint32_t *face, struct
 enum dt_status dt_arrays_regions(const struct dt_arrays *a, struct dt_region **rows, size_t *n,
                                  struct dt_region *inside);
 
+/* The points and constraints of a mesh to order (dt_plan_refine): the points of *a, in their order, then the new ones; constraints are
+ * sorted. The caller releases both arrays by dt_arrays_release. The other figures are those of struct dt_refined. */
+struct dt_arrays_refined {
+    struct dt_point *point;
+    struct dt_constraint *constraint;
+    size_t points, constraints;
+    size_t added, split, unrefined, hull;
+    double angle;
+};
+
+/* q->reserve is not used. Errors, and cost: as of dt_plan_refine. */
+enum dt_status dt_arrays_refine(const struct dt_arrays *a, const struct dt_quality *q,
+                                struct dt_arrays_refined *out);
+
 /* The counts of dt_summary, in this order: points, coincident, triangles, edges, hull. Cost: constant. */
 void dt_arrays_counts(const struct dt_arrays *a, uint32_t counts[5]);
 

@@ -20,6 +20,9 @@ COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 _NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 13, 16  # enum dt_status
 
 
+_NOREGION, _OPEN = 18, 19
+
+
 class Counts(ctypes.Structure):
     """What dt_arrays_counts writes."""
 
@@ -54,6 +57,24 @@ class Split(ctypes.Structure):
     ]
 
 
+class Quality(ctypes.Structure):
+    """struct dt_quality."""
+
+    _fields_ = [
+        ("angle", c_double), ("area", c_double), ("length", c_double), ("number", c_uint32), ("keep", c_bool), ("most", c_size_t),
+        ("reserve", c_void_p), ("ctx", c_void_p)
+    ]
+
+
+class Refined(ctypes.Structure):
+    """struct dt_arrays_refined."""
+
+    _fields_ = [
+        ("point", c_void_p), ("constraint", c_void_p), ("points", c_size_t), ("constraints", c_size_t), ("added", c_size_t),
+        ("split", c_size_t), ("unrefined", c_size_t), ("hull", c_size_t), ("angle", c_double)
+    ]
+
+
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
     "dt_arrays_declared": [
@@ -65,6 +86,7 @@ _FUNCTIONS = {
     "dt_arrays_inside": [c_void_p, c_void_p, c_void_p],
     "dt_arrays_faces": [c_void_p, c_void_p, POINTER(Ids), POINTER(Ids)],
     "dt_arrays_regions": [c_void_p, POINTER(POINTER(Region)), POINTER(c_size_t), POINTER(Region)],
+    "dt_arrays_refine": [c_void_p, POINTER(Quality), POINTER(Refined)],
     "dt_arrays_counts": [c_void_p, POINTER(Counts)],
     "dt_arrays_table": [c_void_p, c_int, c_void_p],
     "dt_arrays_twins": [c_void_p, c_void_p],
@@ -139,12 +161,14 @@ def check(status: int, what: str) -> None:
         raise ValueError(what + " does not exist")
     if status == NOEDGE:
         raise ValueError(what + " is both ends of a segment")
+    if status in (_NOREGION, _OPEN):
+        raise ValueError(what + ": there is no border of this number" if status == _NOREGION else what + ": the border is open")
     if status == _NOTDELAUNAY:
         raise ValueError("natural neighbours need a triangulation without segments")
     raise RuntimeError("%s: %s" % (what, library().dt_status_text(status).decode()))
 
 
 __all__ = [
-    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Region", "SMOOTH",
-    "Split", "byref", "check", "library",
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "Refined",
+    "Region", "SMOOTH", "Split", "byref", "check", "library",
 ]

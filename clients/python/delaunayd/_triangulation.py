@@ -184,6 +184,23 @@ class Triangulation:
         finally:
             self._library.dt_arrays_release(rows)
 
+    def refined(self, quality: Any) -> Tuple[Floats, NDArray[Any], Any]:
+        """The points and the constraints (rows of a, b, border, number) of a mesh to order, and the counts."""
+        from ._declared import _CONSTRAINT
+
+        got = _library.Refined()
+        check(self._library.dt_arrays_refine(self._handle, byref(quality), byref(got)), "refine")
+        try:
+            points = np.empty((got.points, 2))
+            constraints = np.empty(got.constraints, dtype=_CONSTRAINT)
+            for array, source in ((points, got.point), (constraints, got.constraint)):
+                if array.size > 0:
+                    ctypes.memmove(array.ctypes.data, source, array.nbytes)
+            return points, constraints, got
+        finally:
+            self._library.dt_arrays_release(got.point)
+            self._library.dt_arrays_release(got.constraint)
+
     @staticmethod
     def _copied(found: Any) -> NDArray[Any]:
         numbers = np.empty(found.n, dtype=np.uint32)

@@ -27,6 +27,7 @@ import numpy as np
 
 from . import _declared, _near, _planes
 from ._declared import Crossing
+from ._library import Quality
 from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
 
 if TYPE_CHECKING:
@@ -375,6 +376,8 @@ class ConstrainedDelaunay(Delaunay):
         checked = _checked(points)
         self.z: Optional[Floats] = None if z is None else _declared.checked_heights(z, len(checked))
         self.deviation = 0.0
+        self.least_angle: Optional[float] = None
+        self.unrefined: Optional[int] = None
         self._shared, self.ids = None, None
         self._begin(self._split(checked) if split else checked, False, workers)
 
@@ -465,6 +468,35 @@ class ConstrainedDelaunay(Delaunay):
     def _faces(self) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         faces: Tuple[NDArray[Any], NDArray[Any], NDArray[Any]] = self._cached("faces", lambda now: now.triangulation.faces())
         return faces
+
+    def refine(
+        self,
+        angle: Optional[float] = None,
+        *,
+        area: Optional[float] = None,
+        length: Optional[float] = None,
+        number: Optional[int] = None,
+        keep: bool = False,
+        limit: Optional[int] = None,
+    ) -> "ConstrainedDelaunay":
+        """The triangulation of these points, and of others that are added until no triangle inside borders, or inside the border `number`, has
+        an angle below `angle` degrees (25 without any limit), an area above `area`, or an edge longer than `length`. Without borders the
+        hull becomes one. `keep`: segments are not divided. `limit`: points that may be added, 16 for each one by default.
+        The first points are these, in their order. `least_angle` is the least angle inside, in degrees; `unrefined` says how
+        many triangles inside are not as wanted: at sharp corners, or because of `limit`. ValueError: a limit, or the border is open."""
+        if angle is None and area is None and length is None:
+            angle = 25
+        if any(limit_of is not None and not limit_of > 0 for limit_of in (angle, area, length)):
+            raise ValueError("limits are above 0")
+        if angle is not None and angle >= 60:
+            raise ValueError("no triangle has all angles above 60 degrees")
+        most = 16 * self.npoints if limit is None else int(limit)
+        quality = Quality(angle or 0, area or 0, length or 0, 0xFFFFFFFF if number is None else number, keep, most, None, None)
+        points, constraints, counts = self._now.triangulation.refined(quality)
+        segments = np.stack([constraints["a"], constraints["b"]], axis=1)
+        d = type(self)(points, segments, constraints["border"], number=constraints["number"], workers=self._workers)
+        d.least_angle, d.unrefined = float(counts.angle), int(counts.unrefined)
+        return d
 
     def to_matplotlib(self) -> Any:
         """A matplotlib.tri.Triangulation of the points and triangles, in which those outside of borders are masked if there are borders."""

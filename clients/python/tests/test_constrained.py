@@ -33,6 +33,30 @@ class Constrained(unittest.TestCase):
         self.assertEqual(d.constrained_edges.tolist(), [[0, 4], [1, 4], [2, 4], [3, 4]])
         self.assertFalse(d.inside.any())
 
+    def test_refined_meshes_have_no_smaller_angles_and_begin_with_the_points(self):
+        d = ConstrainedDelaunay.from_rings([(0, 0), (9, 0), (9, 2), (0, 2)], [(1, 0.5), (2, 0.5), (2, 1), (1, 1)])
+        fine = d.refine(30, area=0.1, limit=5000)
+        self.assertTrue((fine.points[: len(d.points)] == d.points).all())
+        self.assertEqual((fine.unrefined, fine.regions.area), (0, d.regions.area))
+        self.assertGreaterEqual(fine.least_angle, 30)
+        corners = fine.points[fine.simplices[fine.inside]]
+        sides = numpy.roll(corners, -1, axis=1) - corners
+        lengths = numpy.hypot(sides[:, :, 0], sides[:, :, 1])
+        cosines = -(sides * numpy.roll(sides, 1, axis=1)).sum(axis=2) / lengths / numpy.roll(lengths, 1, axis=1)
+        self.assertAlmostEqual(numpy.degrees(numpy.arccos(cosines)).min(), fine.least_angle, places=9)
+        areas = abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) / 2
+        self.assertLessEqual(areas.max(), 0.1)
+        again = fine.refine(30, area=0.1)
+        self.assertEqual(len(again.points), len(fine.points))
+        self.assertEqual(d.refine(20, length=1, keep=True).constrained_edges.tolist(), d.constrained_edges.tolist())
+        self.assertEqual(len(d.refine(30, limit=3).points), 11)
+        self.assertGreater(len(ConstrainedDelaunay(SQUARE, []).refine(length=1).points), 10)
+        for wrong in ({"angle": 60}, {"area": -1}, {"length": float("nan")}, {"angle": 20, "number": 7}):
+            with self.assertRaises(ValueError):
+                d.refine(**wrong)
+        with self.assertRaisesRegex(ValueError, "open"):
+            ConstrainedDelaunay(SQUARE, [[0, 1]], border=True).refine()
+
     def test_without_segments_it_is_the_delaunay_triangulation(self):
         points = numpy.random.default_rng(1).normal(size=(1000, 2))
         d, plain = ConstrainedDelaunay(points, []), Delaunay(points)
