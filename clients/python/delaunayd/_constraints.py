@@ -94,10 +94,9 @@ class ConstraintCommands(Table):
         words: Tuple[Word, ...] = ()
         for word, value in (("ANGLE", angle), ("AREA", area), ("LENGTH", length)):
             words += () if value is None else (word, float(value))
-        words += (*option("INSIDE", inside), *option("KEEP", bool(keep)))
         if limit is not None:
             words += ("LIMIT", int(limit))
-        return self._ask(protocol.values, "REFINE", set_name(name), *words)
+        return self._ask(protocol.values, "REFINE", set_name(name), *words, *option("INSIDE", inside), *option("KEEP", bool(keep)))
 
     def constraints(self, name: str, ids: Iterable[int] = (), number: Optional[int] = None) -> Constraints:
         """All constraints, those that end at one of some ids, or those of a number."""
