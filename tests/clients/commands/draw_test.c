@@ -241,7 +241,7 @@ TEST(run_refines_the_mesh_and_says_what_is_left)
     CHECK(status == 2 && strstr(got, "a limit is a number above 0, not x") != NULL);
     got = run(&status, "$D run plate.xy - -f obj --angle 60");
     CHECK(status == 1 && strstr(got, "RANGE") != NULL);
-    expect("$D run plate.xy - -f obj --length 1 --keep 2>&1 | grep -c '^v '", "26\n");
+    expect("$D run plate.xy - -f obj --length 1 --keep 2>&1 | grep -c '^v '", "11\n");
     finish();
 }
 
