@@ -1,6 +1,7 @@
 /* draw.c - `delaunay draw FILE OUT` and `delaunay run FILE OUT`: from a file of points to a picture or a mesh,
  * by a private daemon. */
 #include <ctype.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,9 +10,105 @@
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/sending.h"
 #include "clients/commands/export.h"
-#include "clients/commands/refining.h"
+#include "proto/number.h"
 
 static const char set[] = "points";
+
+/* ---- the mesh may be refined before it is written ---- */
+
+enum { REFINING_ANGLE = 400, REFINING_AREA, REFINING_LENGTH, REFINING_KEEP, REFINING_LIMIT };
+
+#define REFINING_OPTIONS                                                                           \
+    {"angle", required_argument, NULL, REFINING_ANGLE},                                            \
+        {"area", required_argument, NULL, REFINING_AREA},                                          \
+        {"length", required_argument, NULL, REFINING_LENGTH},                                      \
+        {"keep", no_argument, NULL, REFINING_KEEP},                                                \
+    {                                                                                              \
+        "limit", required_argument, NULL, REFINING_LIMIT                                           \
+    }
+
+/* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
+struct refining {
+    const char *angle, *area, *length, *limit;
+    bool keep;
+};
+
+/* Takes an option of refining. *known: it is one. */
+static int refining_option(struct refining *r, int option, char **argv, bool *known)
+{
+    const char **to = option == REFINING_ANGLE    ? &r->angle
+                      : option == REFINING_AREA   ? &r->area
+                      : option == REFINING_LENGTH ? &r->length
+                                                  : &r->limit;
+    double v;
+    *known = option >= REFINING_ANGLE && option <= REFINING_LIMIT;
+    if (option == REFINING_KEEP) {
+        r->keep = true;
+        return EXIT_DONE;
+    }
+    if (!*known)
+        return EXIT_DONE;
+    if (!proto_read_double(optarg, strlen(optarg), &v) || !(v > 0 || option == REFINING_LIMIT))
+        return options_wrong(argv[0], "a limit is a number above 0, not %s", optarg);
+    *to = optarg;
+    return EXIT_DONE;
+}
+
+static bool refining_asked(const struct refining *r)
+{
+    return r->angle != NULL || r->area != NULL || r->length != NULL;
+}
+
+/* Appends the word and its value, unless that is NULL, to line[n], which has room for `room`; returns the new n. */
+static size_t put(char *line, size_t n, size_t room, const char *word, const char *value)
+{
+    if (value == NULL || n >= room)
+        return n;
+    int more = snprintf(line + n, room - n, " %s %s", word, value);
+    return n + (more > 0 ? (size_t)more : 0);
+}
+
+static void report_refining(const struct delaunay_part *status)
+{
+    const char *angle;
+    size_t len;
+    uint64_t added = 0, unrefined = 0, hull = 0;
+    delaunay_key_number(status, "added", &added);
+    delaunay_key_number(status, "unrefined", &unrefined);
+    delaunay_key_number(status, "hull", &hull);
+    if (hull > 0)
+        fprintf(stderr, "delaunay: there is no border, so the hull is one\n");
+    if (delaunay_key(status, "angle", &angle, &len))
+        fprintf(stderr, "delaunay: %" PRIu64 " points added; the least angle is %.*s degrees\n",
+                added, (int)(len > 6 ? 6 : len), angle);
+    if (unrefined > 0)
+        fprintf(stderr,
+                "delaunay: triangles that are not as wanted: %" PRIu64
+                "; sharp corners stay, and at most --limit points are added\n",
+                unrefined);
+}
+
+/* Refines the triangulated set inside the border (`any`; NULL: the same), and says what is left. Returns the exit status. */
+static int refining_refine(struct delaunay_client *c, const struct refining *r, const char *inside)
+{
+    char line[400];
+    int begin = snprintf(line, sizeof line, "REFINE %s%s", set, r->keep ? " KEEP" : "");
+    size_t n = put(line, (size_t)begin, sizeof line, "ANGLE", r->angle);
+    n = put(line, n, sizeof line, "AREA", r->area);
+    n = put(line, n, sizeof line, "LENGTH", r->length);
+    n = put(line, n, sizeof line, "LIMIT", r->limit);
+    if (inside != NULL && strcmp(inside, "any") != 0)
+        n = put(line, n, sizeof line, "INSIDE", inside);
+    if (n >= sizeof line)
+        return options_wrong("", "a limit has too many digits");
+    enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);
+    if (result != DELAUNAY_OK)
+        return command_outcome(c, result);
+    report_refining(delaunay_status(c));
+    return EXIT_DONE;
+}
+
+/* ---- from the file to the mesh ---- */
 
 struct drawing {
     struct reading reading;
@@ -91,8 +188,8 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
         done ? DELAUNAY_OK : delaunay_request(c, line, command_show_comment, NULL);
     if (r != DELAUNAY_OK)
         return command_outcome(c, r);
-    int status = refining_asked(&d->refining) ? refining_refine(c, &d->refining, set, d->to.inside)
-                                              : EXIT_DONE;
+    int status =
+        refining_asked(&d->refining) ? refining_refine(c, &d->refining, d->to.inside) : EXIT_DONE;
     if (status != EXIT_DONE)
         return status;
     return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)

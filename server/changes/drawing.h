@@ -23,12 +23,12 @@ struct drawing {
     struct drawn lists; /* `added` are those asked for, until the change has been applied */
     uint64_t *
         line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
-    bool loads;    /* it is a LOAD, */
-    bool thins;    /* or the points that SIMPLIFY has kept */
-    bool counts;   /* `line` has the numbers of constraints in a LOADB instead */
-    bool asked;    /* it is asked to split constraints that cross, */
-    bool splits;   /* and that has not been done yet */
-    bool refines;  /* it is a REFINE, to `quality`: planned as a split is */
+    bool loads;   /* it is a LOAD, */
+    bool thins;   /* or the points that SIMPLIFY has kept */
+    bool counts;  /* `line` has the numbers of constraints in a LOADB instead */
+    bool asked;   /* it is asked to split constraints that cross, */
+    bool splits;  /* and that has not been done yet */
+    bool refines; /* it is a REFINE, to `quality`: planned as a split is */
     struct dt_quality quality;
     uint32_t most; /* points that may come with a split */
     enum dt_status (*reserve)(void *ctx,

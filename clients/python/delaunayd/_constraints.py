@@ -93,7 +93,8 @@ class ConstraintCommands(Table):
         `angle`, how many triangles are `unrefined`, and how many edges of the `hull` became border 0."""
         words: Tuple[Word, ...] = ()
         for word, value in (("ANGLE", angle), ("AREA", area), ("LENGTH", length)):
-            words += () if value is None else (word, float(value))
+            if value is not None:
+                words += (word, float(value))
         if limit is not None:
             words += ("LIMIT", int(limit))
         return self._ask(protocol.values, "REFINE", set_name(name), *words, *option("INSIDE", inside), *option("KEEP", bool(keep)))

@@ -25,9 +25,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from . import _declared, _near, _planes
+from . import _declared, _near, _planes, _refined
 from ._declared import Crossing
-from ._library import Quality
 from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
 
 if TYPE_CHECKING:
@@ -470,32 +469,17 @@ class ConstrainedDelaunay(Delaunay):
         return faces
 
     def refine(
-        self,
-        angle: Optional[float] = None,
-        *,
-        area: Optional[float] = None,
-        length: Optional[float] = None,
-        number: Optional[int] = None,
-        keep: bool = False,
-        limit: Optional[int] = None,
+        self, angle: Optional[float] = None, *, area: Optional[float] = None, length: Optional[float] = None,
+        number: Optional[int] = None, keep: bool = False, limit: Optional[int] = None,
     ) -> "ConstrainedDelaunay":
-        """The triangulation of these points, and of others that are added until no triangle inside borders, or inside the border `number`, has
-        an angle below `angle` degrees (25 without any limit), an area above `area`, or an edge longer than `length`. Without borders the
-        hull becomes one. `keep`: segments are not divided. `limit`: points that may be added, 16 for each one by default.
-        The first points are these, in their order. `least_angle` is the least angle inside, in degrees; `unrefined` says how
-        many triangles inside are not as wanted: at sharp corners, or because of `limit`. ValueError: a limit, or the border is open."""
-        if angle is None and area is None and length is None:
-            angle = 25
-        if any(limit_of is not None and not limit_of > 0 for limit_of in (angle, area, length)):
-            raise ValueError("limits are above 0")
-        if angle is not None and angle >= 60:
-            raise ValueError("no triangle has all angles above 60 degrees")
-        most = 16 * self.npoints if limit is None else int(limit)
-        quality = Quality(angle or 0, area or 0, length or 0, 0xFFFFFFFF if number is None else number, keep, most, None, None)
-        points, constraints, counts = self._now.triangulation.refined(quality)
-        segments = np.stack([constraints["a"], constraints["b"]], axis=1)
-        d = type(self)(points, segments, constraints["border"], number=constraints["number"], workers=self._workers)
-        d.least_angle, d.unrefined = float(counts.angle), int(counts.unrefined)
+        """The triangulation of these points and of others behind them, so that no triangle inside borders, or inside border `number`, has
+        an angle below `angle` degrees (25 without any limit), an area above `area`, or an edge longer than `length`. Without borders
+        the hull becomes one. `keep`: segments stay whole. `limit`: of new points, 16 for each by default. `least_angle` is the least
+        angle inside, `unrefined` how many triangles are not as wanted. ValueError: a limit, or an open border."""
+        points, declared, angle, left = _refined.refined(self, angle, area, length, number, keep, limit)
+        segments, border, numbers = _declared.segments_of(declared)
+        d = type(self)(points, segments, border, number=numbers, workers=self._workers)
+        d.least_angle, d.unrefined = angle, left
         return d
 
     def to_matplotlib(self) -> Any:
