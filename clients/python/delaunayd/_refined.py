@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional, Tuple
 
+from ._declared import segments_of
 from ._library import Quality
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def refined(
     keep: bool,
     limit: Optional[int],
 ) -> Tuple[Any, Any, float, int]:
-    """The points, the constraints, the least angle inside, and how many triangles are not as wanted."""
+    """The points, the segments with their kinds and numbers, the least angle inside, and how many triangles are not as wanted."""
     if angle is None and area is None and length is None:
         angle = 25
     if angle is not None and angle >= 60:
@@ -36,4 +37,4 @@ def refined(
     most = _EACH * d.npoints if limit is None else int(limit)
     quality = Quality(_limit(angle), _limit(area), _limit(length), _ANY if number is None else number, keep, most, None, None)
     points, declared, counts = d._now.triangulation.refined(quality)
-    return points, declared, float(counts.angle), int(counts.unrefined)
+    return points, segments_of(declared), float(counts.angle), int(counts.unrefined)

@@ -476,8 +476,7 @@ class ConstrainedDelaunay(Delaunay):
         an angle below `angle` degrees (25 without any limit), an area above `area`, or an edge longer than `length`. Without borders
         the hull becomes one. `keep`: segments stay whole. `limit`: of new points, 16 for each by default. `least_angle` is the least
         angle inside, `unrefined` how many triangles are not as wanted. ValueError: a limit, or an open border."""
-        points, declared, angle, left = _refined.refined(self, angle, area, length, number, keep, limit)
-        segments, border, numbers = _declared.segments_of(declared)
+        points, (segments, border, numbers), angle, left = _refined.refined(self, angle, area, length, number, keep, limit)
         d = type(self)(points, segments, border, number=numbers, workers=self._workers)
         d.least_angle, d.unrefined = angle, left
         return d
