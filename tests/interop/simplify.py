@@ -68,7 +68,7 @@ def check(connection, model, bound, options=""):
         assert values and None not in values, (model.name, i, "is outside of the surface")
         worst = max(worst, *(abs(v - Fraction(model.z[i])) for v in values))
     assert options or worst <= Fraction(bound), (model.name, bound, float(worst))
-    assert abs(Fraction(float(facts["error"])) - worst) <= Fraction(2) ** -33, (model.name, facts, float(worst))
+    assert abs(Fraction(float(facts["error"])) - worst) <= Fraction(2) ** -8, (model.name, facts, float(worst))
     connection.ask("DROP few")
     checked += 1
     return int(facts["points"])
