@@ -46,6 +46,16 @@ enum dt_status dt_weights_end(struct dt_weigher *w, const struct dt_options *opt
 
 void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
 
+/* The numbers of a surface at a place. All but the height describe the linear surface in one triangle: the first one at the place, in
+ * the order of DT_TRIANGLES, that has a surface. They are nan where there is none, and where a value at a corner of the
+ * triangle is missing. The direction of a level triangle is nan, too. */
+enum dt_quantity {
+    DT_HEIGHT,   /* its value */
+    DT_GRADIENT, /* two numbers: by how much the value grows for a unit of x, and of y; both the nearest double, ties to even */
+    DT_SLOPE,    /* how steep it is, as dt_degrees_steep has it: 0 to 90 degrees */
+    DT_ASPECT /* the direction in which it falls: degrees clockwise from the positive y axis, from 0 up to but not including 360 */
+};
+
 /* ---- values between points ----
  *
  * A surface is a triangulation with a value at each representative. Its value at a place depends on the points, their
@@ -72,7 +82,17 @@ struct dt_surface {
     uint32_t number;
     bool beyond; /* it goes on beyond the hull */
     bool flat;   /* all values are 0, and there is no field: only where it is counts */
+    enum dt_quantity quantity;
+    const struct dt_surface *
+        next; /* borrows; NULL: none; the surface of another field, found in the same search: the same but for
+                                      its pages */
 };
+
+/* The number of numbers of a place. */
+static inline uint32_t dt_surface_numbers(const struct dt_surface *s)
+{
+    return s->quantity == DT_GRADIENT ? 2 : 1;
+}
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of
  * the set; its view must be open until then. Cost: one step for DT_FIELD_PAGE ids. */
@@ -90,7 +110,8 @@ struct dt_raster {
 
 struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell);
 
-/* The values at n places, or at the centres of n cells from the cell `from` on. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of
+/* The values at n places, or at the centres of n cells from the cell `from` on. Of each place, the numbers of all surfaces follow
+ * each other. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of
  * them are written, and the call may be repeated for the others; all n if DT_OK. opt may be NULL: its flag and its
  * steps. Cost: that of dt_locate for each place; for cells, the number of cells and of triangles along their rows; and
  * the number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
@@ -456,6 +477,13 @@ struct dt_volumes {
 enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
                                const struct dt_field *field, const struct dt_field *minus,
                                double level, struct dt_volume **out);
+
+/* Before the first dt_volume_read: only what is in the closed box counts. */
+void dt_volume_clip(struct dt_volume *v, struct dt_point lo, struct dt_point hi);
+
+/* Before the first dt_volume_read: only triangles inside the border of the number count, or inside any if that is DT_NONE. Then the
+ * set must not be edited until all are read: DT_UNSURVEYED. Errors of dt_region_check. */
+enum dt_status dt_volume_inside(struct dt_volume *v, const struct dt *t, uint32_t number);
 
 /* Reads some thousands of values or triangles more; again from the first triangle on if the set of the view was edited. */
 enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *done);

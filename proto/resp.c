@@ -60,7 +60,7 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
 
 enum { DIGITS = 10 }; /* of a number in a request, at most; a place has 16 bytes */
 
-/* INTERPOLATEB set field n, options, and then the body, unless the last word is a part of an option. */
+/* INTERPOLATEB or GRADIENTB, set field n, options, and then the body, unless the last word is a part of an option. */
 static bool ends_with_places(const struct word *word, size_t words, long long len)
 {
     enum { INSIDE = sizeof "INSIDE" - 1 };
@@ -91,7 +91,7 @@ static bool ends_with_body(const struct word *word, size_t words, long long len)
 {
     if (words < 4)
         return false;
-    if (word_is(word, "INTERPOLATEB"))
+    if (word_is(word, "INTERPOLATEB") || word_is(word, "GRADIENTB"))
         return ends_with_places(word, words, len);
     if (word_is(word, "LOAD") &&
         (word_is(&word[2], "PATHS") || (words > 4 && word_is(&word[3], "PATHS"))))

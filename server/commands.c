@@ -164,9 +164,15 @@ const struct command commands[] = {
      "[INSIDE [k]] [OUTSIDE nan|nearest]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
-    {"RASTER", 9, 20, SEARCHES, cmd_raster,
+    {"GRADIENT", 5, 0, SEARCHES | CMD_SHARES, cmd_gradient,
+     "GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]]",
+     .help = "by how much a field grows at places, for a unit of x and of y", .rows = "d"},
+    {"GRADIENTB", 4, 8, SEARCHES, cmd_gradientb, "GRADIENTB set field n [MAXEDGE e] [INSIDE [k]]",
+     .help = "the same at n places: n pairs of little-endian doubles follow",
+     .body = {.rows = LOAD_PLACES, .count = 3}},
+    {"RASTER", 9, 22, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest|smooth] "
-     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [CLIP other] [BINARY]",
+     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [CLIP other] [AS slope|aspect] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},
@@ -180,7 +186,8 @@ const struct command commands[] = {
      "PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [BINARY]",
      .help = "a field along straight pieces from place to place: where they cross edges, too",
      .rows = "d"},
-    {"VOLUME", 3, 5, QUERIES, cmd_volume, "VOLUME set field [LEVEL z | MINUS field]",
+    {"VOLUME", 3, 12, QUERIES, cmd_volume,
+     "VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [BOX x0 y0 x1 y1]",
      .help =
          "the volumes between a field's surface and a level, 0 unless given, or another field's",
      .result = "above:d below:d area:d"},

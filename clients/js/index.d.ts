@@ -231,13 +231,20 @@ export class Client {
   ): Promise<Map<number, number>>;
   interpolate(set: string, field: string, places: Points, options?: SurfaceOptions): Promise<Float64Array>;
   interpolate<P>(set: string, field: string, places: Iterable<P>, options: Accessors<P> & SurfaceOptions): Promise<Float64Array>;
+  gradient(set: string, field: string, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
+  gradient<P>(
+    set: string,
+    field: string,
+    places: Iterable<P>,
+    options: Accessors<P> & Omit<SurfaceOptions, 'method'>,
+  ): Promise<Float64Array>;
   raster(
     set: string,
     field: string,
     box: Box,
     columns: number,
     rows: number,
-    options?: RasterOptions & RequestOptions,
+    options?: RasterOptions & RequestOptions & { quantity?: 'slope' | 'aspect' },
   ): Promise<Float64Array>;
   contourLines(
     set: string,
@@ -250,17 +257,17 @@ export class Client {
     options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
   ): Promise<BandPolygon[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
-  profile(set: string, field: string, places: Points, options?: { maxEdge?: number; timeout?: number }): Promise<Float64Array>;
+  profile(set: string, field: string, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
   profile<P>(
     set: string,
     field: string,
     places: Iterable<P>,
-    options: Accessors<P> & { maxEdge?: number; timeout?: number },
+    options: Accessors<P> & Omit<SurfaceOptions, 'method'>,
   ): Promise<Float64Array>;
   volume(
     set: string,
     field: string,
-    options?: { level?: number; minus?: string; timeout?: number },
+    options?: { level?: number; minus?: string; inside?: Inside; box?: Box; timeout?: number },
   ): Promise<{ above: number; below: number; area: number }>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;

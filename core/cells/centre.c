@@ -62,45 +62,6 @@ static void big_square(const struct dt_big *x, const struct dt_big *y, struct dt
     dt_big_add(r, &yy, r);
 }
 
-/* The sign of n / d - (a + b) / 2. */
-static int compare_to_middle(const struct dt_big *n, const struct dt_big *d, double a, double b)
-{
-    struct dt_big left, right, x;
-    dt_big_of(a, &right);
-    dt_big_of(b, &x);
-    dt_big_add(&right, &x, &right);
-    dt_big_multiply(&right, d, &right);
-    dt_big_add(n, n, &left);
-    return dt_big_compare(&left, &right) * d->sign;
-}
-
-static bool is_even(double v)
-{
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (bits & 1) == 0;
-}
-
-/* n / d, rounded; both are exact. */
-static double round_ratio(const struct dt_big *n, const struct dt_big *d)
-{
-    if (n->sign == 0)
-        return 0;
-    struct dt_big q;
-    dt_big_divide(n, d, &q);
-    double near = dt_big_to_double(&q);
-    for (;;) {
-        double up = nextafter(near, HUGE_VAL), down = nextafter(near, -HUGE_VAL);
-        int above = compare_to_middle(n, d, near, up), below = compare_to_middle(n, d, down, near);
-        if (above > 0 || (above == 0 && is_even(up)))
-            near = up;
-        else if (below < 0 || (below == 0 && is_even(down)))
-            near = down;
-        else
-            return near;
-    }
-}
-
 /* from + n / d, rounded. */
 static double round_big(double from, const struct dt_big *n, const struct dt_big *d)
 {
@@ -108,7 +69,7 @@ static double round_big(double from, const struct dt_big *n, const struct dt_big
     dt_big_of(from, &whole);
     dt_big_multiply(&whole, d, &whole);
     dt_big_add(&whole, n, &whole);
-    return round_ratio(&whole, d);
+    return dt_big_quotient(&whole, d);
 }
 
 /* ---- circumcentres: a + (|b|^2 c' - |c|^2 b') / (2 b x c), where b and c are seen from a, v' = (v.y, -v.x) ---- */

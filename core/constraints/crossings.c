@@ -57,8 +57,7 @@ static double round_place(double from, double to, const struct dt_big *num,
     dt_big_add(&x, &y, &x);
     if (x.sign == 0)
         return 0;
-    dt_big_divide(&x, den, &x);
-    double v = dt_big_nearest(&x);
+    double v = dt_big_quotient(&x, den);
     if (fabs(v) < least)
         v = fabs(v) > least / 2 ? copysign(least, v) : 0;
     return v;

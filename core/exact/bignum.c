@@ -227,3 +227,31 @@ void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big
     reciprocal(b, &x);
     dt_big_multiply(a, &x, r);
 }
+
+/* The sign of a / b - (v + w) / 2. */
+static int compare_with_middle(const struct dt_big *a, const struct dt_big *b, double v, double w)
+{
+    struct dt_big twice, sum, other;
+    dt_big_add(a, a, &twice);
+    dt_big_of(v, &sum);
+    dt_big_of(w, &other);
+    dt_big_add(&sum, &other, &sum);
+    dt_big_multiply(&sum, b, &sum);
+    return dt_big_compare(&twice, &sum) * b->sign;
+}
+
+double dt_big_quotient(const struct dt_big *a, const struct dt_big *b)
+{
+    struct dt_big q;
+    if (a->sign == 0)
+        return 0;
+    dt_big_divide(a, b, &q);
+    double near = dt_big_nearest(&q); /* of the quotient, which is rounded */
+    double up = nextafter(near, HUGE_VAL), down = nextafter(near, -HUGE_VAL);
+    if (isinf(up) || isinf(down))
+        return near;
+    int above = compare_with_middle(a, b, near, up), below = compare_with_middle(a, b, near, down);
+    if (above > 0 || (above == 0 && is_odd(near)))
+        return up;
+    return below < 0 || (below == 0 && is_odd(near)) ? down : near;
+}

@@ -47,6 +47,10 @@ void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_b
 /* *r = a / b; b is not 0. */
 void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
 
+/* The double nearest to a / b, ties to even, as dt_big_nearest has it; b is not 0. Exact unless a product of b and a double of 54 bits
+ * needs more than DT_BIG_LIMBS limbs. */
+double dt_big_quotient(const struct dt_big *a, const struct dt_big *b);
+
 /* The sign of a - b. */
 int dt_big_compare(const struct dt_big *a, const struct dt_big *b);
 

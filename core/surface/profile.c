@@ -16,8 +16,8 @@
 #include "core/mesh/hull.h"
 #include "core/mesh/star.h"
 #include "core/query/query.h"
-#include "core/surface/cut.h"
 #include "core/surface/value.h"
+#include "core/triangle/cut.h"
 
 #include <math.h>
 #include <stdlib.h>

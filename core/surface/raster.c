@@ -22,7 +22,7 @@ static enum dt_status next_values(struct dt_valuer *v, const struct dt_point *q,
     for (size_t i = 0; status == DT_OK && i < n; i++) {
         status = dt_work(&v->work, 8 + dt_value_steps(v));
         if (status == DT_OK)
-            status = dt_value_find(v, q[i], &place[i].near, &out[i]);
+            status = dt_value_find(v, q[i], &place[i].near, &out[i * v->numbers]);
         *done += status == DT_OK;
     }
     return status;
@@ -35,7 +35,7 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
     *done = 0;
     enum dt_status status = dt_valuer_init(&v, t, s, opt);
     while (status == DT_OK && *done < n)
-        status = next_values(&v, q + *done, n - *done, out + *done, done);
+        status = next_values(&v, q + *done, n - *done, out + *done * v.numbers, done);
     dt_valuer_clear(&v);
     return status;
 }
@@ -68,7 +68,7 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
     if (status == DT_TOOLONG) /* single cells go on, up to the one that takes long */
         status = DT_OK;
     while (status == DT_OK && *done < n)
-        status = next_cells(&v, r, from + *done, n - *done, out + *done, done);
+        status = next_cells(&v, r, from + *done, n - *done, out + *done * v.numbers, done);
     dt_valuer_clear(&v);
     return status;
 }
@@ -90,10 +90,13 @@ static void scan_slice(void *arg, unsigned i)
 {
     struct slices *k = arg;
     struct dt_options opt = {.cancel = k->stop.cancel};
+    size_t numbers = 0;
+    for (const struct dt_surface *s = k->s; s != NULL; s = s->next)
+        numbers += dt_surface_numbers(s);
     size_t a = (size_t)((uint64_t)k->n * i / k->slices),
            b = (size_t)((uint64_t)k->n * (i + 1) / k->slices), done;
     enum dt_status status =
-        scan_cells(k->t, k->s, k->r, k->from + a, b - a, &opt, k->out + a, &done);
+        scan_cells(k->t, k->s, k->r, k->from + a, b - a, &opt, k->out + a * numbers, &done);
     if (status != DT_OK)
         dt_stop_because(&k->stop, status);
 }

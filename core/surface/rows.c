@@ -160,7 +160,8 @@ static enum dt_status look_up(struct abreast *a, struct lane *l, uint32_t n)
         l->half[i] = DONE;
         if (n > 1) /* they are far apart */
             l->near = DT_NONE;
-        s = dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->near, &l->out[i]);
+        s = dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->near,
+                          &l->out[i * (size_t)a->v->numbers]);
         n -= n > 0;
         if (a->skips && l->near != DT_NONE && dt_is_ghost(&a->v->t->mesh, l->near))
             skip_outside(a, l);
@@ -197,7 +198,7 @@ static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint3
         return DT_OK;
     note(a, l);
     l->half[near - a->from] = DONE;
-    return dt_value_find(a->v, q, &half, &l->out[near - a->from]);
+    return dt_value_find(a->v, q, &half, &l->out[(near - a->from) * (size_t)a->v->numbers]);
 }
 
 struct nearest {
@@ -313,10 +314,19 @@ static enum dt_status find_chunk(struct abreast *a, struct lane *lane, uint32_t 
 
 static enum dt_status value_outside(struct abreast *a, struct lane *l, uint32_t i)
 {
-    l->out[i] = (double)NAN;
+    uint32_t numbers = a->v->numbers;
+    double *out = &l->out[i * (size_t)numbers];
+    for (uint32_t k = 0; k < numbers; k++)
+        out[k] = (double)NAN;
     if (!a->v->s->beyond)
         return DT_OK;
-    return dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->ghost, &l->out[i]);
+    return dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->ghost, out);
+}
+
+static enum dt_status values_between(struct abreast *a, struct lane *l, uint32_t from, uint32_t to)
+{
+    return dt_values_in_row(a->v, l->half + from, a->x + from, l->y, to - from,
+                            l->out + from * (size_t)a->v->numbers);
 }
 
 /* The values of the row's cells in the chunk. */
@@ -333,14 +343,11 @@ static enum dt_status values(struct abreast *a, struct lane *l)
             if (half == OUTSIDE && s == DT_OK)
                 s = value_outside(a, l, i);
             if (s == DT_OK && from < i)
-                s = dt_values_in_row(a->v, l->half + from, a->x + from, l->y, i - from,
-                                     l->out + from);
+                s = values_between(a, l, from, i);
             from = i + 1;
         }
     }
-    return s == DT_OK && from < n
-               ? dt_values_in_row(a->v, l->half + from, a->x + from, l->y, n - from, l->out + from)
-               : s;
+    return s == DT_OK && from < n ? values_between(a, l, from, n) : s;
 }
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -355,7 +362,7 @@ static enum dt_status scan_chunk(struct abreast *a, struct lane *lane, uint32_t 
     for (uint32_t i = 0; s == DT_OK && i < rows; i++)
         s = values(a, &lane[i]);
     for (uint32_t i = 0; i < rows; i++)
-        lane[i].out += a->end - a->from;
+        lane[i].out += (a->end - a->from) * (size_t)a->v->numbers;
     return s;
 }
 
@@ -369,7 +376,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
         a->lane[i].y = row_y(r, row + i);
         a->lane[i].near = DT_NONE;
         a->lane[i].by_turns = a->lane[i].outside = false;
-        a->lane[i].out = out + (size_t)i * r->columns;
+        a->lane[i].out = out + (size_t)i * r->columns * a->v->numbers;
     }
     while (s == DT_OK && c < end) {
         uint32_t n = least(COLUMNS, end - c);
@@ -432,7 +439,7 @@ enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint
         uint32_t end = left < columns - c ? c + (uint32_t)left : columns;
         if (left == 0)
             return DT_TOOLONG;
-        s = scan_block(&a, row, (uint32_t)rows, c, end, out + *done);
+        s = scan_block(&a, row, (uint32_t)rows, c, end, out + *done * v->numbers);
         *done += s == DT_OK ? rows * (end - c) : 0;
         if (s == DT_TOOLONG) /* what it took does not count, since its cells are computed again */
             v->work.left = steps;

@@ -63,11 +63,16 @@ struct dt_smoother *dt_smoother_new(uint32_t points)
     struct dt_smoother *s = malloc(sizeof *s + points * sizeof *s->kept);
     if (s == NULL)
         return NULL;
-    s->patch.base = DT_NONE;
     s->mask = points - 1;
-    for (uint32_t i = 0; i < points; i++)
-        s->kept[i].vertex = DT_NONE;
+    dt_smoother_forget(s);
     return s;
+}
+
+void dt_smoother_forget(struct dt_smoother *s)
+{
+    s->patch.base = DT_NONE;
+    for (uint32_t i = 0; i <= s->mask; i++)
+        s->kept[i].vertex = DT_NONE;
 }
 
 /* ---- slopes ---- */

@@ -53,8 +53,14 @@ enum { FEW_SLOPES = 256, MANY_SLOPES = 1 << 14 }; /* that are kept */
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               const struct dt_options *opt)
 {
-    *v = (struct dt_valuer){
-        .t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE, .edge.ghost = DT_NONE};
+    *v = (struct dt_valuer){.t = t,
+                            .s = s,
+                            .work = dt_stop_of(opt),
+                            .sloped = DT_NONE,
+                            .judged = DT_NONE,
+                            .edge.ghost = DT_NONE};
+    for (const struct dt_surface *k = s; k != NULL; k = k->next)
+        v->numbers += dt_surface_numbers(k);
     enum dt_status status = is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
     if (status == DT_OK && s->how == DT_SMOOTH &&
         (v->smoother = dt_smoother_new(FEW_SLOPES)) == NULL)
@@ -117,8 +123,7 @@ static bool is_vertex_inside(const struct dt_valuer *v, uint32_t half)
     return inside;
 }
 
-/* Whether the triangle of the half edge has a surface; a ghost has none. */
-static bool has_surface(struct dt_valuer *v, uint32_t half)
+bool dt_has_surface(struct dt_valuer *v, uint32_t half)
 {
     uint32_t base = dt_base(half);
     if (dt_is_ghost(&v->t->mesh, half) || !is_inside(v, half))
@@ -139,7 +144,7 @@ static bool edge_has_surface(struct dt_valuer *v, uint32_t half)
     uint32_t twin = dt_twin(&v->t->mesh, half);
     if (dt_is_ghost(&v->t->mesh, half) && dt_is_ghost(&v->t->mesh, twin))
         return !v->s->inside && (v->s->max_edge == HUGE_VAL || is_edge_short(v, half));
-    return has_surface(v, half) || has_surface(v, twin);
+    return dt_has_surface(v, half) || dt_has_surface(v, twin);
 }
 
 static double within(double value, double least, double most)
@@ -238,7 +243,7 @@ static inline enum dt_status value_at(struct dt_valuer *v, struct dt_point q, en
             return DT_OK;
         break;
     case DT_INSIDE:
-        if (!has_surface(v, half))
+        if (!dt_has_surface(v, half))
             return DT_OK;
         break;
     }
@@ -326,18 +331,47 @@ double dt_value_along(struct dt_valuer *v, uint32_t half, struct dt_double2 shar
     return between(from, to, share);
 }
 
-enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
+/* The numbers of the surface v->s. */
+static enum dt_status find_value(struct dt_valuer *v, struct dt_point q, uint32_t *half,
+                                 double *out)
 {
     enum dt_status s;
-    if (v->s->beyond && *half != DT_NONE && dt_is_ghost(&v->t->mesh, *half)) {
+    bool height = v->s->quantity == DT_HEIGHT, beyond = v->s->beyond && height;
+    if (beyond && *half != DT_NONE && dt_is_ghost(&v->t->mesh, *half)) {
         *half = dt_base(*half);
         if (value_near_ghost(v, q, half, out, &s))
             return s;
     }
     enum dt_where where = dt_place_find(v->t, q, *half, half);
-    if (where == DT_OUTSIDE && v->s->beyond)
+    if (!height)
+        return dt_slope_at(v, where, *half, out);
+    if (where == DT_OUTSIDE && beyond)
         return value_outside(v, q, half, out);
     return value_at(v, q, where, *half, out);
+}
+
+/* Makes the surface the one whose numbers are computed. */
+static void choose(struct dt_valuer *v, const struct dt_surface *s)
+{
+    v->s = s;
+    v->edge.ghost = DT_NONE; /* it has values of the other one, */
+    if (v->smoother != NULL) /* and so do slopes */
+        dt_smoother_forget(v->smoother);
+}
+
+enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
+{
+    const struct dt_surface *first = v->s;
+    enum dt_status s = find_value(v, q, half, out);
+    if (first->next == NULL)
+        return s;
+    for (const struct dt_surface *k = first->next; s == DT_OK && k != NULL; k = k->next) {
+        out += dt_surface_numbers(v->s);
+        choose(v, k);
+        s = find_value(v, q, half, out);
+    }
+    choose(v, first);
+    return s;
 }
 
 /* ---- many places ---- */
@@ -403,7 +437,7 @@ static uint64_t zeros_in_triangles(struct dt_valuer *v, const uint32_t *half, do
     for (uint32_t i = 0, end; i < n; i = end) {
         const uint32_t *corner = v->t->mesh.half + dt_base(half[i]);
         bool level = is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y);
-        double value = has_surface(v, half[i]) ? 0 : (double)NAN;
+        double value = dt_has_surface(v, half[i]) ? 0 : (double)NAN;
         for (end = i; end < n && half[end] == half[i]; end++) {
             out[end] = value;
             doubtful |= (uint64_t)level << end;
@@ -423,23 +457,48 @@ static uint64_t values_in_triangles(struct dt_valuer *v, const uint32_t *half, c
         struct dt_point q = {x[i], y};
         if (is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y))
             doubtful |= (uint64_t)1 << i;
-        else
+        else if (v->s->quantity == DT_HEIGHT)
             *s = value_at(v, q, DT_INSIDE, half[i], &out[i]);
+        else
+            *s = dt_slope_at(v, DT_INSIDE, half[i], &out[i * dt_surface_numbers(v->s)]);
     }
     return doubtful;
 }
 
-enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
-                                double y, uint32_t n, double *out)
+/* The numbers of the surface v->s in a row. */
+static enum dt_status one_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                 double y, uint32_t n, double *out)
 {
     enum dt_status s = DT_OK;
-    bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside;
+    uint32_t numbers = dt_surface_numbers(v->s);
+    bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside &&
+                  v->s->quantity == DT_HEIGHT;
     uint64_t doubtful = planes       ? dt_plane_values(v, half, x, y, n, out)
                         : v->s->flat ? zeros_in_triangles(v, half, y, n, out)
                                      : values_in_triangles(v, half, x, y, n, out, &s);
     for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)
         if (doubtful >> i & 1)
-            s = dt_value_find(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &out[i]);
+            s = find_value(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &out[i * numbers]);
+    return s;
+}
+
+enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                double y, uint32_t n, double *out)
+{
+    const struct dt_surface *first = v->s;
+    enum dt_status s = DT_OK;
+    double number[2 * DT_ROOM];
+    if (v->numbers == 1)
+        return one_in_row(v, half, x, y, n, out);
+    for (const struct dt_surface *k = first; s == DT_OK && k != NULL; k = k->next) {
+        uint32_t numbers = dt_surface_numbers(k);
+        choose(v, k);
+        s = one_in_row(v, half, x, y, n, number);
+        for (uint32_t i = 0; i < n * numbers; i++)
+            out[i / numbers * (size_t)v->numbers + i % numbers] = number[i];
+        out += numbers;
+    }
+    choose(v, first);
     return s;
 }
 

@@ -9,6 +9,7 @@
 #include "core/delaunay_surface.h"
 #include "core/exact/double2.h"
 #include "core/surface/weights.h"
+#include "core/triangle/gradient.h"
 
 /* The edge of the hull that is the nearest to the last places outside. */
 struct dt_foot_edge {
@@ -31,8 +32,12 @@ struct dt_valuer {
     struct dt_circle *
         circle; /* owns circle_mask + 1; a triangle has one place among them; NULL: none are kept */
     uint32_t circle_mask;
-    uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
-    bool is_short;   /* none of them is longer */
+    uint32_t judged;  /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
+    bool is_short;    /* none of them is longer */
+    uint32_t numbers; /* of a place: those of all surfaces */
+    uint32_t sloped;  /* the triangle whose slopes were computed last; DT_NONE: none */
+    const struct dt_surface *sloped_of;
+    double slope[2]; /* its numbers */
     struct dt_foot_edge edge;
     struct dt_smoother *smoother; /* owns; DT_SMOOTH */
     struct dt_weigher weigher;
@@ -50,15 +55,15 @@ enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n);
 /* What the value at a place usually takes, in steps. */
 static inline uint32_t dt_value_steps(const struct dt_valuer *v)
 {
-    return v->s->how == DT_LINEAR ? 1 : 8;
+    return v->numbers * (v->s->how == DT_LINEAR ? 1 : 8);
 }
 
-/* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds. For a set of at most one point
+/* The numbers of all surfaces at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds. For a set of at most one point
  * it becomes DT_NONE, and outside of a surface that goes on beyond the hull, the ghost at the nearest place. DT_NOMEM,
  * DT_CANCELLED, DT_TOOLONG. */
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out);
 
-/* The same at a place that dt_place_find has found. */
+/* The value of the first surface at a place that dt_place_find has found. */
 enum dt_status dt_value_there(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                               uint32_t half, double *out);
 
@@ -69,11 +74,22 @@ double dt_value_along(struct dt_valuer *v, uint32_t half, struct dt_double2 shar
 /* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n);
 
-/* The values at 1 <= n <= DT_ROOM places with the same y, each inside of the triangle of half[i] or on an edge of it along
+/* The numbers at 1 <= n <= DT_ROOM places with the same y, each inside of the triangle of half[i] or on an edge of it along
  * the x axis; as dt_value_find. */
 enum { DT_ROOM = 64 };
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
                                 double y, uint32_t n, double *out);
+
+/* ---- slopes (slope.c) ---- */
+
+/* Whether the triangle of the half edge has a surface; a ghost has none. */
+bool dt_has_surface(struct dt_valuer *v, uint32_t half);
+
+/* The numbers of a surface whose quantity is not DT_HEIGHT, at a place that dt_place_find has found: of the first triangle there, in
+ * the order of DT_TRIANGLES, that has a surface. */
+enum dt_status dt_slope_at(struct dt_valuer *v, enum dt_where where, uint32_t half, double *out);
+
+/* ---- values of points ---- */
 
 /* Where the value of a surface at a point is; the value; and that at a vertex. */
 static inline const double *dt_value_place(const struct dt_surface *s, uint32_t id)
@@ -163,6 +179,9 @@ struct dt_smoother;
 
 /* Keeps slopes at up to `points` points, a power of 2. NULL: out of memory. free() ends it. */
 struct dt_smoother *dt_smoother_new(uint32_t points);
+
+/* Values have changed. Cost: the points. */
+void dt_smoother_forget(struct dt_smoother *s);
 
 /* The value at q, inside the triangle of the half edge; and on an edge, by the linear weights of its ends, the smaller id first. nan
  * where a value is missing; HUGE_VAL where numbers are beyond the range of doubles. DT_NOMEM, DT_TOOLONG, DT_CANCELLED. Cost: the

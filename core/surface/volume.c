@@ -26,9 +26,11 @@
  */
 #include "core/exact/double2.h"
 #include "core/exact/sum.h"
+#include "core/mesh/fixed.h"
 #include "core/query/query.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
+#include "core/triangle/clip.h"
 
 #include "core/delaunay_surface.h"
 
@@ -47,6 +49,9 @@ struct dt_volume {
     const struct dt_view *view;           /* borrows */
     const struct dt_field *field, *minus; /* borrows; minus: NULL for the level */
     double level, scale;                  /* of values, so that no difference is infinite */
+    bool clipped, inside;
+    struct dt_point lo, hi;        /* of the box, if clipped */
+    struct dt_enclosure enclosure; /* of what is inside */
     enum stage stage;
     bool by_id;     /* heights are: once the set has been edited; until then they are by vertex */
     double *height; /* owns `room`: scaled */
@@ -110,6 +115,21 @@ enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
 size_t dt_volume_memory(const struct dt_volume *v)
 {
     return sizeof *v + v->room * sizeof *v->height;
+}
+
+void dt_volume_clip(struct dt_volume *v, struct dt_point lo, struct dt_point hi)
+{
+    v->clipped = true;
+    v->lo = lo;
+    v->hi = hi;
+}
+
+enum dt_status dt_volume_inside(struct dt_volume *v, const struct dt *t, uint32_t number)
+{
+    if (dt_view_if_changed(t, v->view) != NULL)
+        return DT_UNSURVEYED;
+    v->inside = true;
+    return dt_enclosure_of(t, number, &v->enclosure);
 }
 
 /* ---- heights ---- */
@@ -233,6 +253,55 @@ static void add_triangle(struct dt_volume *v, const struct dt_point p[3], const 
         add_both_sides(v, area, h, 0);
 }
 
+/* ---- in the box ---- */
+
+static bool is_within(const struct dt_volume *v, struct dt_point p)
+{
+    return p.x >= v->lo.x && p.x <= v->hi.x && p.y >= v->lo.y && p.y <= v->hi.y;
+}
+
+/* Whether all of it is beyond one side of the box. */
+static bool is_beside(const struct dt_volume *v, const struct dt_point p[3])
+{
+    return (p[0].x < v->lo.x && p[1].x < v->lo.x && p[2].x < v->lo.x) ||
+           (p[0].x > v->hi.x && p[1].x > v->hi.x && p[2].x > v->hi.x) ||
+           (p[0].y < v->lo.y && p[1].y < v->lo.y && p[2].y < v->lo.y) ||
+           (p[0].y > v->hi.y && p[1].y > v->hi.y && p[2].y > v->hi.y);
+}
+
+/* What is below 2^-1450 is less than the least double, also if there are 2^30 of them. */
+static void add_scaled(struct dt_wide_sum *sum, const struct dt_scaled *part)
+{
+    if (part->exponent > -1450)
+        dt_wide_sum_add_any(sum, part->value, 1, part->exponent);
+}
+
+/* Heights are exact here: the part in the box may be where they are much smaller than at the corners. */
+static void add_part(struct dt_volume *v, const struct dt_point p[3], const uint32_t id[3])
+{
+    struct dt_slab slab = {.p = {p[0], p[1], p[2]}};
+    dt_field_values(v->field, v->view, id, 3, slab.top);
+    if (v->minus != NULL)
+        dt_field_values(v->minus, v->view, id, 3, slab.base);
+    for (int k = 0; k < 3; k++) {
+        slab.top[k] *= v->scale;
+        slab.base[k] = v->minus == NULL ? v->level : slab.base[k] * v->scale;
+    }
+    struct dt_slab_parts part = dt_slab_clip(&slab, v->lo, v->hi);
+    add_scaled(&v->above, &part.above);
+    add_scaled(&v->below, &part.below);
+    add_scaled(&v->area, &part.area);
+}
+
+static void add_in_box(struct dt_volume *v, const struct dt_point p[3], const double h[3],
+                       const uint32_t id[3])
+{
+    if (!v->clipped || (is_within(v, p[0]) && is_within(v, p[1]) && is_within(v, p[2])))
+        add_triangle(v, p, h);
+    else if (!is_beside(v, p))
+        add_part(v, p, id);
+}
+
 /* ---- in pieces ---- */
 
 static void read_record(const struct dt *t, struct dt_volume *v, const uint32_t *corner)
@@ -244,8 +313,14 @@ static void read_record(const struct dt *t, struct dt_volume *v, const uint32_t 
     const uint32_t vertex[] = {corner[k], corner[next[k]], corner[next[k + 1]]};
     const struct dt_point *xy = t->points.xy, p[] = {xy[vertex[0]], xy[vertex[1]], xy[vertex[2]]};
     const double h[] = {v->height[vertex[0]], v->height[vertex[1]], v->height[vertex[2]]};
+    const uint32_t row[] = {id[vertex[0]], id[vertex[1]], id[vertex[2]]};
     if (!isnan(h[0] + h[1] + h[2]))
-        add_triangle(v, p, h);
+        add_in_box(v, p, h, row);
+}
+
+static bool counts(const struct dt_volume *v, const struct dt_mesh *m, uint32_t record)
+{
+    return !v->inside || dt_encloses(&v->enclosure, dt_face(m, 8 * record));
 }
 
 static void read_mesh(const struct dt *t, struct dt_volume *v)
@@ -254,7 +329,7 @@ static void read_mesh(const struct dt *t, struct dt_volume *v)
     uint32_t end = m->tri_end - v->record < RECORDS ? m->tri_end : v->record + RECORDS;
     for (; v->record < end; v->record++) {
         const uint32_t *corner = m->half + 8 * (size_t)v->record;
-        if (corner[2] < DT_DEAD) /* no ghost either */
+        if (corner[2] < DT_DEAD && counts(v, m, v->record)) /* no ghost either */
             read_record(t, v, corner);
     }
     if (v->record == m->tri_end)
@@ -275,7 +350,7 @@ static enum dt_status read_table(const struct dt *t, struct dt_volume *v)
             h[k] = v->height[v->triangle[at + k]];
         }
         if (!isnan(h[0] + h[1] + h[2]))
-            add_triangle(v, p, h);
+            add_in_box(v, p, h, &v->triangle[at]);
     }
     if (s == DT_OK && rows == 0)
         v->stage = READ;
@@ -294,7 +369,11 @@ static void begin_by_ids(struct dt_volume *v)
 enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *done)
 {
     enum dt_status s = dt_view_readable(t, v->view, true);
-    if (!v->by_id && v->stage != READ && s == DT_OK && dt_view_if_changed(t, v->view) != NULL)
+    bool changed =
+        s == DT_OK && !v->by_id && v->stage != READ && dt_view_if_changed(t, v->view) != NULL;
+    if (changed && v->inside)
+        s = DT_UNSURVEYED;
+    else if (changed)
         begin_by_ids(v);
     if (s == DT_OK && v->stage == HEIGHTS)
         read_heights(t, v);

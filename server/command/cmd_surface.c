@@ -68,21 +68,26 @@ enum option {
     OPTION_INSIDE = 32,
     OPTION_OUTSIDE = 64,
     OPTION_CLIP = 128,
-    OPTION_BANDS = 256
+    OPTION_BANDS = 256,
+    OPTION_AS = 512
 };
 
 /* The options of values at places. */
-enum { VALUE_OPTIONS = OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_OUTSIDE };
+enum {
+    VALUE_OPTIONS = OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_OUTSIDE,
+    GRADIENT_OPTIONS = OPTION_MAXEDGE | OPTION_INSIDE
+};
 
 static enum option option_of(const struct word *w)
 {
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {
-        {"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE}, {"BINARY", OPTION_BINARY},
-        {"EVERY", OPTION_EVERY},     {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
-        {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},       {"BANDS", OPTION_BANDS}};
+    } options[] = {{"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE},
+                   {"BINARY", OPTION_BINARY},   {"EVERY", OPTION_EVERY},
+                   {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
+                   {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},
+                   {"BANDS", OPTION_BANDS},     {"AS", OPTION_AS}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -118,6 +123,12 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     switch (option) {
     case OPTION_METHOD:
         if (read_method(w, &out->how))
+            return true;
+        answer_usage(a);
+        return false;
+    case OPTION_AS:
+        out->quantity = word_is(w, "aspect") ? DT_ASPECT : DT_SLOPE;
+        if (word_is(w, "aspect") || word_is(w, "slope"))
             return true;
         answer_usage(a);
         return false;
@@ -196,16 +207,18 @@ static bool read_places(struct server *s, struct answer *a, const struct request
     return out->p != NULL;
 }
 
-void cmd_interpolate(struct server *s, struct dataset *set, const struct request *q,
-                     struct answer *a)
+/* Answers with a quantity of the surface at the places of the request. */
+static void answer_at_places(struct server *s, struct dataset *set, const struct request *q,
+                             struct answer *a, unsigned allowed, enum dt_quantity quantity)
 {
     struct surface surface;
     size_t end = 3;
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, VALUE_OPTIONS, &surface) || !is_ready(s, a, set, &surface))
+        !read_options(a, q, end, allowed, &surface) || !is_ready(s, a, set, &surface))
         return;
+    surface.quantity = quantity;
     if (end == 3)
         answer_usage(a);
     else if (end % 2 == 0)
@@ -216,17 +229,41 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
         surface_clear(&surface);
 }
 
-void cmd_interpolateb(struct server *s, struct dataset *set, const struct request *q,
-                      struct answer *a)
+/* The same at the places of its body. */
+static void answer_at_body(struct server *s, struct dataset *set, const struct request *q,
+                           struct answer *a, unsigned allowed, enum dt_quantity quantity)
 {
     struct surface surface;
-    if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, 4, VALUE_OPTIONS, &surface) || !is_ready(s, a, set, &surface))
+    if (!begin(a, set, q, SURFACE_PLACES, &surface) || !read_options(a, q, 4, allowed, &surface) ||
+        !is_ready(s, a, set, &surface))
         return;
+    surface.quantity = quantity;
     surface.binary = true;
     surface.places.n = a->body->body.n;
     surface.places.p = (struct dt_point *)(void *)load_take(a->body, &surface.places.memory);
     surface_answer(s, a, set, &surface);
+}
+
+void cmd_interpolate(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    answer_at_places(s, set, q, a, VALUE_OPTIONS, DT_HEIGHT);
+}
+
+void cmd_interpolateb(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a)
+{
+    answer_at_body(s, set, q, a, VALUE_OPTIONS, DT_HEIGHT);
+}
+
+void cmd_gradient(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    answer_at_places(s, set, q, a, GRADIENT_OPTIONS, DT_GRADIENT);
+}
+
+void cmd_gradientb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    answer_at_body(s, set, q, a, GRADIENT_OPTIONS, DT_GRADIENT);
 }
 
 /* ---- PROFILE ---- */
@@ -295,12 +332,22 @@ static bool find_clip(struct server *s, struct answer *a, struct surface *q)
     return command_find_other(s, a, q->other, &q->clip) && clip_ready(s, a, q->clip);
 }
 
+/* Only the linear surface inside the hull has slopes. */
+static bool check_quantity(struct answer *a, const struct surface *q)
+{
+    bool good = q->quantity == DT_HEIGHT || (q->how == DT_LINEAR && !q->beyond);
+    if (!good)
+        answer_err(a, ERR_SYNTAX, "slope and aspect are of the method linear and inside the hull");
+    return good;
+}
+
 void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
     if (!begin(a, set, q, SURFACE_RASTER, &surface) || !read_raster(a, q, &surface.raster) ||
-        !read_options(a, q, 9, VALUE_OPTIONS | OPTION_BINARY | OPTION_CLIP, &surface) ||
-        !is_ready(s, a, set, &surface) || !find_clip(s, a, &surface))
+        !read_options(a, q, 9, VALUE_OPTIONS | OPTION_AS | OPTION_BINARY | OPTION_CLIP, &surface) ||
+        !check_quantity(a, &surface) || !is_ready(s, a, set, &surface) ||
+        !find_clip(s, a, &surface))
         return;
     if (surface.clip != NULL)
         clip_answer(s, a, set, &surface);
@@ -376,16 +423,29 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
 
 /* ---- VOLUME ---- */
 
-/* Reads from which level or field the volumes are measured. */
-static bool read_base(struct answer *a, const struct dataset *set, const struct request *q,
-                      struct volume *out)
+/* Reads the option whose word is at *at, and moves *at behind it. False: the ERR line has been written. */
+static bool read_volume_option(struct answer *a, const struct dataset *set, const struct request *q,
+                               size_t *at, struct volume *out)
 {
-    if (q->n == 3)
-        return true;
-    if (q->n == 5 && word_is(&q->word[3], "LEVEL"))
-        return read_number(a, &q->word[4], "level", &out->level);
-    if (q->n == 5 && word_is(&q->word[3], "MINUS"))
-        return (out->minus = find_field(a, set, &q->word[4])) != NULL;
+    enum { BOX = 4 };
+    const struct word *w = &q->word[*at];
+    size_t values = q->n - ++*at;
+    bool based = out->based;
+    if (!based && values >= 1 && word_is(w, "LEVEL")) {
+        out->based = true;
+        return read_number(a, &q->word[(*at)++], "level", &out->level);
+    }
+    if (!based && values >= 1 && word_is(w, "MINUS")) {
+        out->based = true;
+        return (out->minus = find_field(a, set, &q->word[(*at)++])) != NULL;
+    }
+    if (!out->inside.asked && word_is(w, "INSIDE"))
+        return read_inside(a, q, at, &out->inside);
+    if (!out->clipped && values >= BOX && word_is(w, "BOX")) {
+        out->clipped = true;
+        *at += BOX;
+        return read_box(a, w + 1, &out->lo, &out->hi);
+    }
     answer_usage(a);
     return false;
 }
@@ -393,6 +453,9 @@ static bool read_base(struct answer *a, const struct dataset *set, const struct 
 void cmd_volume(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct volume volume = {.field = find_field(a, set, &q->word[2])};
-    if (volume.field != NULL && read_base(a, set, q, &volume))
+    bool good = volume.field != NULL;
+    for (size_t at = 3; good && at < q->n;)
+        good = read_volume_option(a, set, q, &at, &volume);
+    if (good && (!volume.inside.asked || regions_ready(s, a, set, volume.inside)))
         volume_answer(s, a, set, &volume);
 }

@@ -214,15 +214,15 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
 command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster, cmd_contour,
-    cmd_profile, cmd_volume;                             /* cmd_surface.c */
-command_handler cmd_simplify;                            /* cmd_simplify.c */
-command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
-command_handler cmd_trace;                               /* cmd_trace.c */
-command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
-command_handler cmd_snapshot, cmd_backup;                /* cmd_admin.c */
-command_handler cmd_auth;                                /* cmd_auth.c */
-command_handler cmd_client, cmd_slowlog;                 /* cmd_client.c */
-command_handler cmd_config;                              /* cmd_config.c */
-command_handler cmd_timeout;                             /* command.c */
+    cmd_gradient, cmd_gradientb, cmd_profile, cmd_volume; /* cmd_surface.c */
+command_handler cmd_simplify;                             /* cmd_simplify.c */
+command_handler cmd_voronoi, cmd_areas, cmd_alpha;        /* cmd_cells.c */
+command_handler cmd_trace;                                /* cmd_trace.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;  /* cmd_admin.c */
+command_handler cmd_snapshot, cmd_backup;                 /* cmd_admin.c */
+command_handler cmd_auth;                                 /* cmd_auth.c */
+command_handler cmd_client, cmd_slowlog;                  /* cmd_client.c */
+command_handler cmd_config;                               /* cmd_config.c */
+command_handler cmd_timeout;                              /* command.c */
 
 #endif

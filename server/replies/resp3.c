@@ -96,7 +96,8 @@ static size_t count_words(struct words w)
 /* Facts that are doubles; the others are counts, yes or no, or texts. */
 static bool is_double(const char *key, size_t len)
 {
-    return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl") || is(key, len, "area");
+    return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl") ||
+           is(key, len, "area") || is(key, len, "above") || is(key, len, "below");
 }
 
 /* A fact that is a text even if all its characters are digits. */

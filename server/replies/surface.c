@@ -43,19 +43,21 @@ void surface_answer_values(struct server *s, struct answer *a, const struct surf
                                     .max_edge = q->max_edge,
                                     .inside = q->inside,
                                     .beyond = q->beyond,
+                                    .quantity = q->quantity,
                                     .place = q->places.p,
                                     .kept = q->places.kept,
                                     .raster = q->raster,
                                     .columns = columns,
                                     .binary = q->binary,
                                     .end = n}};
+    size_t numbers = dt_surface_numbers(&(struct dt_surface){.quantity = q->quantity});
     reply_ok(a->out, q->binary ? 0 : n / columns);
     if (q->binary)
         reply_key_u64(a->out, "rows", n / columns);
     if (raster)
         reply_key_u64(a->out, "columns", columns);
     if (q->binary)
-        reply_key_u64(a->out, "bytes", (uint64_t)n * sizeof(double));
+        reply_key_u64(a->out, "bytes", (uint64_t)n * numbers * sizeof(double));
     reply_end(a->out);
     answer_places(s, a, &rows, &q->places);
     q->places = (struct places){0};

@@ -20,6 +20,7 @@ struct surface {
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
     bool beyond;          /* OUTSIDE nearest */
+    enum dt_quantity quantity;
     struct places
         places; /* SURFACE_PLACES, SURFACE_PROFILE; SURFACE_RASTER: the cells that are kept */
     struct dt_raster raster;

@@ -10,7 +10,7 @@
 struct volume_job {
     struct job job;
     char field[DT_FIELD_NAME + 1], minus[DT_FIELD_NAME + 1]; /* minus: "" for the level */
-    double level;
+    struct volume volume; /* but for its fields, which an edit may replace */
     struct dt_view *view; /* owns: the moment of the result */
     struct dt_volumes sums;
 };
@@ -29,7 +29,11 @@ static enum dt_status add_up(struct volume_job *j)
     bool done = false;
     if (field == NULL || (minus == NULL && j->minus[0] != 0))
         return DT_NOFIELD;
-    enum dt_status s = dt_volume_begin(t, j->view, field, minus, j->level, &v);
+    enum dt_status s = dt_volume_begin(t, j->view, field, minus, j->volume.level, &v);
+    if (s == DT_OK && j->volume.clipped)
+        dt_volume_clip(v, j->volume.lo, j->volume.hi);
+    if (s == DT_OK && j->volume.inside.asked)
+        s = dt_volume_inside(v, t, j->volume.inside.number);
     if (s == DT_OK)
         s = job_reserve(&j->job, dt_volume_memory(v));
     while (s == DT_OK && !done) {
@@ -67,6 +71,14 @@ void volume_answer(struct server *s, struct answer *a, struct dataset *set,
                    const struct volume *volume)
 {
     struct version *v = set->current;
+    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
+    bool blocks = volume->inside.asked && !light && s->workers != NULL;
+    if (blocks && !world_alone(a))
+        return;
+    if (blocks && !dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
+        return;
+    }
     struct volume_job *j = job_new(sizeof *j, run_job, end_job);
     if (j == NULL) {
         answer_out_of_memory(a);
@@ -75,9 +87,9 @@ void volume_answer(struct server *s, struct answer *a, struct dataset *set,
     strcpy(j->field, dt_field_name(volume->field));
     if (volume->minus != NULL)
         strcpy(j->minus, dt_field_name(volume->minus));
-    j->level = volume->level;
+    j->volume = *volume;
+    j->job.set = blocks ? set : NULL; /* edits wait, because regions are those of now */
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "adding up";
-    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

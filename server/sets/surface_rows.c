@@ -14,7 +14,13 @@ enum {
     STEPS_A_VISIT = 1 << 17 /* while edits wait */
 };
 
-/* Returns how many values are found together: whole rows if they are text. */
+/* Of a place. */
+static size_t numbers_of(const struct surface_rows *r)
+{
+    return dt_surface_numbers(&(struct dt_surface){.quantity = r->quantity});
+}
+
+/* Returns how many places are looked up together: whole rows if they are text. */
 static size_t batch(const struct surface_rows *r)
 {
     bool light = r->how == DT_LINEAR || r->how == DT_CLOSEST;
@@ -39,7 +45,7 @@ static enum dt_status find(const struct surface_rows *r, const struct dt_surface
 {
     struct dt_options opt = pace_options(pace, STEPS_A_VISIT);
     size_t from = r->at + r->found;
-    double *to = r->value + r->found;
+    double *to = r->value + r->found * numbers_of(r);
     enum dt_status status = r->place != NULL
                                 ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)
                                 : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
@@ -48,25 +54,27 @@ static enum dt_status find(const struct surface_rows *r, const struct dt_surface
     return status;
 }
 
-/* Bytes of that number of values, whole rows if they are text. */
+/* Bytes of the numbers of n places, whole rows if they are text. */
 static size_t bytes_of(const struct surface_rows *r, size_t n)
 {
     enum { NUMBER_TEXT = 33 }; /* of reply_row_numbers, which takes 2 more for a row */
-    return r->binary ? n * sizeof(double) : n * NUMBER_TEXT + n / r->columns * 2;
+    size_t numbers = n * numbers_of(r);
+    return r->binary ? numbers * sizeof(double) : numbers * NUMBER_TEXT + n / r->columns * 2;
 }
 
-/* Writes the values found, if they are whole rows. */
+/* Writes the numbers found, if they are whole rows. */
 static void write(struct surface_rows *r, struct buf *out, struct reservation *memory)
 {
-    size_t n = r->binary ? r->found : r->found / r->columns * r->columns;
+    size_t numbers = numbers_of(r), row = r->columns * numbers,
+           n = r->binary ? r->found : r->found / r->columns * r->columns;
     if (!room_make(memory, out, bytes_of(r, n), surface_rows_memory(r)))
         return;
     if (r->binary)
-        reply_words_u32(out, (const uint32_t *)(const void *)r->value, 2 * n);
-    for (size_t i = 0; !r->binary && i < n; i += r->columns)
-        reply_row_numbers(out, r->value + i, r->columns);
-    for (size_t i = n; i < r->found; i++)
-        r->value[i - n] = r->value[i];
+        reply_words_u32(out, (const uint32_t *)(const void *)r->value, 2 * n * numbers);
+    for (size_t i = 0; !r->binary && i < n * numbers; i += row)
+        reply_row_numbers(out, r->value + i, row);
+    for (size_t i = n * numbers; i < r->found * numbers; i++)
+        r->value[i - n * numbers] = r->value[i];
     r->at += n;
     r->found -= n;
 }
@@ -93,13 +101,14 @@ enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t
                            .max_edge = r->max_edge,
                            .inside = r->inside.asked,
                            .number = r->inside.number,
-                           .beyond = r->beyond};
+                           .beyond = r->beyond,
+                           .quantity = r->quantity};
     r->passed = r->view != NULL && !(s.inside ? dt_view_has_regions(r->dt, r->view)
                                               : dt_view_is_current(r->dt, r->view));
     if (r->passed)
         return DT_OK;
     if (r->value == NULL) {
-        r->room = batch(r) * sizeof *r->value;
+        r->room = batch(r) * numbers_of(r) * sizeof *r->value;
         r->value = malloc(r->room + 1);
     }
     enum dt_status status = r->value == NULL ? DT_NOMEM : dt_surface_begin(&s, r->field, r->view);
@@ -115,7 +124,7 @@ enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t
 size_t surface_rows_piece(const struct surface_rows *r)
 {
     size_t n = batch(r);
-    return n * sizeof *r->value + bytes_of(r, n);
+    return n * numbers_of(r) * sizeof *r->value + bytes_of(r, n);
 }
 
 size_t surface_rows_memory(const struct surface_rows *r)

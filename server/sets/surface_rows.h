@@ -23,14 +23,15 @@ struct surface_rows {
     enum dt_interpolation how;
     double max_edge; /* HUGE_VAL: any */
     struct inside inside;
-    bool beyond;                  /* OUTSIDE nearest */
+    bool beyond; /* OUTSIDE nearest */
+    enum dt_quantity quantity;
     const struct dt_point *place; /* borrows; NULL: the cells of the raster */
     const uint8_t *kept;          /* borrows; bits of the cells that are kept; NULL: all */
     struct dt_raster raster;
-    size_t columns; /* values in a row */
+    size_t columns; /* places in a row */
     bool binary;
-    size_t at, end; /* values that have been written; of all */
-    double *value;  /* owns: the next values, `found` of them, of rows that are not complete */
+    size_t at, end; /* places whose numbers have been written; of all */
+    double *value; /* owns: the numbers of the next `found` places, of rows that are not complete */
     size_t found;
     size_t room; /* bytes of `value`, if it is not NULL */
     bool

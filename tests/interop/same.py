@@ -90,6 +90,7 @@ def values(points):
 
 def surfaces(points, rng):
     yield from ("AREAS t BINARY", "CONTOUR t z EVERY 7", "CONTOUR t z 30.5 60", "VOLUME t z LEVEL 30.5", "ALPHA t AUTO", "PROFILE t z -5 -5 200 130 40 7")
+    yield "RASTER t z -5 -5 200 130 40 7 AS aspect"
     yield from ("DROP few", "SIMPLIFY t z ERROR 9 IDS id INTO few", "POINTS few FIELDS z,id", "CONSTRAINTS few")
     for method in ("linear", "natural", "laplace", "nearest"):
         (ax, ay), (bx, by) = rng.choice(points), rng.choice(points)

@@ -125,6 +125,8 @@ TEST(resp_words_behind_places_are_options_or_a_body)
     CHECK(!ends_with_body("INTERPOLATEB t z 1 METHOD linear INSIDE"));
     CHECK(!ends_with_body("INTERPOLATEB t z 1 MAXEDGE 0.12345678901234"));
     CHECK(!ends_with_body("INTERPOLATEB t z 1"));
+    CHECK(ends_with_body("GRADIENTB t z 1 INSIDE 3 ABCDEFGHABCDEFGH"));
+    CHECK(!ends_with_body("GRADIENTB t z 1 MAXEDGE 3"));
 }
 
 TEST(resp_paths_follow_as_lines)

@@ -312,9 +312,18 @@ class Client extends Constraints {
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
-  /** The values at the centres of cells, row by row from the largest y, as d3-contour expects them. */
-  async raster(set, field, box, columns, rows, { progress, timeout, ...options } = {}) {
-    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords(options)} BINARY`;
+  /** By how much a field grows at places, for a unit of x and of y: two numbers for each place. */
+  async gradient(set, field, places, { maxEdge, inside, getX, getY, timeout } = {}) {
+    const body = pointBytes(flatten(places, getX, getY));
+    const line = `GRADIENTB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ maxEdge, inside })}`;
+    return words(Float64Array, (await this.request(line, { body, timeout })).data);
+  }
+
+  /** The values at the centres of cells, row by row from the largest y, as d3-contour expects them. With the quantity 'slope' or
+   * 'aspect' they are the slope or the direction downhill there, in degrees. */
+  async raster(set, field, box, columns, rows, { quantity, progress, timeout, ...options } = {}) {
+    const as = quantity === undefined ? '' : ` AS ${quantity}`;
+    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords(options)}${as} BINARY`;
     return words(Float64Array, (await this.request(line, { progress, timeout })).data);
   }
 
@@ -377,16 +386,17 @@ class Client extends Constraints {
 
   /** The surface along straight pieces between places: distance, x, y and value of the places and of every edge and corner of the
    * triangulation between them, four numbers each. */
-  async profile(set, field, places, { maxEdge, getX, getY, timeout } = {}) {
-    const line = `PROFILE ${checkSet(set)} ${checkField(field)} ${flatten(places, getX, getY).join(' ')}${methodWords({ maxEdge })} BINARY`;
+  async profile(set, field, places, { maxEdge, inside, getX, getY, timeout } = {}) {
+    const line = `PROFILE ${checkSet(set)} ${checkField(field)} ${flatten(places, getX, getY).join(' ')}${methodWords({ maxEdge, inside })} BINARY`;
     return words(Float64Array, (await this.request(line, { timeout })).data);
   }
 
   /** {above, below, area}: the volumes between the surface of a field and a level, or the surface of another field, `minus`; and the
-   * area of the triangles whose corners have values. */
-  async volume(set, field, { level, minus, timeout } = {}) {
-    const words = [...(level === undefined ? [] : ['LEVEL', Number(level)]), ...(minus === undefined ? [] : ['MINUS', checkField(minus)])];
-    const { keys } = await this.request(['VOLUME', checkSet(set), checkField(field), ...words].join(' '), { timeout });
+   * area of the triangles whose corners have values. Only what is inside borders, and in a box. */
+  async volume(set, field, { level, minus, inside, box, timeout } = {}) {
+    const base = `${level === undefined ? '' : ` LEVEL ${Number(level)}`}${minus === undefined ? '' : ` MINUS ${checkField(minus)}`}`;
+    const line = `VOLUME ${checkSet(set)} ${checkField(field)}${base}${insideWords(inside)}${boxWords(box)}`;
+    const { keys } = await this.request(line, { timeout });
     return Object.fromEntries(Object.entries(keys).map(([key, text]) => [key, text === 'inf' ? Infinity : Number(text)]));
   }
 

@@ -131,6 +131,9 @@ describe('surfaces', () => {
     const { above, below } = await client.volume('t', 'z', { level: 1 });
     assert.ok(Math.abs(above - 128 / 27) < 1e-12 && Math.abs(below - 128 / 27) < 1e-12);
     assert.equal((await client.volume('t', 'z', { minus: 'low' })).above, above);
+    assert.deepEqual(await client.volume('t', 'z', { box: [0, 0, 4, 2] }), { above: 8, below: 0, area: 8 });
+    await client.constrain('t', [0, 1, 1, 4, 4, 0], { border: true, number: 7 });
+    assert.deepEqual(await client.volume('t', 'z', { inside: 7 }), { above: 4, below: 0, area: 4 });
     await assert.rejects(client.volume('t', 'none'), Refused);
   });
 
@@ -156,6 +159,15 @@ describe('surfaces', () => {
     const options = { getX: (p) => p.x, getY: (p) => p.y, maxEdge: 4 };
     assert.deepEqual([...(await client.profile('t', 'z', places, options))].filter((_, i) => i % 4 === 3), [1, 1]);
     await assert.rejects(client.profile('t', 'z', [[0, 1]]), Refused);
+  });
+
+  test('gradients and rasters of slopes', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 2] } });
+    await client.triangulate('t');
+    assert.deepEqual(await client.gradient('t', 'z', [[2, 1], [1, 2], [9, 9]]), Float64Array.of(0, 1, 1, 0, NaN, NaN));
+    assert.deepEqual(await client.raster('t', 'z', [0, 0, 4, 4], 2, 2, { quantity: 'slope' }), Float64Array.of(45, 45, 45, 45));
+    assert.deepEqual(await client.raster('t', 'z', [1, 0, 3, 4], 1, 4, { quantity: 'aspect' }), Float64Array.of(0, 0, 180, 180));
+    await assert.rejects(client.raster('t', 'z', [0, 0, 4, 4], 2, 2, { quantity: 'slope', method: 'natural' }), Refused);
   });
 
   test('contours leave out the triangles of missing values', async () => {

@@ -201,6 +201,15 @@ class Commands(ConstraintCommands):
         words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)
         return self._ask(_values, *words, *_method(method, max_edge, inside, outside), body=data)
 
+    def gradient(
+        self, name: str, field: str, places: Any, max_edge: Optional[float] = None, inside: Inside = None
+    ) -> Floats:
+        """By how much a field grows at places of shape (n, 2), for a unit of x and of y: shape (n, 2); NaN where there is no
+        surface."""
+        data, n = protocol.pairs(places)
+        words: Tuple[Word, ...] = ("GRADIENTB", set_name(name), field_name(field), n)
+        return self._ask(_grid(2), *words, *_surface(max_edge, inside), body=data)
+
     def raster(
         self,
         name: str,
@@ -213,15 +222,17 @@ class Commands(ConstraintCommands):
         inside: Inside = None,
         outside: Optional[str] = None,
         clip: Optional[str] = None,
+        quantity: Optional[str] = None,
     ) -> Floats:
         """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
-        else as interpolate(). clip: the name of a set, inside whose borders alone there are values."""
+        else as interpolate(). clip: the name of a set, inside whose borders alone there are values. With the
+        quantity "slope" or "aspect", the slope or the direction downhill there, in degrees."""
         x0, y0, x1, y1 = map(float, box)
         words: Tuple[Word, ...] = ("RASTER", set_name(name), field_name(field), x0, y0, x1, y1, int(columns), int(rows))
         words += _method(method, max_edge, inside, outside)
         if clip is not None:
             words += ("CLIP", set_name(clip))
-        return self._ask(_grid(int(columns)), *words, "BINARY")
+        return self._ask(_grid(int(columns)), *words, *option("AS", quantity), "BINARY")
 
     def contours(
         self,
@@ -252,24 +263,33 @@ class Commands(ConstraintCommands):
         words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), "BANDS", *_max_edge(max_edge))
         return self._ask(protocol.bands, *words, *option("INSIDE", inside))
 
-    def profile(self, name: str, field: str, places: Any, max_edge: Optional[float] = None) -> Floats:
+    def profile(
+        self, name: str, field: str, places: Any, max_edge: Optional[float] = None, inside: Inside = None
+    ) -> Floats:
         """The surface of a field along straight pieces between places of shape (n, 2): rows `distance, x, y, value` of shape
         (rows, 4), for the places and for every edge and corner of the triangulation between them."""
         data, _ = protocol.pairs(places)
         words: Tuple[Word, ...] = ("PROFILE", set_name(name), field_name(field), *map(float, protocol.doubles(bytes(data))))
-        if max_edge is not None:
-            words += ("MAXEDGE", float(max_edge))
-        return self._ask(_grid(4), *words, "BINARY")
+        return self._ask(_grid(4), *words, *_surface(max_edge, inside), "BINARY")
 
-    def volume(self, name: str, field: str, level: Optional[float] = None, minus: Optional[str] = None) -> Dict[str, float]:
+    def volume(
+        self,
+        name: str,
+        field: str,
+        level: Optional[float] = None,
+        minus: Optional[str] = None,
+        inside: Inside = None,
+        box: Optional[Sequence[float]] = None,
+    ) -> Dict[str, float]:
         """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
-        field, `minus`; and the `area` of the triangles whose corners have values."""
+        field, `minus`; and the `area` of the triangles whose corners have values. Only what is inside borders, and in a box (x0, y0,
+        x1, y1)."""
         words: Tuple[Word, ...] = ("VOLUME", set_name(name), field_name(field))
         if level is not None:
             words += ("LEVEL", float(level))
         if minus is not None:
             words += ("MINUS", field_name(minus))
-        return self._ask(protocol.numbers, *words)
+        return self._ask(protocol.numbers, *words, *option("INSIDE", inside), *_box("BOX", box))
 
     def simplify(
         self, name: str, field: str, error: float, into: str, points: Optional[int] = None, ids: Optional[str] = None
@@ -315,13 +335,13 @@ def _grid(columns: int) -> Callable[[Reply], Floats]:
     return read
 
 
+def _surface(max_edge: Optional[float], inside: Inside) -> Tuple[Word, ...]:
+    return _max_edge(max_edge) + option("INSIDE", inside)
+
+
 def _method(method: str, max_edge: Optional[float], inside: Inside, outside: Optional[str]) -> Tuple[Word, ...]:
-    words: Tuple[Word, ...] = ("METHOD", method)
-    if max_edge is not None:
-        words += ("MAXEDGE", float(max_edge))
-    if outside is not None:
-        words += ("OUTSIDE", outside)
-    return words + option("INSIDE", inside)
+    words: Tuple[Word, ...] = ("METHOD", method, *_surface(max_edge, inside))
+    return words if outside is None else words + ("OUTSIDE", outside)
 
 
 def _levels(levels: Optional[Iterable[float]], every: Optional[float], base: float) -> Tuple[Word, ...]:

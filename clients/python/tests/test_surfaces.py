@@ -124,6 +124,9 @@ class Shapes(WithDaemon):
         above = self.client.volume("t", "z", level=1)
         self.assertAlmostEqual(above["above"], 128 / 27, 12)
         self.assertEqual(self.client.volume("t", "z", minus="low"), above)
+        self.assertEqual(self.client.volume("t", "z", box=(0, 0, 4, 2)), {"above": 8, "below": 0, "area": 8})
+        self.client.constrain("t", [(0, 1), (1, 4), (4, 0)], border=True, number=7)
+        self.assertEqual(self.client.volume("t", "z", inside=7), {"above": 4, "below": 0, "area": 4})
         with self.assertRaises(Refused):
             self.client.volume("t", "none")
 
@@ -139,6 +142,17 @@ class Shapes(WithDaemon):
             self.client.profile("t", "z", [(0, 1)])
         with self.assertRaises(ValueError):
             self.client.profile("t", "z", [(1, 2, 3)])
+
+    def test_gradients_and_rasters_of_slopes(self):
+        self.client.set_field("t", "z", [0, 0, 0, 0, 2])
+        self.assertEqual(list(_flat(self.client.gradient("t", "z", [(2, 1), (1, 2), (3, 2)]))), [0, 1, 1, 0, -1, 0])
+        self.assertEqual(str(_flat(self.client.gradient("t", "z", [(2, 1)], max_edge=3))[0]), "nan")
+        slopes = self.client.raster("t", "z", (0, 0, 4, 4), 2, 2, quantity="slope")
+        self.assertEqual(list(_flat(slopes)), [45] * 4)
+        aspects = self.client.raster("t", "z", (1, 0, 3, 4), 1, 4, quantity="aspect")
+        self.assertEqual(list(_flat(aspects)), [0, 0, 180, 180])
+        with self.assertRaises(Refused):
+            self.client.raster("t", "z", (0, 0, 4, 4), 2, 2, quantity="slope", method="natural")
 
     def test_lists_and_triangles_of_a_box(self):
         everything = self.client.lists("t")

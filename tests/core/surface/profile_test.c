@@ -165,6 +165,23 @@ TEST(profiles_beside_one_point_or_none)
     dt_free(t);
 }
 
+/* The way crosses the edge halfway, in the middle of two doubles for x. */
+TEST(crossings_in_the_middle_of_two_doubles_are_even)
+{
+    const double unit = 0x1p-52;
+    for (int k = 0; k < 4; k++) {
+        const struct dt_point q[] = {{1 + 2 * k * unit, -1}, {1 + (2 * k + 2) * unit, 1}};
+        const struct dt_point a = {-4, 0}, b = {4, 0};
+        struct dt_point at = dt_crossing_place(&(struct dt_segment){.p = q[0], .q = q[1]},
+                                               &(struct dt_segment){.p = a, .q = b});
+        CHECK(at.x == 1 + (2 * k + 1) * unit && at.y == 0);
+        const struct dt_point r[] = {{1 + k * unit, -1}, {1 + (k + 1) * unit, 1}};
+        at = dt_crossing_place(&(struct dt_segment){.p = r[0], .q = r[1]},
+                               &(struct dt_segment){.p = a, .q = b});
+        CHECK(at.x == 1 + (k % 2 == 0 ? k : k + 1) * unit && at.y == 0);
+    }
+}
+
 TEST(profiles_of_unfinished_sets_and_of_few_steps)
 {
     static const struct dt_point q[] = {{-1, 1}, {5, 1}};

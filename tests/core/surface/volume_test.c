@@ -319,3 +319,77 @@ TEST(volumes_are_those_of_the_moment_of_a_view_while_the_set_is_edited)
     dt_view_end(view);
     dt_free(t);
 }
+
+/* ---- in a box ---- */
+
+static struct dt_volumes volumes_in_box(const struct dt *t, double level, struct dt_point lo,
+                                        struct dt_point hi)
+{
+    struct dt_volume *v = NULL;
+    struct dt_volumes r;
+    bool done = false;
+    CHECK(dt_volume_begin(t, NULL, dt_field_find(t, "z", 1), NULL, level, &v) == DT_OK);
+    dt_volume_clip(v, lo, hi);
+    while (!done)
+        CHECK(dt_volume_read(t, v, &done) == DT_OK);
+    dt_volume_end(v, &r);
+    dt_volume_free(v);
+    return r;
+}
+
+TEST(volumes_in_a_box_are_cut_at_its_sides)
+{
+    struct dt *t = peak(0, 3);
+    struct dt_volumes r = volumes_in_box(t, 0, (struct dt_point){1, 1}, (struct dt_point){3, 3});
+    check_volumes(&r, 8, 0, 4);
+    r = volumes_in_box(t, 1.5, (struct dt_point){0, 0}, (struct dt_point){2, 4});
+    check_volumes(&r, 1, 5, 8);
+    r = volumes_in_box(t, 0, (struct dt_point){-9, -9}, (struct dt_point){9, 9});
+    struct dt_volumes all = volumes_in(t, NULL, NULL, 0);
+    CHECK(memcmp(&r, &all, sizeof r) == 0);
+    r = volumes_in_box(t, 0, (struct dt_point){1, 0}, (struct dt_point){1, 4});
+    CHECK(r.above == 0 && r.below == 0 && r.area == 0);
+    dt_free(t);
+}
+
+TEST(volumes_in_a_tiny_corner_of_a_triangle_are_exact)
+{
+    static const struct dt_point p[] = {{0, 0}, {1, 0}, {0, 1}};
+    const double z[] = {0, 1, 0}, tiny = 0x1p-60;
+    struct dt *t = set_with(p, z, 3);
+    struct dt_volumes r =
+        volumes_in_box(t, 0, (struct dt_point){-1, -1}, (struct dt_point){tiny, 5});
+    check_volumes(&r, tiny * tiny / 2, 0, tiny); /* less 2^-60 of itself */
+    r = volumes_in_box(t, 0, (struct dt_point){1 - tiny * 128, -1}, (struct dt_point){5, 5});
+    check_volumes(&r, tiny * tiny * 0x1p13, 0, tiny * tiny * 0x1p13);
+    r = volumes_in_box(t, 0x1p-61, (struct dt_point){-1, -1}, (struct dt_point){tiny, 5});
+    check_volumes(&r, 0x1p-123, 0x1p-123, tiny);
+    dt_free(t);
+}
+
+TEST(volumes_in_boxes_that_tile_the_plane_add_up)
+{
+    static struct dt_point p[MANY];
+    static double z[MANY];
+    uint32_t missing;
+    struct dt_volumes sum = {0, 0, 0};
+    make_many(p, z);
+    struct dt *t = set_with(p, z, MANY), *other = set_of_each(p, MANY);
+    CHECK(dt_field_set_run(other, "z", 1, 0, z, MANY, NULL, &missing) == DT_OK);
+    struct dt_volumes all = volumes_in(t, NULL, NULL, 1e-3);
+    for (int i = 0; i < 9; i++) {
+        const double x[] = {-1, 33.3, 101, 1000}, y[] = {-1, 250, 600.25, 2000};
+        struct dt_point lo = {x[i % 3], y[i / 3]}, hi = {x[i % 3 + 1], y[i / 3 + 1]};
+        struct dt_volumes r = volumes_in_box(t, 1e-3, lo, hi),
+                          same = volumes_in_box(other, 1e-3, lo, hi);
+        CHECK(memcmp(&r, &same, sizeof r) == 0);
+        sum.above += r.above;
+        sum.below += r.below;
+        sum.area += r.area;
+    }
+    CHECK(fabs(sum.above - all.above) + fabs(sum.below - all.below) <=
+          0x1p-43 * (all.above + all.below));
+    CHECK(fabs(sum.area - all.area) <= 0x1p-43 * all.area);
+    dt_free(t);
+    dt_free(other);
+}

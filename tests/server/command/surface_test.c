@@ -68,7 +68,7 @@ static bool is_same(const double *a, const double *b, size_t n)
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
     "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [OUTSIDE "            \
     "nan|nearest] "                                                                                \
-    "[CLIP other] [BINARY]\n"
+    "[CLIP other] [AS slope|aspect] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
     "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | "    \
     "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]\n"

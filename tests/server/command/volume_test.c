@@ -24,7 +24,8 @@ static void triangulate(int fd)
     CHECK(strncmp(hear_line(fd), "OK 0 points=", 12) == 0);
 }
 
-#define USAGE "ERR SYNTAX usage: VOLUME set field [LEVEL z | MINUS field]\n"
+#define USAGE                                                                                      \
+    "ERR SYNTAX usage: VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [BOX x0 y0 x1 y1]\n"
 
 TEST(volumes_that_cannot_be_answered)
 {
@@ -32,13 +33,16 @@ TEST(volumes_that_cannot_be_answered)
     int fd = raise_peak(&d);
     converse(&d, "VOLUME t z\n", "ERR UNTRIANGULATED TRIANGULATE the set first\n");
     triangulate(fd);
-    converse(&d,
-             "VOLUME u z\nVOLUME t y\nVOLUME t z MINUS y\nVOLUME t z LEVEL x\n"
-             "VOLUME t z LEVEL 1e999\nVOLUME t z LEVEL nan\nVOLUME t z LEVEL\nVOLUME t z BASE 1\n"
-             "VOLUME t z LEVEL 1 MINUS z\n",
-             "ERR NOSET there is no set u\nERR NOFIELD there is no field y\n"
-             "ERR NOFIELD there is no field y\nERR NUMBER x is not a number\n"
-             "ERR RANGE a level is finite\nERR NUMBER nan is not a number\n" USAGE USAGE USAGE);
+    converse(
+        &d,
+        "VOLUME u z\nVOLUME t y\nVOLUME t z MINUS y\nVOLUME t z LEVEL x\n"
+        "VOLUME t z LEVEL 1e999\nVOLUME t z LEVEL nan\nVOLUME t z LEVEL\nVOLUME t z BASE 1\n"
+        "VOLUME t z LEVEL 1 MINUS z\nVOLUME t z BOX 0 0 1\nVOLUME t z BOX 0 0 1 1 BOX 0 0 1 1\n"
+        "VOLUME t z INSIDE\nVOLUME t z BOX 0 0 1 x\n",
+        "ERR NOSET there is no set u\nERR NOFIELD there is no field y\n"
+        "ERR NOFIELD there is no field y\nERR NUMBER x is not a number\n"
+        "ERR RANGE a level is finite\nERR NUMBER nan is not a number\n" USAGE USAGE USAGE USAGE
+            USAGE "ERR NOREGION the set has no borders\nERR NUMBER x is not a number\n");
     daemon_stop(&d, SIGTERM);
 }
 
@@ -53,6 +57,22 @@ TEST(volumes_are_above_and_below_a_level_or_another_field)
              "OK 0 above=16 below=0 area=16\nOK 0 above=2 below=10 area=16\n"
              "OK 0 above=32 below=0 area=16\nOK 0 above=0 below=0 area=16\nOK 0\n"
              "OK 0 above=8 below=0 area=8\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(volumes_in_a_box_and_inside_borders)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = raise_peak(&d);
+    triangulate(fd);
+    converse(&d,
+             "VOLUME t z BOX 0 0 4 2\nVOLUME t z BOX 4 4 2 2 LEVEL 0\nVOLUME t z BOX 5 5 9 9\n"
+             "VOLUME t z BOX 1 1 1 3\nCONSTRAIN t BORDER OF 7 RING 0 1 4\nVOLUME t z INSIDE\n"
+             "VOLUME t z BOX 2 -9 9 9 INSIDE 7\nVOLUME t z INSIDE 8\n",
+             "OK 0 above=8 below=0 area=8\nOK 0 above=4 below=0 area=4\n"
+             "OK 0 above=0 below=0 area=0\nOK 0 above=0 below=0 area=0\nOK 0 added=3\n"
+             "OK 0 above=4 below=0 area=4\nOK 0 above=2 below=0 area=2\n"
+             "ERR NOREGION there is no border of number 8\n");
     daemon_stop(&d, SIGTERM);
 }
 

@@ -13,7 +13,7 @@
  * quotients add 2^-98, so both shares err by less than 2^-80 of themselves. A coordinate of x errs by less than 2^-79 of the
  * side of the way and 2^-100 of the coordinates. If that cannot change the nearest double, it is rounded correctly. In all other
  * cases integers of 2,560 bits decide. */
-#include "core/surface/cut.h"
+#include "core/triangle/cut.h"
 
 #include "core/constraints/crossings.h"
 #include "core/exact/bignum.h"
