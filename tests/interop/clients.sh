@@ -261,6 +261,7 @@ count "values in rational arithmetic" "$python" tests/interop/values.py "$port"
 count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/interop/surfaces.py "$build"
 count "simplified sets in rational arithmetic on all families" "$python" tests/interop/simplify.py "$build"
+count "refined meshes in rational arithmetic on all families" "$python" tests/interop/refine.py "$build"
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
 count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
 if fetch_atlas; then
