@@ -26,8 +26,8 @@ bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
 enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                               struct dt_point q, struct dt_cavity *c);
 
-/* Adds vertex v, for which and for two triangles there is room (dt_mesh_make_room): it replaces the triangles of the cavity, which
- * dt_find_cavity has just found for its place, with c->split == DT_NONE, by its star. The mesh has triangles, none of the cavity's
+/* Adds vertex v; there must be room for it and for two triangles (dt_mesh_make_room). Its star replaces the triangles of the
+ * cavity, which dt_find_cavity has just found for its place, with c->split == DT_NONE. The mesh has triangles, none of the cavity's
  * edges is fixed, and all are inside the hull. */
 void dt_insert_found(struct dt_mesh *m, uint32_t v, struct dt_cavity *c);
 

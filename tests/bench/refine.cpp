@@ -2,9 +2,9 @@
  *
  *     refine ANGLE POINTS [FILE]
  *
- * Both programs make a triangulation and refine it, with the same limits: of POINTS random points in a square; of points in a star with
- * as many corners as a tenth of them; of an outline of many corners, to triangles of an area that makes about POINTS; and of the rings in
- * FILE, whose lines are `x y`, and `>` before each ring. Best of three runs that alternate. The core's time includes that
+ * Both programs make a triangulation and refine it, with the same limits. The first two inputs are POINTS random points in a
+ * square, and points in a star with a tenth of their number of corners. The third is an outline of many corners, to triangles of an area
+ * that makes about POINTS. The last input is the rings in FILE, whose lines are `x y`, and `>` before each ring. Best of three runs that alternate. The core's time includes that
  * of the plan and of what carries it out. */
 #include <atomic>
 extern "C" {

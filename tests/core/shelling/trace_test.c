@@ -37,7 +37,7 @@ static void add_triangle(struct replay *r, const struct dt_event *e)
     }
 }
 
-/* The search for the apex passed the place of the apex. */
+/* The apex lies in one of the circles that its search has scanned. */
 static void check_found(const struct replay *r, const struct dt_event *e)
 {
     struct dt_point c;

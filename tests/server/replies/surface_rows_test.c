@@ -170,7 +170,7 @@ TEST_TIMEOUT(values_that_another_set_clips_are_those_of_the_moment, 60)
             check_moment_of(fields, clipped[i], edits[k], 2 * ((i + k) % 2));
 }
 
-/* A worker marks the cells: edits of the other set wait, those of the set do not. */
+/* A worker marks the cells: edits of the other set wait, edits of the set do not. */
 TEST(cells_are_marked_while_the_set_is_edited)
 {
     struct local l;
