@@ -4,8 +4,8 @@
  *
  * Both programs make a triangulation and refine it, with the same limits. The first two inputs are POINTS random points in a
  * square, and points in a star with a tenth of their number of corners. The third is an outline of many corners, to triangles of an area
- * that makes about POINTS. The last input is the rings in FILE, whose lines are `x y`, and `>` before each ring. Best of three runs that alternate. The core's time includes that
- * of the plan and of what carries it out. */
+ * that makes about POINTS. The last input is the rings in FILE, whose lines are `x y`, and `>` before each ring. Best of three runs that alternate. The core's time includes
+ * the time of the plan and of carrying it out. */
 #include <atomic>
 extern "C" {
 #include "core/delaunay_constraints.h"

@@ -1,4 +1,4 @@
-/* families_test.c - the point sets that all other tests rely on are what they say. */
+/* families_test.c - the point sets that all other tests rely on have the properties of their names. */
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 

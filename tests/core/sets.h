@@ -11,7 +11,7 @@ struct dt *set_of(const struct dt_point *p, uint32_t n);
 /* The same points, triangulated before they are added, one by one: other vertices, other half edges. */
 struct dt *set_of_each(const struct dt_point *p, uint32_t n);
 
-/* A triangulated set and what it should answer. */
+/* A triangulated set and its expected answers. */
 struct pair {
     struct dt *t;
     struct brute *b;

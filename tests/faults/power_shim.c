@@ -12,7 +12,7 @@
  *     POWER_STALL_US     the longest duration of a sync in microseconds
  *     POWER_SPACE        bytes that the files of one directory may have
  *
- * Nothing is really synced: what is written survives the daemon anyway. The daemon uses no other calls
+ * Nothing is really synced: written bytes survive the daemon anyway. The daemon uses no other calls
  * than those below; the test checks that, by comparing the recorded operations with the files. */
 #include "tests/faults/power_log.h"
 

@@ -177,7 +177,7 @@ static void check_places(job &j, const cgal_delaunay &oracle)
     }
 }
 
-/* The triangle of LOCATEB: the first in TRIANGLES of those that contain what LOCATE finds. */
+/* The triangle of LOCATEB: among the triangles that contain the result of LOCATE, the first in TRIANGLES. */
 static oracle_row triangle_of(const cgal_delaunay &oracle, const oracle_row &found)
 {
     oracle_rows all;

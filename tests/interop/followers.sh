@@ -34,7 +34,7 @@ equal() { # all sets of both daemons, and their logs
     [ "$(fact a log_digest)" = "$(fact b log_digest)" ] && [ "$(say a 'DIGEST t')" = "$(say b 'DIGEST t')" ]
 }
 
-# Writes points (i, 0) through haproxy, one by one, and keeps what was acknowledged in the file `acknowledged`.
+# Writes points (i, 0) through haproxy, one by one, and keeps the acknowledged points in the file `acknowledged`.
 write_on() {
     local i=0 reply
     while [ ! -e "$scratch/enough" ]; do

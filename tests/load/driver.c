@@ -266,7 +266,7 @@ static void serve_due(struct run *r)
     timerfd_settime(r->timer, TFD_TIMER_ABSTIME, &t, NULL);
 }
 
-/* Closed loop: what each connection may send now. */
+/* Closed loop: sends the requests that each connection may send now. */
 static void serve_all(struct run *r)
 {
     for (unsigned i = 0; i < r->plan->connections && !r->failed; i++)

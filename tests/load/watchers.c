@@ -56,7 +56,7 @@ static uint64_t key(const char *line, const char *name)
     return strtoull(at + strlen(name), NULL, 10);
 }
 
-/* Receives what there is, or waits for something. */
+/* Receives the available bytes, or waits for some. */
 static void hear(struct peer *p)
 {
     char *to = buf_reserve(&p->in, READ_SIZE);

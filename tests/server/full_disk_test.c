@@ -1,4 +1,4 @@
-/* full_disk_test.c - what is still possible, and what is reported, while the disk is full. */
+/* full_disk_test.c - the requests that still work, and the reports, while the disk is full. */
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 

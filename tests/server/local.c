@@ -48,7 +48,7 @@ static void deliver(void *ctx, struct job *j)
     job_finish(to->server, j, to->answer);
 }
 
-/* Waits for what the workers have done next. */
+/* Waits for the next completed work of the workers. */
 static void collect(struct local *l, struct answer *a)
 {
     struct delivery to = {&l->server, a};

@@ -334,7 +334,7 @@ TEST_TIMEOUT(bodies_reserve_memory_as_they_grow_and_are_refused_if_they_do_not_f
 
 /* ---- a restart with less memory than before ---- */
 
-/* A daemon on the directory, and what it says. */
+/* A daemon on the directory, and its messages. */
 static struct said begin_noted(const struct directory *dir, const char *max_memory,
                                struct daemon *d)
 {

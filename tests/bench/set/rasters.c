@@ -74,7 +74,7 @@ static struct dt *ring(size_t n, size_t others)
     return t;
 }
 
-/* Clears what is not inside the borders of the other set. */
+/* Clears the cells that are not inside the borders of the other set. */
 static void clip(struct rasters *r, const struct dt *other, const struct dt_raster *cells)
 {
     size_t k = (size_t)cells->columns * cells->rows;

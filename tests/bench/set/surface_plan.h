@@ -1,4 +1,4 @@
-/* surface_plan.h - what the bench of surfaces computes, the same for us and for the peer. */
+/* surface_plan.h - the work of the bench of surfaces, the same for us and for the peer. */
 #ifndef BENCH_SURFACE_PLAN_H
 #define BENCH_SURFACE_PLAN_H
 

@@ -1,4 +1,4 @@
-/* survey_test.c - what is said about the values of a file: degrees, missing values, coincident points. */
+/* survey_test.c - the notes about the values of a file: degrees, missing values, coincident points. */
 #include <string.h>
 
 #include "tests/clients/cli.h"

@@ -67,7 +67,7 @@ static size_t from_hex(const char *hex, unsigned char *bytes, size_t room)
     return n;
 }
 
-/* Appends what a line `>...` sends to out. */
+/* Appends the bytes that a line `>...` sends to out. */
 static size_t compose(const char *line, char *out, size_t room)
 {
     if (line[1] == 'x')

@@ -171,7 +171,7 @@ TEST(constraints_between_invalid_ends_are_refused)
 
 enum { MOST = 64 };
 
-/* A set, and what it should hold. */
+/* A set, and the content that it should have. */
 struct model {
     struct dt *t;
     uint32_t width, height;
@@ -427,7 +427,7 @@ static void check_same_places(const struct dt *t, const struct moment *m, struct
     CHECK(memcmp(got, want, sizeof got) == 0);
 }
 
-/* The view of t sees what the copy has. */
+/* The view of t sees the content of the copy. */
 static void check_moment(const struct model *m, const struct moment *then)
 {
     static uint32_t a[40 * MOST], b[40 * MOST];

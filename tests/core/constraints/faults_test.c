@@ -361,7 +361,7 @@ TEST(outlines_may_be_nested_and_touch_at_corners_and_along_sides)
     dt_free(t);
 }
 
-/* spade #73: what is inside the outline, not the hull. */
+/* spade #73: the part inside the outline, not the hull. */
 TEST(what_is_inside_an_outline_that_is_not_convex_is_not_its_hull)
 {
     const struct dt_point p[] = {{0, 0}, {9, 0}, {9, 9}, {6, 9}, {6, 3}, {3, 3}, {3, 9}, {0, 9}};

@@ -21,7 +21,7 @@ static uint32_t add(struct two *s, double x, double y)
     return added.first;
 }
 
-/* One ring through random lattice points, or what remains of it where sides would cross. */
+/* One ring through random lattice points, or the rest of it if sides would cross. */
 static void add_ring(struct two *s, unsigned corners, bool closed)
 {
     uint32_t id[12], missing;

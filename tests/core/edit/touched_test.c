@@ -1,4 +1,4 @@
-/* touched_test.c - what edits have touched: what is not named has the ring that it had. */
+/* touched_test.c - the keys that edits have touched: ids that are not named still have the same ring. */
 #include "core/delaunay.h"
 #include "tests/test.h"
 
@@ -40,7 +40,7 @@ static struct known known_of(uint32_t n)
     return k;
 }
 
-/* Reads again what is named, and compares all. */
+/* Reads the named keys again, and compares all. */
 static void take(struct known *k)
 {
     const uint64_t *key;

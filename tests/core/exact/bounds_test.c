@@ -1,4 +1,4 @@
-/* bounds_test.c - what is computed in doubles against exact integers: the error never exceeds its
+/* bounds_test.c - values computed in doubles against exact integers: the error never exceeds its
  * bound of bounds.h, on points that maximise the rounding error.
  *
  * A climb begins with points on nearly one line or circle, with coordinates just above powers of two. It changes one
@@ -301,7 +301,7 @@ static struct error scan_det(const struct dt_point *p)
                     DT_SCAN_DET_BOUND * c.span * reach * reach * reach);
 }
 
-/* Half of what must be between two cotangents. None where the cotangent is not asked for. */
+/* Half of the least difference of two cotangents. None where the cotangent is not asked for. */
 static struct error scan_cotangent(const struct dt_point *p)
 {
     struct seen s = see(p, 2);

@@ -43,7 +43,7 @@ static void check_summary(const struct dt_field *f, const double *want)
     CHECK(n > 0 ? sum.least == least && sum.most == most : isnan(sum.least) && isnan(sum.most));
 }
 
-/* Compares what is read, now or through the view, with the table. */
+/* Compares the values, read now or through the view, with the table. */
 static void check(const struct dt *t, const struct dt_view *v, const struct table *want)
 {
     static uint32_t id[MOST];

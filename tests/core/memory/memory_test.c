@@ -45,7 +45,7 @@ TEST(room_grows_by_half_and_stops_at_the_limit)
     CHECK(dt_array_room(0, 1, 1000) == 16 && dt_array_room(900, 901, 1000) == 1000);
 }
 
-/* Takes what is asked for in random sizes, writes to all of it and gives it back in stack order. */
+/* Takes arrays of random sizes, writes to all of their bytes and gives them back in stack order. */
 static void use_arena(struct dt_arena *a, unsigned depth)
 {
     struct dt_arena_mark mark = dt_arena_mark(a);

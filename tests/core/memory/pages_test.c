@@ -1,4 +1,4 @@
-/* pages_test.c - pages that are used again: what is kept, what is asked of the system, who owns what. */
+/* pages_test.c - pages that are used again: kept pages, requests to the system, ownership. */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>

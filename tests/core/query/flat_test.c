@@ -10,7 +10,7 @@ static uint32_t next_of(uint32_t e)
     return e % 3 == 2 ? e - 2 : e + 1;
 }
 
-/* Room for all triangles and nothing after it, so that a sanitizer sees what is written behind. */
+/* Room for all triangles and nothing after it, so that a sanitizer sees writes behind it. */
 static uint32_t *room_for(uint32_t triangles)
 {
     return malloc(triangles == 0 ? 1 : triangles * 3 * sizeof(uint32_t));

@@ -1,4 +1,4 @@
-/* alpha_test.c - alpha shapes: the edges between triangles that are in and what is not, as loops. */
+/* alpha_test.c - alpha shapes: the edges between triangles that are in and the rest, as loops. */
 #include "core/delaunay_surface.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"

@@ -1,4 +1,4 @@
-/* inside_test.c - surfaces that end at borders: what is inside is as without, and there is nothing outside. */
+/* inside_test.c - surfaces that end at borders: the inside is the same as without borders, and there is nothing outside. */
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "tests/core/surface/values.h"

@@ -190,7 +190,7 @@ TEST(values_are_missing_where_one_that_counts_is)
     dt_free(fewer);
 }
 
-/* Two unit squares, far apart: what is between them has long edges. */
+/* Two unit squares, far apart: the triangles between them have long edges. */
 TEST(values_are_missing_in_triangles_with_long_edges)
 {
     static const struct dt_point p[] = {{0, 0}, {1, 0},  {1, 1},  {0, 1},

@@ -1,4 +1,4 @@
-/* split_test.c - CONSTRAIN ... SPLIT through the server: what it answers, what is logged, and what stays as it was. */
+/* split_test.c - CONSTRAIN ... SPLIT through the server: its answer, its records in the log, and the parts of the set that stay. */
 #include "core/delaunay_constraints.h"
 #include "tests/server/directory.h"
 #include "tests/server/local.h"

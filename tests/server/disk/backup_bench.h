@@ -4,7 +4,7 @@
 
 #include "tests/server/directory.h"
 
-/* A data directory and, in a directory `backups` beside it, what BACKUP writes. */
+/* A data directory and, in a directory `backups` beside it, the backups. */
 struct bench {
     struct directory root, data;
     char backups[64];

@@ -211,7 +211,7 @@ static void stop_adding(pid_t pid, int acknowledged)
     close(acknowledged);
 }
 
-/* Adds what has been acknowledged since to *n. */
+/* Adds the changes acknowledged since then to *n. */
 static void count(int acknowledged, uint64_t *n)
 {
     char bytes[4096];
@@ -278,7 +278,7 @@ static void copy(const char *from, const char *to)
     CHECK(waitpid(pid, &status, 0) == pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* The daemon stands still, so this is what a snapshot of the file system has: all files as they were at one moment.
+/* The daemon stands still, so this is like a snapshot of the file system: all files as they were at one moment.
  * A copy of a daemon that runs is worth less: files may be replaced between the listing and the copy. */
 TEST(all_files_of_one_moment_are_a_backup)
 {

@@ -232,7 +232,7 @@ TEST_TIMEOUT(disk_may_fail_several_times_in_a_row, 60)
     live("write", 9, 3, EIO);
 }
 
-/* With the disk full, what frees space still works, and the rest when there is space again. */
+/* With the disk full, requests that free space still work, and the others when there is space again. */
 TEST_TIMEOUT(full_disk_lets_points_be_deleted, 60)
 {
     struct ledger l = {0};

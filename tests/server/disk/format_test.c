@@ -11,7 +11,7 @@
 
 static const char *const names[] = {"a", "b", "t", "empty", NULL};
 
-/* Copies what is below `from` into a directory of its own, which a daemon may change. */
+/* Copies the files below `from` into a directory of its own, which a daemon may change. */
 static struct directory copy_of(const char *from)
 {
     struct directory dir = directory_new();

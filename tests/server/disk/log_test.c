@@ -1,4 +1,4 @@
-/* log_test.c - what the log reports as durable is durable, call by call. Without a daemon: calls
+/* log_test.c - changes that the log reports as durable are durable, call by call. Without a daemon: calls
  * that change files are recorded and made to fail in this process (file_calls.h). */
 #include "server/disk/log.h"
 

@@ -187,7 +187,7 @@ TEST(snapshot_under_the_name_of_a_log_is_no_log)
     end(&b);
 }
 
-/* Such as what a disk had there before. */
+/* Such as the bytes that a disk had in this place before. */
 TEST(records_of_another_time_behind_damage_do_not_count)
 {
     static const uint64_t numbers[] = {1, 2 + (1 << 30)};

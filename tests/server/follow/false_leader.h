@@ -1,4 +1,4 @@
-/* false_leader.h - a test that is the leader of a follower: it sends what it likes. Any failure ends the test. */
+/* false_leader.h - a test that is the leader of a follower: it can send any bytes. Any failure ends the test. */
 #ifndef TESTS_SERVER_FALSE_LEADER_H
 #define TESTS_SERVER_FALSE_LEADER_H
 

@@ -1,4 +1,4 @@
-/* limits_test.c - a follower whose own limits are lower than what its leader has, and what it does when it cannot go on; how
+/* limits_test.c - a follower whose own limits are lower than the size of its leader, and its state when it cannot continue; how
  * long a leader waits for a follower. */
 #include "server/follow/link.h"
 #include "tests/server/follow/node.h"

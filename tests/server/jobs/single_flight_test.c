@@ -1,4 +1,4 @@
-/* single_flight_test.c - a request for what a job already computes waits for its result. */
+/* single_flight_test.c - a request for a result that a job already computes waits for that result. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

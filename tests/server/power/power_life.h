@@ -38,7 +38,7 @@ struct story {
 /* Begins a story; the tally is kept. */
 void story_begin(struct story *s);
 
-/* Runs one life and examines what it may leave. */
+/* Runs one life and examines the directories that it may leave. */
 void story_live(struct story *s, const struct circumstances *c);
 
 void story_end(struct story *s);

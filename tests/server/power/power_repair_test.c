@@ -112,7 +112,7 @@ static void damage(struct tree *t)
 
 /* ---- repairs ---- */
 
-/* Runs --repair on what is in root/, on this disk; NULL: a good one. Returns its exit status. */
+/* Runs --repair on the files in root/, on this disk; NULL: a good one. Returns its exit status. */
 static int repair(const struct bench *b, const struct power_disk *disk)
 {
     int status;

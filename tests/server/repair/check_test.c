@@ -59,7 +59,7 @@ static const struct oddity {
                 {"a directory", make_directory},
                 {"a socket", make_socket}};
 
-/* The file stays as it is, and what a link leads to, too. */
+/* The file stays as it is, and the target of a link, too. */
 static void check_refused(const struct directory *dir, const char *name, const char *says)
 {
     static const char *const flags[] = {"--data", "--check", "--repair"};

@@ -63,7 +63,7 @@ static bool is_same(const struct text *a, const struct text *b)
     return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
 }
 
-/* Reads what is left of the reply. */
+/* Reads the rest of the reply. */
 static void finish(struct local *l, struct answer *a)
 {
     while (a->next == ANSWER_STREAM) {

@@ -269,7 +269,7 @@ TEST(slow_reader_gets_the_whole_reply_after_half_close)
     free(text);
 }
 
-/* Waits until the daemon has sent what the sockets accept; fails if it never stops sending. */
+/* Waits until the daemon has sent all bytes that the sockets accept; fails if it never stops sending. */
 static void wait_until_quiet(const struct daemon *d)
 {
     for (int i = 0; i < 150; i++) {

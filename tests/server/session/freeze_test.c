@@ -1,4 +1,4 @@
-/* freeze_test.c - a daemon that was stopped for a while reads what has arrived before it judges its clients. */
+/* freeze_test.c - a daemon that was stopped for a while reads the bytes that have arrived before it judges its clients. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* room_test.c - the room of long rows is counted before it is taken, and is exactly what they need. */
+/* room_test.c - the room of long rows is counted before it is taken, and is exact. */
 #include "server/sets/room.h"
 #include "tests/test.h"
 

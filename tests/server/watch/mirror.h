@@ -46,7 +46,7 @@ void mirror_catch_up(struct mirror *m, uint64_t version);
 /* It has what POINTS, or WITHIN, LISTS and CONSTRAINTS say to the connection fd. */
 void mirror_check(struct mirror *m, int fd, bool triangulated);
 
-/* Closes the connection; what it has stays. */
+/* Closes the connection; the copy stays. */
 void mirror_disconnect(struct mirror *m);
 void mirror_free(struct mirror *m);
 
