@@ -15,7 +15,7 @@ bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
                                const struct dt_options *opt, struct dt_added *out);
 
-/* The same with no points: renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them
+/* The same without new points: renumbers the set's vertices in that order; no vertex may be free. DT_CORRUPT: two of them
  * are at one place. */
 enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt);
 

@@ -64,7 +64,7 @@ static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
     return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];
 }
 
-/* Counts those as live that have a value among `first` and the n - 1 ids after it, none of which was live. */
+/* Counts ids as live: those that have a value among `first` and the n - 1 ids after it. None of these was live before. */
 void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n);
 
 /* Removes the value of a live id. */

@@ -36,7 +36,7 @@ static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_i
     out->n += 3;
 }
 
-/* The ring, each point of which is replaced by the triangle that it begins, from the last one on. */
+/* Appends the ring, and replaces each of its points by the triangle that the point begins, from the last one on. */
 enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, struct dt_ids *out)
 {
     size_t from = out->n;

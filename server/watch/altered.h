@@ -1,5 +1,5 @@
-/* altered.h - the constraints that have changed lately: that edits have declared or released, or of which they have moved an
- * end. They are numbered from 0; the oldest ones are forgotten. */
+/* altered.h - the constraints that have changed lately: edits have declared or released them, or have moved one of their
+ * ends. They are numbered from 0; the oldest ones are forgotten. */
 #ifndef SERVER_ALTERED_H
 #define SERVER_ALTERED_H
 

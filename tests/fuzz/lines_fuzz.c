@@ -1,5 +1,5 @@
 /* lines_fuzz.c - libFuzzer target: any bytes as a .poly file, with points of its own or after a NUL byte, and as an OBJ file. The corners of
- * what is read are points; a text that is bad has a fault. */
+ * the lines that are read are points; a bad text has a fault. */
 #include "clients/lines/obj_file.h"
 #include "clients/lines/poly_file.h"
 #include "clients/points/join.h"

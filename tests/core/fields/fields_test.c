@@ -1,5 +1,5 @@
-/* fields_test.c - values of points: what is read now, through views and in copies is what a table says that was
- * written beside. */
+/* fields_test.c - values of points: reads now, through views and in copies must equal a table that is written
+ * beside. */
 #include "core/delaunay_fields.h"
 
 #include "tests/test.h"

@@ -40,8 +40,8 @@ static bool has_near_hints(const struct family *f)
     return strcmp(f->name, "circle_exact") != 0 && strcmp(f->name, "wheel") != 0;
 }
 
-/* A point: 6 make 98 with all else that a set holds. On hundreds of scales grids within grids take
- * what they need. */
+/* Bytes a point: 6 make 98 with all else that a set holds. On hundreds of scales, grids within grids take
+ * more. */
 static size_t most_bytes(const struct family *f)
 {
     return strcmp(f->name, "exponents") == 0 ? 16 : 6;

@@ -1,4 +1,4 @@
-/* scan_test.c - the two scans: what the first one decides is correct, and the second one is
+/* scan_test.c - the two scans: decisions of the first one are correct, and the second one is
  * exact. */
 #include "core/shelling/scan.h"
 

@@ -1,5 +1,5 @@
-/* build_test.c - TRIANGULATE of points that one load has sorted: a worker builds beside the set, and what it has made is
- * installed when nobody is reading a piece of the set. */
+/* build_test.c - TRIANGULATE of points that one load has sorted: a worker builds beside the set, and the result is
+ * installed when no thread is reading a piece of the set. */
 #include "server/command/command.h"
 #include "server/jobs/job.h"
 #include "server/lifecycle.h"

@@ -1,5 +1,5 @@
-/* restart_test.c - watchers of a daemon that is killed and started again: they continue with SINCE, and then have what the set
- * has. */
+/* restart_test.c - watchers of a daemon that is killed and started again: they continue with SINCE, and then equal the
+ * set. */
 #include "tests/server/directory.h"
 #include "tests/server/watch/mirror.h"
 #include "tests/test.h"
