@@ -91,7 +91,7 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
 
 /* Prefetches the triangles and vertices in `lines` cache lines on either side of those at h, a half edge or the content of
  * a cell, whose two lowest bits do not matter. After a build, vertices
- * and triangles, two for each vertex, are in the same spatial order. So what is near in the plane is probably near in memory,
+ * and triangles, two for each vertex, are in the same spatial order. So neighbours in the plane are probably near in memory,
  * too: of the triangles that a search reads, 71 % are within 12 of the first one. */
 static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                                  int lines)
@@ -114,7 +114,7 @@ static inline void dt_hint_fetch_ids(const uint32_t *id, uint32_t h)
     dt_fetch((const void *)(at + FEW));
 }
 
-/* dt_hint. Also prefetches what a walk from there to q will probably read: what is near in memory to the hints of q's cell
+/* dt_hint. Also prefetches the data that a walk from the hint to q will probably read: the memory near the hints of q's cell
  * and of the eight cells around it. */
 uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
                           const struct dt_point *xy, struct dt_point q);
@@ -139,10 +139,10 @@ uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned di
  *
  * Edits update only the cell at their place, so any other cell may point to a record that is dead or reused
  * elsewhere. A reader of a hint therefore checks whether it is good; if it is not, a cell nearby has a better
- * one. When walks have grown long, or the set has, the grid is rebuilt: amortised constant cost. */
+ * one. When walks have grown long, or the set has grown, the grid is rebuilt: amortised constant cost. */
 
-/* The base half edge of a live triangle for q: what the grid has if that is good, else what a cell
- * nearby has. The mesh must have at least two vertices. */
+/* The base half edge of a live triangle for q: the hint of the grid if it is good, else the hint of a cell
+ * nearby. The mesh must have at least two vertices. */
 uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
                       struct dt_point q);
 

@@ -21,8 +21,8 @@ struct dt_places {
     uint64_t seed; /* differs from process to process, so that no input can target one bucket */
 };
 
-/* The hash of a place. Coordinates have structure, most of them many zeros at the end, and equal
- * differences; of such a pair every bit must reach every bit of the result. So x is mixed before y
+/* The hash of a place. Coordinates have structure: most have many zeros at the end, and equal
+ * differences. So every bit of a pair must reach every bit of the result. Thus x is mixed before y
  * joins it, and both by the finalizer of SplitMix64 [Steele, Lea & Flood 2014; its constants are
  * Stafford's Mix13]. Zeros have two signs and are one place. */
 static inline uint64_t dt_place_hash(double column, double row, uint64_t seed)

@@ -1,9 +1,9 @@
 /* locate.c - the walk: from triangle to triangle through an edge that has q strictly on its outer
  * side.
  *
- * In a Delaunay triangulation such a walk never returns to a triangle, whichever edge it takes where two
- * qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud 2002], so it ends. In a
- * triangulation with constraints it may return: there it takes a limited number of steps, and then the straight way (march.h). */
+ * In a Delaunay triangulation such a walk never returns to a triangle, even if two edges qualify and it takes any of
+ * them [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud 2002]. So it ends. In a triangulation
+ * with constraints it may return. Then it takes a limited number of steps, and after these the straight way (march.h). */
 #include "core/query/locate.h"
 
 #include "core/constraints/march.h"
@@ -56,7 +56,7 @@ static inline struct dt_way set_out(const struct dt_mesh *m, const struct dt_poi
     return side < 0 ? (struct dt_way){b, a, dt_twin(m, h)} : (struct dt_way){a, b, h};
 }
 
-/* Rounding errors hide where q is: the edge 0, 1 or 2 of the triangle at t that has q on its outer side, exactly. ARRIVED if
+/* Rounding errors leave the place of q open: the edge 0, 1 or 2 of the triangle at t that has q on its outer side, exactly. ARRIVED if
  * q is in the closed triangle. */
 static uint32_t exact_exit(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                            struct dt_point q, enum dt_where *where, uint32_t *half)

@@ -1,10 +1,10 @@
 /* nearest_fixed.c - the nearest k vertices in a mesh with fixed edges, where a vertex none of whose neighbours is
  * nearer need not be a nearest one.
  *
- * Triangles are visited in the order of the edge across which they are reached: of a lower bound of its distance from
- * q. A disc around q and the hull are convex; so triangles that meet both are connected across edges that meet the
- * disc. A vertex is therefore next if it is nearer than all edges that wait: any vertex that is as near would be in a
- * triangle that has been visited. */
+ * 1. Triangles are visited in the order of a lower bound: the distance from q of the edge across which they are reached.
+ * 2. A disc around q and the hull are convex. So triangles that meet both are connected across edges that meet the disc.
+ * 3. So a vertex is next if it is nearer than all edges that wait: any vertex that is as near is in a triangle that has
+ *    been visited. */
 #include "core/query/locate.h"
 #include "core/query/near.h"
 #include "core/query/nearest.h"

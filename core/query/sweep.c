@@ -1,7 +1,7 @@
 /* sweep.c - large results of a moment: a scan of all rows, a piece at a time.
  *
- * A search along the triangulation visits little more than its result, but it needs the set as it is
- * from the first step to the last. A sweep reads the rows of a view instead, in order of their ids, so
+ * A search along the triangulation visits little more than its result, but the set must not change
+ * from its first step to its last. A sweep reads the rows of a view instead, in order of their ids, so
  * that edits can continue between two pieces. For a result that is a large share of the set, that is no slower. */
 #include "core/control/stop.h"
 #include "core/delaunay.h"
