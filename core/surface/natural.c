@@ -1,27 +1,37 @@
 /* natural.c - means of natural neighbours in doubles: the tour of weights.h, which notes the rim, then sums over the rim.
  *
- * Let c(T) be the doubled circumcentres of the triangles of the disc, and c(i) that of the triangle at the rim edge v(i)
- * v(i+1), r(i) that of this edge with q, all relative to q. Each edge a b between two triangles S and T of the disc adds c(S)
- * x c(T) to the part of a's cell, and takes it from b's; each rim edge does so with c(i) x r(i); and r(i) x r(i-1) is added to
- * the part of v(i). So Sibson's mean of the values z is, with z0 that of v(0),
+ * Names. v(i) v(i+1) is a rim edge; a = v(i) - q, b = v(i+1) - q, e = v(i+1) - v(i), D = a x e; a' is a turned left. A and B
+ * are the angles of the triangle q v(i) v(i+1) at v(i) and v(i+1). Three doubled circumcentres are relative to q: c(T) of a
+ * triangle T of the disc, c(i) of the disc's triangle at the rim edge, r(i) of the triangle q v(i) v(i+1).
  *
- *     z0 + (sum c(S) x c(T) (z(a) - z(b)) + sum c(i) x r(i) (z(i) - z(i+1)) + sum r(i) x r(i-1) (z(i) - z0))
+ *     cot A = -a.e / D,  cot B = b.e / D,  r(i) = a + cot B a'
+ *
+ * Sibson's mean of the values z, where z0 is the value at v(0):
+ *
+ * 1. An edge u w between two triangles S and T of the disc adds c(S) x c(T) to the part of u's cell, and takes it from w's.
+ * 2. A rim edge adds c(i) x r(i) to the part of v(i)'s cell, and takes it from v(i+1)'s.
+ * 3. r(i) x r(i-1) is added to the part of v(i)'s cell.
+ * 4. So the mean is
+ *
+ *     z0 + (sum c(S) x c(T) (z(u) - z(w)) + sum c(i) x r(i) (z(i) - z(i+1)) + sum r(i) x r(i-1) (z(i) - z0))
  *          / sum r(i) x r(i-1).
  *
- * For Laplace's mean, let A and B be the angles of the triangle q v(i) v(i+1) at its rim vertices. The edge between the cells
- * of q and v(i), over the distance of v(i), is the sum of cot B and of cot A of the rim edge before. So the mean is
+ * Laplace's mean:
+ *
+ * 1. The edge between the cells of q and v(i), over the distance of v(i), is half the sum of cot B and of cot A of the rim
+ *    edge before.
+ * 2. So the mean is
  *
  *     z0 + sum (cot B (z(i) - z0) + cot A (z(i+1) - z0)) / sum (cot A + cot B).
  *
- * With a = v(i) - q, b = v(i+1) - q, e = v(i+1) - v(i) and D = a x e, cot B = b.e / D, cot A = -a.e / D, and r(i) is a + cot B
- * a', where a' is a turned left.
+ * Errors:
  *
- * Errors. Where the shares of the values are off by d(i), their mean is off by sum d(i) (z(i) - mean) / sum of the shares, to
- * first order: by not more than sum |d(i)|, over that sum, of the range of the values. What is of second order is much
- * smaller where the bounds below hold, and the factors make up for it. Circumcentres are as exact as is shown below, those
- * of rim edges, too. With L a bound of their lengths, a term of two that are off by e and f is off by L (e + f); each
- * circumcentre is part of three terms. Rounding adds 4 units of DT_U of L^2 for each term, and the sums a unit of all terms
- * before for each. */
+ * 1. If the shares of the values are off by d(i), their mean is off by sum d(i) (z(i) - mean) / sum of the shares, to first
+ *    order. That is at most sum |d(i)| / sum of the shares, times the range of the values.
+ * 2. Second-order terms are negligible under the bounds below; the constant factors cover them.
+ * 3. The errors of circumcentres, also at rim edges, are bounded below. Let L be a bound of their lengths. A term of two
+ *    circumcentres that are off by f and g is off by L (f + g). Each circumcentre is part of three terms.
+ * 4. Rounding adds 4 units of DT_U of L^2 for each term. The sums add, for each term, a unit of all terms before it. */
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/surface/value.h"
@@ -83,14 +93,18 @@ static inline double cross(struct dt_point a, struct dt_point b)
  *
  *     c = s + (t.e / D) s', where s' is s turned left and D = s x e,                doubled and relative to the corner.
  *
- * Errors, in units of DT_U. Each coordinate of s, t and e is off by one unit of itself, so D by 4 |s| |e|, t.e by 4 |t| |e|
- * and their quotient, with the product by a reciprocal, by (4 |t| |e| + 4 |t.e / D| |s| |e|) / |D| + 2 |t.e / D|. Since
- * |s| |t| |e| / |D| = |c|, |t.e / D| |s| <= |c| and |s| <= |c|, that moves c by |c| (6 + 4 F), where F = |s| |e| / |D| =
- * |c| / |t|, and the rest of the formula by 4 |c|. The factors below are a little larger: they make up for what is of second
- * order, and for the rounding of the bounds. F is small where t is long, so t is the longest side of the triangle. |x| + |y|,
- * which is not less, replaces the length of a vector. */
+ * Errors, in units of DT_U. Let F = |s| |e| / |D| = |c| / |t|.
+ *
+ * 1. Each coordinate of s, t and e is off by one unit of itself. So D is off by 4 |s| |e|, and t.e by 4 |t| |e|.
+ * 2. Their quotient, by a reciprocal and a product, is off by (4 |t| |e| + 4 |t.e / D| |s| |e|) / |D| + 2 |t.e / D|.
+ * 3. |s| |t| |e| / |D| = |c| and |t.e / D| |s| <= |c|. So step 2 moves c by at most |c| (6 + 4 F).
+ * 4. |s| <= |c|, so the rest of the formula moves c by at most 4 |c|.
+ * 5. The factors below are a little larger: they cover second-order terms and the rounding of the bounds.
+ *
+ * F is small if t is long, so t is the longest side of the triangle. |x| + |y|, which is not less, replaces the length of a
+ * vector. */
 
-/* How far a computed centre may be from where it is, over its length, for F as above. */
+/* The largest error of a computed centre, over its length, for F as above. */
 #define CENTRE_ERROR(f) (DT_U * (10.2 + 4.1 * (f)))
 
 struct dt_circle {
@@ -140,11 +154,14 @@ static uint32_t first_corner(const struct dt_point p[3])
     return is_longer(p, square, 2, longest) ? 2 : longest;
 }
 
-/* How much the squares of the distances of a place and of the corners from the centre, as they are rounded, may seem to
- * differ where they do not: of a centre of this length and error. A place as far from the centre as a corner has it at c,
- * where c is off by `error` and by 3 units of the length (circle_from), and so the lengths differ by at most 2 `error` +
- * 3 units; nearer and farther places come to the same, since their units are those of c, less than one for each that the
- * length differs by. A square is off by the length twice that, and by 2 units of itself. */
+/* The largest difference that rounding can cause between the squared distances of a place and of a corner from a centre of
+ * this length and error, if both are equally far.
+ *
+ * 1. The place sees the centre at c, which is off by `error` and by 3 units of the length (circle_from).
+ * 2. So the two lengths differ by at most 2 `error` + 3 units.
+ * 3. A square differs by twice the length times that, and is rounded by 2 units of itself.
+ * 4. If the place is nearer or farther, the errors change by less than the difference of the lengths. So a difference
+ *    beyond the bound has the right sign. */
 static double doubt(double length, double error)
 {
     return 2.1 * length * (2 * error + 9 * DT_U * length);
@@ -210,8 +227,8 @@ static inline const struct dt_circle *circle_of(struct dt_valuer *v, uint32_t tr
     return k;
 }
 
-/* Whether q is inside of the circle of the triangle; *centre becomes its centre from there, which only Sibson's mean needs, and
- * *error that of circles. Where no circles are kept, most of them are not made. */
+/* Whether q is inside of the circle of the triangle. *centre becomes its centre relative to q, which only Sibson's mean
+ * needs, and *error the error of the circle. If no circles are kept, most circles are not made. */
 static inline __attribute__((always_inline)) bool is_in_disc(struct dt_valuer *v, uint32_t triangle,
                                                              struct dt_point q, bool sibson,
                                                              struct dt_point *centre, double *error)
@@ -303,7 +320,7 @@ static inline bool tour(struct dt_valuer *v, struct dt_point q, uint32_t first, 
 
 /* ---- sums over the rim ---- */
 
-/* Both lanes count for the rim edges i and i + 1, or the first one if there are no more. */
+/* Both lanes count for the rim edges i and i + 1, or only the first one if i is the last rim edge. */
 static inline dt_lanes counting(const struct rim *r, uint32_t i)
 {
     return (dt_lanes){1, i + 1 < r->edges ? 1 : 0};
@@ -368,7 +385,7 @@ static inline double total(dt_lanes a)
     return a[0] + a[1];
 }
 
-/* At least what the shares' errors add up to. */
+/* A bound of the sum of the shares' errors. */
 static inline double error_of(const struct disc *d, const struct rim *r, const struct sums *s,
                               bool sibson)
 {

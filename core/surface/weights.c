@@ -1,16 +1,17 @@
 /* weights.c - see weights.h.
  *
  * Sibson's weight of a natural neighbour v of q is the share of q's Voronoi cell that would be taken from v's
- * [Sibson, "A vector identity for the Dirichlet tessellation", 1980]; Laplace's is the length of the edge
+ * [Sibson, "A vector identity for the Dirichlet tessellation", 1980]. Laplace's weight is the length of the edge
  * between the two cells over the distance of v [Belikov et al., "The non-Sibsonian interpolation", 1997; Sugihara
  * 1999]. Both reproduce linear functions, so q is the weighted mean of its neighbours.
  *
- * The formulas are evaluated in doubles, with a bound of the error; where it is too large in double words; and
- * where that is not enough in numbers of 2,500 bits, which are always enough: differences of coordinates and
- * the D of the formulas are then exact, the coordinates of circumcentres that are corners of the cell are below
- * 2^610, their relative errors below 2^-2480, and the area of the cell is at least that of the disc of half the
- * distance to the nearest neighbour, 2^-392: so errors of areas are below 2^-2480 2^1220 2^40 of 2^-392, whatever
- * the number of neighbours. */
+ * The formulas are evaluated in doubles, with a bound of the error. If the bound is too large, they are evaluated in
+ * double words, and if that is not enough, in numbers of 2,500 bits, which are always enough:
+ *
+ * 1. Differences of coordinates and the D of the formulas are exact.
+ * 2. Circumcentres that are corners of the cell have coordinates below 2^610, with relative errors below 2^-2480.
+ * 3. So the errors of areas add up to less than 2^-2480 2^1220 2^40, for any number of neighbours.
+ * 4. The area of the cell is at least 2^-392: the area of the disc with half the distance to the nearest neighbour. */
 #include "core/surface/weights.h"
 
 #include "core/exact/bignum.h"
@@ -141,7 +142,7 @@ static bool reserve(struct dt_weigher *w)
 
 /* ---- the tour ---- */
 
-/* What a step of the tour takes, with its share of the weights, in steps of dt_work: it decides an incircle test. */
+/* The cost of a step of the tour, with its share of the weights, in steps of dt_work: it decides an incircle test. */
 #define TOUR_WORK 4
 
 static void enter(struct dt_weigher *w, const struct dt *t, uint32_t half)
@@ -207,7 +208,7 @@ static enum dt_status make_tour(struct dt_weigher *w, const struct dt *t, uint32
     return dt_work(work, TOUR_WORK * (w->steps & DT_WORK_MASK));
 }
 
-/* ---- what is read from the set ---- */
+/* ---- reading the set ---- */
 
 static void put(struct dt_weigher *w, uint32_t id, double weight)
 {
@@ -215,7 +216,7 @@ static void put(struct dt_weigher *w, uint32_t id, double weight)
     w->weight[w->n++] = weight;
 }
 
-/* From the smaller id. q is on the edge, so one coordinate tells how far along: the one in which the ends differ more. */
+/* From the smaller id. q is on the edge, so one coordinate gives its position: the one in which the ends differ more. */
 static void weigh_on_edge(const struct dt *t, uint32_t half, struct dt_weigher *w)
 {
     uint32_t u = dt_origin(&t->mesh, half), v = dt_dest(&t->mesh, half);
