@@ -1,10 +1,10 @@
 /* delaunay_constraints.h - the core's public header for constraints: straight segments between points that the
  * triangulation keeps; see delaunay.h.
  *
- * A constraint is a pair of ids, a kind and a number. It stands between the representatives of its ids; if both have
- * the same, it has no edges. The triangulation of a set with constraints is the constrained Delaunay triangulation:
- * every constraint is an edge, or a chain of edges through the vertices that lie exactly on it; every other edge is
- * locally Delaunay under the symbolic perturbation (delaunay.h). It is the only such triangulation, so it depends on
+ * A constraint is a pair of ids, a kind and a number. It stands between the representatives of its ids. If both have the
+ * same representative, it has no edges. The triangulation of a set with constraints is the constrained Delaunay
+ * triangulation. Every constraint is an edge, or a chain of edges through the vertices that lie exactly on it. Every other
+ * edge is locally Delaunay under the symbolic perturbation (delaunay.h). It is the only such triangulation, so it depends on
  * the representatives' coordinates and the constraints alone [Agarwal, Arge & Yi 2005; Shewchuk & Brown 2015].
  *
  * Constraints may share ends, touch, overlap, and run through vertices. Two that cross where no vertex is are refused
@@ -53,7 +53,7 @@ enum dt_status dt_release(struct dt *t, const struct dt_constraint *c, size_t n,
 /* An upper bound of the bytes that dt_constrain of n constraints touches at its peak beyond dt_summary.memory. */
 size_t dt_constrain_memory(const struct dt *t, size_t n);
 
-/* How many there are. */
+/* The number of constraints. */
 uint32_t dt_constraints_count(const struct dt *t);
 
 /* A growing array. Start with {0}; its owner frees v. */
@@ -62,21 +62,21 @@ struct dt_constraint_list {
     size_t n, cap;
 };
 
-/* All constraints, or those with the end `id` unless that is DT_NONE, now or at the moment of a view, in an array that
- * *rows is set to and the caller frees: a < b, sorted by a, b, lines before borders, number. */
+/* All constraints, or those with the end `id` unless that is DT_NONE, now or at the moment of a view. The caller frees their
+ * array *rows: a < b, sorted by a, b, lines before borders, number. */
 enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint32_t id,
                               struct dt_constraint **rows, size_t *n);
 
-/* The same piece by piece, between which the set may be edited if a view is read: appends the constraints whose smaller end is *from or
- * an id after it, until that has taken `steps` steps: of constraints, and of ids that are ends. *from becomes the next id,
- * DT_NONE at the end. Those of an id are read at once. DT_NOMEM: what was appended and *from are without meaning. */
+/* The same piece by piece; if a view is read, the set may be edited between the pieces. Appends the constraints whose smaller end
+ * is *from or an id after it, until that has taken `steps` steps: of constraints, and of ids that are ends. Then *from is the
+ * next id, DT_NONE at the end. The constraints of an id are read at once. DT_NOMEM: the appended rows and *from are undefined. */
 enum dt_status dt_constraints_read(const struct dt *t, const struct dt_view *v, uint32_t *from,
                                    size_t steps, struct dt_constraint_list *out);
 
 /* < 0 if the constraint at a is before that at b in this order, 0 if they are the same; ends ascending. */
 int dt_constraint_compare(const void *a, const void *b);
 
-/* How many end at the id, but at most `most`, which the cost is, too. */
+/* The number of constraints that end at the id, but at most `most`. The cost is `most`, too. */
 size_t dt_constraints_at(const struct dt *t, uint32_t id, size_t most);
 
 /* Whether it is declared; its ids are in any order. Cost: constant. */
@@ -93,7 +93,8 @@ struct dt_touched_constraint {
     bool moved;            /* an end has moved; else it has been declared or released */
 };
 
-/* What edits have touched since the last call, as dt_touched_take (delaunay.h); in the order of the edits, possibly repeated. */
+/* Returns the constraints that edits have touched since the last call, as dt_touched_take (delaunay.h); in the order of the edits, possibly
+ * repeated. */
 bool dt_touched_take_constraints(struct dt *t, const struct dt_touched_constraint **rows,
                                  size_t *n);
 
@@ -103,7 +104,7 @@ enum dt_status dt_constrained_edges(const struct dt *t, struct dt_ids *out);
 /* The constraints that the last DT_CROSSES was about. */
 void dt_crossed(const struct dt *t, struct dt_crossed *out);
 
-/* What makes constraints that would cross share points instead. */
+/* A plan that lets constraints that would cross share points instead. */
 struct dt_split {
     struct dt_point
         *point; /* owns, as the next two: to be added; they get the ids from dt_next_id on */
@@ -119,10 +120,10 @@ struct dt_split {
     struct dt_crossed crossed;
 };
 
-/* Plans n constraints, and changes nothing: to carry it out, dt_add_values the points, dt_release, dt_constrain, which then do
- * not fail but for memory. In rounds, all crossings are
- * found exactly, each is rounded once to the nearest place that dt_coordinate_ok accepts, and all constraints through it
- * are replaced by their parts; a point that would coincide with one that is there is not added. Borders of a number whose
+/* Plans n constraints, and changes nothing. To carry it out, dt_add_values the points, dt_release, dt_constrain; these calls
+ * then fail only for lack of memory. In rounds, all crossings are found exactly. Each is rounded once to the nearest place
+ * that dt_coordinate_ok accepts, and all constraints through it are replaced by their parts. A point that would coincide with
+ * an existing one is not added. Borders of a number whose
  * parts come to lie on one another cancel out in pairs. From the second round on, a crossing moves to an end of one of the
  * two that is some units of the last place from the other one. The value of a field at a new point is the mean of those of the
  * constraints through it, which are linear between their ends. In a set that has not been triangulated, declared constraints that cross
@@ -134,15 +135,15 @@ enum dt_status dt_plan_split(struct dt *t, const struct dt_constraint *c, size_t
                              size_t crossings, const struct dt_options *opt, struct dt_split *out,
                              uint32_t *missing);
 
-/* An upper bound of the bytes that planning n constraints with so many crossings touches at its peak beyond dt_summary.memory, and
- * those of the plan. */
+/* An upper bound of the bytes that planning n constraints with `crossings` crossings touches at its peak beyond
+ * dt_summary.memory, and of the bytes of the plan. */
 size_t dt_split_memory(const struct dt *t, size_t n, size_t crossings);
 
 void dt_split_clear(struct dt_split *out);
 
-/* Takes the last n points that were added back, which are no ends and no others have been added since: it is as if they had
- * never been there, and the next one gets the first one's id. Fields that came with them stay. Cost: as dt_delete; of many,
- * a build. */
+/* Takes the last n points that were added back; they are no ends, and no others have been added since. Afterwards the set is
+ * as if they had never existed, and the next point gets the first one's id. Fields that came with them stay. Cost: as
+ * dt_delete; of many, a build. */
 void dt_take_back(struct dt *t, uint32_t n);
 
 /* dt_delete_many of points that may be ends of constraints, which are released. (dt_delete_many refuses such an id:
@@ -158,7 +159,7 @@ enum dt_status dt_move_many(struct dt *t, const uint32_t *ids, const struct dt_p
 
 /* ---- meshes to order ---- */
 
-/* What triangles inside closed borders should be like; 0: no limit. */
+/* The limits for triangles inside closed borders; 0: no limit. */
 struct dt_quality {
     double angle;    /* no angle is smaller: degrees, below 60 */
     double area;     /* no area is larger, */
@@ -186,27 +187,27 @@ struct dt_refined {
  * DT_OPEN, also if all borders are; DT_CANCELLED, DT_NOMEM, and what `reserve` returns: *out is empty. It makes a copy of the set.
  * Cost: a build, and a few insertions for each new point.
  * An angle is too small if its squared cosine is larger than the double nearest to cos^2 of the limit; decisions are exact.
- * Off-centres [Uengoer, "Off-centers: a new type of Steiner points for computing size-optimal quality-guaranteed Delaunay
- * triangulations", 2004]; edges with a vertex in their circle, and shells [Ruppert, "A Delaunay refinement algorithm for quality
- * 2-dimensional mesh generation", 1995]. */
+ * The method: off-centres [Uengoer, "Off-centers: a new type of Steiner points for computing size-optimal quality-guaranteed
+ * Delaunay triangulations", 2004]. Also edges with a vertex in their circle, and shells [Ruppert, "A Delaunay refinement
+ * algorithm for quality 2-dimensional mesh generation", 1995]. */
 enum dt_status dt_plan_refine(struct dt *t, const struct dt_quality *q,
                               const struct dt_options *opt, struct dt_refined *out);
 
-/* An upper bound of the bytes that a plan with so many new points touches at its peak beyond dt_summary.memory. */
+/* An upper bound of the bytes that a plan with `points` new points touches at its peak beyond dt_summary.memory. */
 size_t dt_refine_memory(const struct dt *t, size_t points);
 
 /* ---- regions ----
  *
- * A place is inside the border of number k if a way from there to infinity that meets no vertex crosses the border
- * constraints of that number an odd number of times, each as often as constraints cover the edge. The border is closed
+ * Take a way from a place to infinity that meets no vertex. The place is inside the border of number k if the way crosses the
+ * border constraints of that number an odd number of times, each as often as constraints cover the edge. The border is closed
  * if every representative is the end of an even number of them; nothing is inside an open one. "Inside" alone means
  * inside at least one.
  *
  * Regions are found by dt_survey. Edits of points and of lines keep them current; a change of borders, or of the place of
  * an end of one, or a rebuild, does not: then the queries answer DT_UNSURVEYED. */
 
-/* Finds the regions of a set whose triangulation is current (else DT_UNTRIANGULATED); cheap if they are known. opt may be
- * NULL: its flag is polled, and DT_TOOLONG is returned at once if there are more triangles than steps. Cost: the
+/* Finds the regions of a set whose triangulation is current (else DT_UNTRIANGULATED); cheap if they are known. If opt is not
+ * NULL, its flag is polled, and DT_TOOLONG is returned at once if there are more triangles than steps. Cost: the
  * edges of borders, and the triangles. */
 enum dt_status dt_survey(struct dt *t, const struct dt_options *opt);
 
@@ -234,9 +235,9 @@ struct dt_region {
 enum dt_status dt_regions(const struct dt *t, struct dt_region **rows, size_t *n,
                           struct dt_region *inside);
 
-/* Appends to *in the numbers of the borders that have the place inside, and to *on those whose region it is on the edge
- * of: some way from there is inside and some other one is not. Each ascending. opt may be NULL: its steps (DT_TOOLONG) and its
- * flag. Cost: as dt_locate, and the logarithm of the borders for each; at a vertex, for each triangle there. */
+/* Appends to *in the numbers of the borders that have the place inside. Appends to *on the numbers of the borders whose region has
+ * the place on its edge: some way from the place is inside and some other one is not. Each ascending. opt may be NULL: its steps
+ * (DT_TOOLONG) and its flag. Cost: as dt_locate, and the logarithm of the borders for each; at a vertex, for each of its triangles. */
 enum dt_status dt_regions_at(const struct dt *t, struct dt_point q, const struct dt_options *opt,
                              struct dt_ids *in, struct dt_ids *on);
 
@@ -248,8 +249,8 @@ enum dt_status dt_region_check(const struct dt *t, uint32_t number);
 bool dt_has_closed_border(const struct dt *t);
 
 /* Appends the rows of DT_TRIANGLES or DT_EDGES, in their order, that are inside the border of the number, or inside any
- * if that is DT_NONE; an edge is inside if a triangle on one of its sides is. Errors of dt_region_check, but there may be no border at all. opt may be NULL: its
- * flag is polled. Cost: linear, and the sorting. */
+ * if that is DT_NONE. An edge is inside if a triangle on one of its sides is. Errors of dt_region_check, but there may be no
+ * border at all. opt may be NULL: its flag is polled. Cost: linear, and the sorting. */
 enum dt_status dt_inside(const struct dt *t, uint32_t number, enum dt_table table, bool cw,
                          const struct dt_options *opt, struct dt_ids *out);
 

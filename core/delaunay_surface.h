@@ -28,8 +28,8 @@ struct dt_weight {
     double weight; /* at least 0 */
 };
 
-/* Reads what the weights at q are computed from into *out, which the caller frees. opt may be NULL: its flag and
- * its steps. Cost: that of dt_locate and the number of natural neighbours. */
+/* Reads the data of the weights at q into *out, which the caller frees. opt may be NULL: its flag and
+ * its steps. Cost: as dt_locate, and the number of natural neighbours. */
 struct dt_weigher;
 enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_interpolation how,
                                 const struct dt_options *opt, struct dt_weigher **out);
@@ -39,8 +39,8 @@ size_t dt_weights_memory(const struct dt_weigher *w, bool exact);
 
 /* The *n weights, by ascending ids, in *out, which the caller frees; none outside the hull; at a point 1; on an
  * edge of the hull linear along the edge. Does not read the set. opt may be NULL: its flag is polled. Cost: the
- * number of natural neighbours; some thousand times as much where double words are not exact enough: DT_TOOLONG
- * then if opt limits the steps, and it may be called again. */
+ * number of natural neighbours; some thousand times more if double words are not exact enough. If opt limits the steps, it
+ * then returns DT_TOOLONG, and may be called again. */
 enum dt_status dt_weights_end(struct dt_weigher *w, const struct dt_options *opt,
                               struct dt_weight **out, size_t *n);
 
@@ -95,14 +95,14 @@ static inline uint32_t dt_surface_numbers(const struct dt_surface *s)
 }
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of
- * the set; its view must be open until then. Cost: one step for DT_FIELD_PAGE ids. */
+ * the set; its view must stay open for as long. Cost: one step for DT_FIELD_PAGE ids. */
 enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
                                 const struct dt_view *v);
 void dt_surface_end(struct dt_surface *s);
 
-/* Cells of a box, in rows from the north (hi.y) to the south, each from west to east. Cell i of a row of n has its
- * centre at lo.x + (hi.x - lo.x) (2 i + 1) / (2 n), row j of n at hi.y - (hi.y - lo.y) (2 j + 1) / (2 n), as these
- * round, and 0 where dt_coordinate_ok refuses so small a number. */
+/* Cells of a box, in rows from the north (hi.y) to the south, each from west to east. Centres are rounded, and 0 if
+ * dt_coordinate_ok refuses so small a number. The centre of cell i of a row of n is at lo.x + (hi.x - lo.x) (2 i + 1) / (2 n).
+ * The centre of row j of n is at hi.y - (hi.y - lo.y) (2 j + 1) / (2 n). */
 struct dt_raster {
     struct dt_point lo, hi;
     uint32_t columns, rows; /* at least 1 */
@@ -113,8 +113,8 @@ struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell);
 /* The values at n places, or at the centres of n cells from the cell `from` on. Of each place, the numbers of all surfaces follow
  * each other. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of
  * them are written, and the call may be repeated for the others; all n if DT_OK. opt may be NULL: its flag and its
- * steps. Cost: that of dt_locate for each place; for cells, the number of cells and of triangles along their rows; and
- * the number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
+ * steps. Cost: for each place, as dt_locate; for cells, the number of cells and of triangles along their rows. For both, the
+ * number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
  * is n or 0. */
 enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const struct dt_point *q,
                          size_t n, const struct dt_options *opt, double *out, size_t *done);
@@ -122,8 +122,8 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
 
-/* Which cells have their centres inside the border of the number, or inside any if that is DT_NONE, or on its edge: bit i % 8 of
- * bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is
+/* Finds the cells that have their centres inside the border of the number, or on its edge; inside any border if the number is
+ * DT_NONE. Bit i % 8 of bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is
  * polled, and its pool is used. Cost: a byte for each 8 cells; the time for the cells, and for the triangles along their rows. */
 enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
                                 const struct dt_options *opt, uint8_t *bits);
@@ -136,8 +136,8 @@ enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struc
  *     while (rows > 0);
  *     dt_profile_free(p);
  *
- * Each of the n places has a row. Along each piece, in their order, so has every vertex strictly between its ends, and every edge
- * whose inside crosses the piece there. A piece that runs along edges passes their ends. The choice of rows is exact. Outside the
+ * Each of the n places has a row. Along each piece, in their order, every vertex strictly between its ends has one, and every edge
+ * whose inside crosses the piece. A piece that runs along edges passes their ends. The choice of rows is exact. Outside the
  * hull only places have rows. Rows depend on the points, their values, the constraints and the places alone. */
 struct dt_profile_row {
     double distance; /* of the way from the first place */
@@ -165,18 +165,18 @@ enum dt_status dt_profile_read(struct dt_profile *p, struct dt_profile_row *row,
 
 void dt_profile_free(struct dt_profile *p); /* NULL: nothing */
 
-/* ---- Voronoi cells: what is nearer to one point than to all others, clipped to a box ----
+/* ---- Voronoi cells: the places that are nearer to one point than to all others, clipped to a box ----
  *
- * Every corner of a cell is an exact place, a circumcentre, a point where a bisector meets a side of the box, or a corner
- * of the box, of which each coordinate is rounded once to the nearest double. So cells that share an edge have the
- * same bytes there, and the cells tile the box: with their signs, the areas of the polygons add up to it exactly. x and y
- * grow and fall once each around a cell. Cells that are thinner than the distance of neighbouring doubles may
- * lose their area or overlap by as much. Corners of several triangles on one circle are one corner.
+ * Every corner of a cell is an exact place: a circumcentre, a point at which a bisector meets a side of the box, or a corner
+ * of the box. Each of its coordinates is rounded once to the nearest double. So cells that share an edge have the same bytes
+ * along it, and the cells tile the box: with their signs, the areas of the polygons add up to it exactly. Both x and y
+ * grow and fall once around a cell. Cells that are thinner than the distance of neighbouring doubles may
+ * lose their area or overlap by that distance. Corners of several triangles on one circle are one corner.
  *
  * Cells are read as tables are (dt_table_begin), by the ids of the representatives. The same set gives the same bytes,
- * whatever its history and its triangulation of cocircular points. */
+ * for any history and any triangulation of cocircular points. */
 
-/* What finds the box around all points, a piece at a time. Start with {0}. */
+/* The search for the box around all points, a piece at a time. Start with {0}. */
 struct dt_bounds {
     struct dt_point lo, hi; /* so far */
     bool any;
@@ -185,13 +185,13 @@ struct dt_bounds {
     uint32_t ghost, from;
 };
 
-/* Takes about `steps` points into account, and sets *done when the box is that of all points, as of the view or, if
- * it is NULL, now: that of the hull while the view's set has not been edited, of all rows otherwise. The view must be one
+/* Takes about `steps` points into account, and sets *done when the box is complete, as of the view or, if it is NULL, now.
+ * It is the box of the hull while the view's set has not been edited, and of all rows otherwise. The view must be one
  * that reads rings. Cost: O(steps). */
 enum dt_status dt_bounds_read(const struct dt *t, const struct dt_view *v, struct dt_bounds *b,
                               size_t steps, bool *done);
 
-/* The usual box for cells: the box grown by half of its longer side, or, around a single place, by the largest of 1,
+/* The usual box for cells: the box grown by half of its longer side. Around a single place it grows by the largest of 1,
  * |x| and |y|. {0, 0} to {1, 1} if there is no point. */
 void dt_bounds_grow(const struct dt_bounds *b, struct dt_point *lo, struct dt_point *hi);
 
@@ -225,11 +225,11 @@ bool dt_cells_cut(const struct dt *t, struct dt_cells *c, uint32_t ids, struct d
 void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one);
 
 /* The next cells, at most `room`, into cell[], and their corners into corner[cap], counterclockwise from the least by x,
- * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the
- * end, and *corners how many corners they have together; what follows these in corner[] is undefined. DT_TOOSMALL: the
+ * then y. A cell has at least three corners, or none if it is not in the box or touches it only. Then *n is the number of
+ * cells, 0 at the end, and *corners the number of their corners; corner[] is undefined behind these. DT_TOOSMALL: the
  * next cell alone has at most *corners. DT_TOOLONG: the steps of opt end after *n cells; 0: the next one alone takes more.
  * DT_CANCELLED. Cost: linear in the corners (times in tests/bench); single corners that double words do
- * not decide cost hundreds of times as much. */
+ * not decide cost hundreds of times more. */
 enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);
@@ -256,7 +256,7 @@ enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
 enum dt_status dt_areas_make_begin(const struct dt *t, const struct dt_cells *c,
                                    struct dt_cells_made **out);
 
-/* Makes about so many more cells. *done: all are made. DT_NOMEM, DT_CANCELLED by the flag of opt, which may be NULL. Cost:
+/* Makes about `points` more cells. *done: all are made. DT_NOMEM, DT_CANCELLED by the flag of opt, which may be NULL. Cost:
  * linear. */
 enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
                              const struct dt_options *opt, uint32_t points, bool *done);
@@ -264,7 +264,7 @@ enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
 /* Bytes that it has after the first dt_cells_make; many cells that the box cuts can add to that. */
 size_t dt_cells_made_memory(const struct dt_cells_made *m);
 
-/* How many corners the cells have together; not of areas. */
+/* The number of corners that all cells have together; not of areas. */
 uint64_t dt_cells_made_corners(const struct dt_cells_made *m);
 
 void dt_cells_made_free(struct dt_cells_made *m); /* NULL: nothing */
@@ -284,10 +284,10 @@ struct dt_alpha;
 enum dt_status dt_alpha_begin(const struct dt *t, const struct dt_view *v, double radius,
                               struct dt_alpha **out);
 
-/* Reads the stars of about so many more points. *done: there are no more. Cost: their degrees. */
+/* Reads the stars of about `points` more points. *done: all have been read. Cost: their degrees. */
 enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t points, bool *done);
 
-/* Bytes that it has at most when as many more points have been read, and dt_alpha_end with its result; points with more
+/* Bytes that it has at most after `points` more points have been read, and dt_alpha_end with its result; points with more
  * than six neighbours can add to that. */
 size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points);
 
@@ -334,7 +334,7 @@ double dt_polygon_area(const struct dt_point *corner, size_t n);
  * cells. Returns how many; 0 at the end. */
 size_t dt_areas_read(struct dt_cells *c, uint32_t *id, double *area, size_t room);
 
-/* Those of n cells, with the same bytes, into area[n]; corner[]: their corners, those of one cell after the other, as
+/* The areas of n cells, with the same bytes, into area[n]; corner[]: their corners, cell after cell, as
  * dt_cells_read writes them. Faster than one by one. */
 void dt_cell_areas(const struct dt_cell *cell, size_t n, const struct dt_point *corner,
                    double *area);
@@ -346,10 +346,11 @@ bool dt_view_is_current(const struct dt *t, const struct dt_view *v);
 /* ---- contours: where the linear surface has a value ----
  *
  * A point whose value is the level, or more, is above it. In every triangle that has corners above and below, the
- * line goes straight from edge to edge, with the higher ground on its left; on an edge it is at a place that depends
- * on its ends, their values and the level alone. So lines never branch and never cross; they may touch at a point
- * whose value is the level. A line is closed, or it begins and ends where there is no surface: at the hull, or at
- * a triangle that has an edge longer than max_edge, a corner without a value, or is not inside (dt_contour_inside).
+ * line goes straight from edge to edge, with the higher ground on its left. Its place on an edge depends on the ends of the
+ * edge, their values and the level alone. So lines never branch and never cross; they may touch at a point
+ * whose value is the level. A line is closed, or it begins and ends where there is no surface. There is none outside the
+ * hull, and none in a triangle that has an edge longer than max_edge or a corner without a value, or is not inside
+ * (dt_contour_inside).
  *
  * The order is canonical. A closed line begins on the edge whose ids come first, the smaller one compared first; lines
  * are sorted by their levels, and then by the edges on which they begin. Places that are equal to the one before are
@@ -382,8 +383,8 @@ struct dt_contour_line {
     size_t n;
 };
 
-/* `level`: ascending, copied. The view must be one that reads rings, open until the last dt_contour_read; NULL: now,
- * and the set must not change until then. Cost: 4 bytes for each id. */
+/* `level`: ascending, copied. The view must be one that reads rings, open until the last dt_contour_read. NULL: now,
+ * and the set must not change until the last dt_contour_read. Cost: 4 bytes for each id. */
 enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge, struct dt_contour **out);
@@ -473,7 +474,7 @@ struct dt_volumes {
 };
 
 /* Volumes over `minus`, or over the level if it is NULL. The view must be one that reads rings, begun since the last edit, and open
- * until the last dt_volume_read. Without a view (NULL) the set must not change until then. Cost: 8 bytes for each id. */
+ * until the last dt_volume_read. Without a view (NULL) the set must not change until the last one. Cost: 8 bytes for each id. */
 enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
                                const struct dt_field *field, const struct dt_field *minus,
                                double level, struct dt_volume **out);

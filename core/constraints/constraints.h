@@ -22,7 +22,7 @@ struct dt_constraints *dt_constraints_new(struct dt_pages *pages);
 void dt_constraints_free(struct dt_constraints *c);
 size_t dt_constraints_memory(const struct dt_constraints *c);
 
-/* What is declared, into a new *copy. */
+/* Copies the declared constraints into a new *copy. */
 enum dt_status dt_constraints_copy(const struct dt_constraints *c, struct dt_constraints **copy);
 
 #endif

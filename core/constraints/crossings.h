@@ -25,7 +25,7 @@ bool dt_segments_cross(const struct dt_segment *a, const struct dt_segment *b);
 enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop *work,
                             struct dt_pairs *out);
 
-/* Where two segments that cross do so: either coordinate is the nearest one that dt_coordinate_ok accepts, ties to even. */
+/* The place of the crossing of two segments that cross: each coordinate is the nearest one that dt_coordinate_ok accepts, ties to even. */
 struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b);
 
 #endif

@@ -53,13 +53,13 @@ static uint64_t hash(const struct dt_declared_row *r)
     return (key ^ key >> 32 ^ (uint64_t)r->what << 16) * 0xd6e8feb86659fd93u;
 }
 
-/* The place, of so many, at which the search for a row begins. */
+/* The place, among `places`, at which the search for a row begins. */
 static uint32_t home(const struct dt_declared_row *r, uint32_t places)
 {
     return (uint32_t)((hash(r) >> 32) * places >> 32);
 }
 
-/* What the table has beside the number of a row: 0 to 14, so that no entry is DT_NONE. */
+/* The tag that the table has beside the number of a row: 0 to 14, so that no entry is DT_NONE. */
 static uint32_t tag(const struct dt_declared_row *r)
 {
     return (uint32_t)((hash(r) & 0xff) * 15 >> 8) << ROW_BITS;
@@ -80,7 +80,7 @@ static bool equal(const struct dt_declared_row *a, const struct dt_declared_row 
     return a->end[0] == b->end[0] && a->end[1] == b->end[1] && a->what == b->what;
 }
 
-/* Where the row is, or a free place where it could be. */
+/* The place of the row, or a free place in which it could be. */
 static uint32_t place_of(const struct dt_declared *d, const struct dt_declared_row *r)
 {
     uint32_t i = home(r, d->places), own = tag(r);

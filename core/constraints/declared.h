@@ -51,7 +51,7 @@ enum dt_status dt_declared_add(struct dt_declared *d, const struct dt_constraint
 /* Removes a live row. */
 void dt_declared_remove(struct dt_declared *d, uint32_t row);
 
-/* What a row is. */
+/* Returns the constraint of a row. */
 struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row);
 
 /* The rows at an end, one after the other, DT_NONE at the end. */

@@ -122,7 +122,7 @@ enum dt_status dt_enforce_look(struct dt_enforcer *e, uint32_t a, uint32_t b, st
 
 /* ---- one part ---- */
 
-/* How many steps from i on are of one part. */
+/* Returns how many steps from i on belong to one part. */
 static size_t part_length(const struct dt_enforcer *e, size_t i)
 {
     size_t n = 1;
@@ -213,7 +213,7 @@ static uint32_t flip_part(struct dt_enforcer *e, uint32_t edge)
     return dt_prev(edge);
 }
 
-/* Makes the part of that many steps an edge; there is room. Returns a half edge of it. */
+/* Makes the part of `length` steps an edge; there is room. Returns a half edge of that edge. */
 static uint32_t make_edge(struct dt_enforcer *e, const uint32_t *step, size_t length)
 {
     if ((*step & ALONG) != 0)

@@ -27,7 +27,7 @@ struct dt_enforcer {
 void dt_enforcer_clear(struct dt_enforcer *e);
 size_t dt_enforcer_memory(const struct dt_enforcer *e);
 
-/* Fixes the edge between two vertices once more, if there is one; *done. Cost: the smaller degree. */
+/* Adds one to the times that the edge between two vertices is fixed, if there is such an edge; *done. Cost: the smaller degree. */
 enum dt_status dt_enforce_edge(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work,
                                bool *done);
 
@@ -35,7 +35,7 @@ enum dt_status dt_enforce_edge(struct dt_enforcer *e, uint32_t a, uint32_t b, st
  * The fixed edges that it crosses are in e->crossed then; only if there are none, it can be fixed. */
 enum dt_status dt_enforce_look(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work);
 
-/* Fixes the way just found, once more. DT_NOMEM from dt_enforce: nothing is changed. Afterwards dt_enforce_mend is
+/* Adds one to the times that the way just found is fixed. DT_NOMEM from dt_enforce: nothing is changed. Afterwards dt_enforce_mend is
  * due, which may follow several ways. The mesh has dt_fixed_begin behind it. */
 enum dt_status dt_enforce(struct dt_enforcer *e);
 

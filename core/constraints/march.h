@@ -1,10 +1,14 @@
 /* march.h - the straight way through a mesh from a vertex: the edges that it crosses, the vertices that it runs through.
  *
- *            w               A way from the vertex `from` to the place q, of which q's triangle is not known. It crosses half
- *          / | \             edges u->w, whose triangles are on the side of `from`: u to the right of the way, w to the left of
- *    from ---|---> x --> q   it. Where a vertex lies exactly on the way, the next part begins.
+ *            w
+ *          / | \
+ *    from ---|---> x --> q
  *          \ | /
- *            u               All signs are exact, and each step comes nearer to q, so it ends in any triangulation.
+ *            u
+ *
+ * A way goes from the vertex `from` to the place q, whose triangle is unknown. It crosses half edges u->w, whose triangles are
+ * on the side of `from`: u is to the right of the way, w to the left. If a vertex lies exactly on the way, the next part
+ * begins. All signs are exact, and each step comes nearer to q, so it ends in any triangulation.
  */
 #ifndef DT_MARCH_H
 #define DT_MARCH_H
@@ -28,7 +32,7 @@ enum dt_march_step dt_march_begin(const struct dt_mesh *m, const struct dt_point
 enum dt_march_step dt_march_between(const struct dt_mesh *m, const struct dt_point *xy, uint32_t a,
                                     uint32_t b, uint32_t *half, bool *swapped);
 
-/* Where q lies in a mesh whose points are not all on one line, as dt_walk has it (core/query/locate.h), by the
+/* Locates q in a mesh whose points are not all on one line, as dt_walk does (core/query/locate.h), by the
  * straight way from a corner of the triangle of h. Cost: the triangles between. */
 enum dt_where dt_march_to(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                           struct dt_point q, uint32_t *half);

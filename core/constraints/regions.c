@@ -35,7 +35,7 @@ struct list {
     uint32_t *v, room, n;
 };
 
-/* Of the ranges lo .. hi - 1: a search tree whose root is the one in the middle, with `most` of what is below
+/* Searches the ranges lo .. hi - 1: a search tree whose root is the one in the middle. `most` is the largest end below a node
  * [Cormen et al., Introduction to Algorithms, sec. 14.3]. */
 static void search(const struct dt_regions *r, uint32_t lo, uint32_t hi, uint32_t face,
                    struct list *out)

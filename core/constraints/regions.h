@@ -53,8 +53,8 @@ enum dt_status dt_regions_survey_one(struct dt_regions *r, struct dt_mesh *m,
                                      const struct dt_points *p, const struct dt_declared *d,
                                      struct dt_stop *work);
 
-/* Whether faces and ranges, which are current, are those of the borders: face 0, of the ghosts, is in no region, and faces
- * on both sides of an edge differ by its borders. Out of memory, true. */
+/* Whether faces and ranges, which are current, are those of the borders. Face 0, the face of the ghosts, must be in no region.
+ * Faces on both sides of an edge must differ by its borders. Out of memory, true. */
 bool dt_regions_hold(const struct dt_regions *r, const struct dt_mesh *m, const struct dt_points *p,
                      const struct dt_declared *d);
 
@@ -68,7 +68,7 @@ uint32_t dt_regions_of(const struct dt_regions *r, uint32_t face, uint32_t *out,
 /* Whether the face is in the region, which is an index. Cost: the logarithm of its ranges. */
 bool dt_regions_has(const struct dt_regions *r, uint32_t region, uint32_t face);
 
-/* What is inside one region, or inside any: DT_NONE. */
+/* The inside of one region, or of any: DT_NONE. */
 struct dt_enclosure {
     const struct dt_regions *regions; /* borrows until borders change */
     uint32_t region;

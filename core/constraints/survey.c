@@ -1,6 +1,6 @@
 /* survey.c - finds what borders enclose; see regions.h.
  *
- *   1. Which numbers there are. A border is closed if every vertex is the end of an even number of its constraints.
+ *   1. The numbers. A border is closed if every vertex is the end of an even number of its constraints.
  *   2. The sides: for each edge and each closed border that covers it an odd number of times, the edge and the region.
  *   3. The tour: each face is flooded, and beyond each of its sides is the next face, unless it has been visited. On the
  *      way across a side its regions are entered or left, and on the way back the other way round. A flood meets every
@@ -18,8 +18,8 @@
 
 enum { UNKNOWN = (1 << 29) - 1 }; /* no face has this number: there are fewer triangles */
 
-/* A part of a border's constraint, as a key for dt_sort_keys: the lower half edge and the index of the region; later
- * the region and the half edge with the region on its left. */
+/* A part of a border's constraint, as a key for dt_sort_keys. At first it has the lower half edge and the index of the region;
+ * later the region and the half edge with the region on its left. */
 typedef uint64_t side_key;
 
 /* A half edge of a face with a side on it. */
@@ -73,7 +73,7 @@ static enum dt_status grow(void *array, size_t n, size_t *cap, size_t size)
 
 /* ---- which borders there are ---- */
 
-/* The next border from row *i on, and the vertices that it joins; false: there are no more. */
+/* The next border from row *i on, and the vertices that it joins; false: there is none. */
 static bool next_border(const struct survey *s, uint32_t *i, uint32_t *number, uint32_t end[2])
 {
     for (; *i < s->d->end; ++*i) {

@@ -1,5 +1,5 @@
-/* alpha.c - the boundary of the alpha shape [Edelsbrunner, Kirkpatrick & Seidel, "On the shape of a set of points in the
- * plane", 1983], regularised: of the triangles whose circumradius is at most r.
+/* alpha.c - the boundary of the regularised alpha shape, the triangles whose circumradius is at most r [Edelsbrunner,
+ * Kirkpatrick & Seidel, "On the shape of a set of points in the plane", 1983].
  *
  * A triangle is in or out by an exact sign. Around a point, the triangles that are in form fans:
  *
@@ -10,8 +10,8 @@
  *             a
  *
  * So stars are read one by one, at one moment, and only turns are kept. Then each turn finds the next one by its edge.
- * Where fans touch in a point the boundary passes it several times; it is cut there into simple loops, which are the
- * same wherever the walk begins, because a boundary does not cross itself. */
+ * Fans may touch in a point. Then the boundary passes the point several times, and is cut at it into simple loops. These
+ * loops do not depend on the start of the walk, because a boundary does not cross itself. */
 #include "core/control/stop.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
@@ -173,7 +173,7 @@ enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t po
 
 size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points)
 {
-    /* Turns that grow by half, with the copy that makes; paths, loops and rows of as many points. */
+    /* Turns that grow by half, with the copy that growing makes; paths, loops and rows of `points` points. */
     size_t most = a->turns + 3 * (size_t)points;
     return most * (3 * sizeof(struct turn) + 8 * sizeof(uint32_t) + sizeof(struct loop)) +
            a->ring_cap * sizeof *a->ring;
@@ -189,7 +189,7 @@ static int compare_turns(const void *p, const void *q)
     return (a->from > b->from) - (a->from < b->from);
 }
 
-/* The turn that follows a turn. Turns are sorted, and it is there. */
+/* The turn that follows a turn. Turns are sorted, and the one that follows exists. */
 static size_t next_turn(const struct dt_alpha *a, size_t i)
 {
     const struct turn key = {.at = a->turn[i].to, .from = a->turn[i].at};

@@ -3,10 +3,12 @@
  * A triangle's plane is computed from its corners, counterclockwise from the smallest id, where rounding begins. The
  * ratio of the weights' sum is 1, so only differences to that corner's value matter.
  *
- * Slopes are exact enough unless the triangle is thin. With z the range of its values, m the longer side from the
- * corner and f = m^2 over twice its area, a slope errs by less than z 2 m / area (4 u) and by 1 + 4 f u of itself, so its
- * product with a side by z f 16 u and by what the area's error, 4 f u, makes of the sum of both products, which is
- * at most z: in all by less than 40 f u z, which is less than DT_WEIGHTS_ERROR z. */
+ * Slopes are exact enough unless the triangle is thin. Let z be the range of its values, m the longer side from the
+ * corner, D twice its area, f = m^2 / D and u = 2^-53.
+ *
+ * 1. The numerator of a slope errs by less than 4 u of 2 z m. The quotient adds (1 + 4 f) u of itself.
+ * 2. So the products of both slopes with sides err by 16 f u z, and by 4 f u of their sum, which is at most z.
+ * 3. Together that is less than 40 f u z, which is less than DT_WEIGHTS_ERROR z. */
 #include "core/exact/lanes.h"
 #include "core/surface/value.h"
 
@@ -14,9 +16,10 @@
 
 #define PLANE_FLAT 128.0
 
-/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes. A side is at least 2^-195, so
- * an area is at least 2^-397, and where s is this steep, the products of which the slopes are quotients add up to
- * 2^-997 or more, and z to 2^-795 or more: what is lost is less than 2^-60 z. */
+/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes.
+ * 1. A side is at least 2^-195, so an area is at least 2^-397.
+ * 2. If s is this steep, the products in the numerators of the slopes add up to 2^-997 or more, and z is 2^-795 or more.
+ * 3. So the lost bits are less than 2^-60 z. */
 #define PLANE_STEEP 0x1p-600
 
 /* The corners of two triangles and their values. */
@@ -30,7 +33,7 @@ struct planes {
     dt_lanes_holds sure;      /* doubles are exact enough */
 };
 
-/* Where the corners of a triangle and their values are. */
+/* The places of the corners of a triangle, and of their values. */
 struct places {
     const struct dt_point *a, *b, *c;
     const double *az, *bz, *cz;
@@ -129,7 +132,7 @@ static inline uint32_t number_triangles(struct row_planes *r, const uint32_t *ha
     return k + 1;
 }
 
-/* Those that have an edge at y, on which a cell may be. */
+/* Returns the lanes whose triangle has an edge at y, on which a cell may be. */
 static inline dt_lanes_holds level(const struct corners *k, dt_lanes y)
 {
     dt_lanes_holds a = k->ay == y, b = k->by == y, c = k->cy == y;

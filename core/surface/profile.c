@@ -1,6 +1,6 @@
 /* profile.c - a surface along a straight way: its ends, and where it crosses edges and runs through vertices.
  *
- * Which edges and vertices these are follows from exact signs (core/constraints/march.h), so it depends on the triangulation and
+ * Exact signs decide which edges and vertices these are (core/constraints/march.h), so they depend on the triangulation and
  * the places alone. At every moment the walk is at a place of the request, at a vertex, or at an edge that the way crosses:
  *
  *              w                The edge is u->w, with the triangle from which the way comes on its left: u is to the right of
@@ -91,7 +91,7 @@ static void arrive(struct dt_profile *p, uint32_t near)
     p->half = near;
 }
 
-/* The way comes to the vertex that the half edge leaves, unless it ends before that, or there. */
+/* The way comes to the vertex that the half edge leaves, unless it ends before or at the vertex. */
 static void come_to_vertex(struct dt_profile *p, uint32_t half)
 {
     struct dt_point at = vertex_at(p, dt_origin(mesh_of(p), half));
@@ -103,7 +103,7 @@ static void come_to_vertex(struct dt_profile *p, uint32_t half)
     p->half = half;
 }
 
-/* The way comes to the edge, which the line through it crosses, unless it ends before that, or there. */
+/* The way comes to the edge, which the line through it crosses, unless it ends before or on the edge. */
 static void come_to_edge(struct dt_profile *p, uint32_t half)
 {
     const struct dt_mesh *m = mesh_of(p);
@@ -234,7 +234,7 @@ static enum dt_status enter(struct dt_profile *p, uint32_t ghost)
     return status;
 }
 
-/* The same where all points are on one line. If the way crosses that, the search begins near there. */
+/* The same if all points are on one line. If the way crosses that line, the search begins near the crossing. */
 static enum dt_status enter_line(struct dt_profile *p, uint32_t ghost)
 {
     const struct dt_mesh *m = mesh_of(p);

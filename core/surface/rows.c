@@ -12,7 +12,7 @@
  * beyond, its corner. That is why rows take turns, each by one edge at a time. When all rows are at the end of a
  * chunk of columns, the values of its cells are computed.
  *
- * The place of a crossing is rounded. Where a centre is so near that c is not certain, the exact side of the edge
+ * The place of a crossing is rounded. If a centre is so near that c is not certain, the exact side of the edge
  * decides, and a cell on the edge is looked up. */
 #include "core/surface/rows.h"
 #include "core/exact/lanes.h"
@@ -101,7 +101,7 @@ static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t
     return fabs(l->end[which][0]) < FAR;
 }
 
-/* Makes the row cross next the edge by which it leaves the triangle of near. False: it does not cross that by turns. */
+/* Makes the row cross next the edge by which it leaves the triangle of near. False: it must not cross that edge together with the other rows. */
 static bool leave_triangle(const struct abreast *a, struct lane *l)
 {
     if (l->near == DT_NONE || dt_is_ghost(&a->v->t->mesh, l->near))
@@ -223,7 +223,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
                                     1, 1,   -2u, 0}; /* to the edges before and after */
     dt_lanes below = l->end[BELOW], above = l->end[ABOVE];
     dt_lanes product = below * (dt_lanes){above[1], above[0]};
-    /* Whatever is stored here goes to places that are known, so that the loads of the next turns need not wait. */
+    /* Every store here goes to a known address, so that the loads of the next turns need not wait. */
     double at = (product[0] - product[1]) / (above[1] - below[1]);
     at = at > a->west ? at : a->west;
     struct nearest nearest = nearest_to(at);
@@ -395,9 +395,10 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
 
 /* ---- rasters ---- */
 
-/* By how many columns a crossing may be off from a centre. Let u = 2^-53. Centres are rounded by 4.1 u of |lo.x| + |hi.x|.
- * The end of an edge, in columns, errs by 4 u of itself, and a crossing, a mean of two ends, by 8 u of the larger one
- * more: by 12 u FAR at most. */
+/* By how many columns a crossing may be off from a centre. Let u = 2^-53.
+ * 1. Centres are rounded by 4.1 u of |lo.x| + |hi.x|.
+ * 2. The end of an edge, in columns, errs by 4 u of itself. A crossing, a mean of two ends, errs by 8 u of the larger end
+ *    more: by 12 u FAR at most. */
 static double crossing_error(const struct dt_raster *r, double per_x)
 {
     return 16 * DT_U * (FAR + (fabs(r->lo.x) + fabs(r->hi.x)) * per_x);

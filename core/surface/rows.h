@@ -9,8 +9,8 @@
  *           /    |    \                 on which it is: exactly.
  *       below----+-----below
  *
- * A cell on an edge or at a corner is looked up by itself, and so are the first cell of a row, some after many
- * triangles without any, and those to the west of the hull. */
+ * A cell on an edge or at a corner is looked up by itself. The first cell of a row, some cells after many triangles
+ * without cells, and cells to the west of the hull are, too. */
 #ifndef DT_ROWS_H
 #define DT_ROWS_H
 

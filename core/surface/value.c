@@ -446,7 +446,7 @@ static uint64_t zeros_in_triangles(struct dt_valuer *v, const uint32_t *half, do
     return doubtful;
 }
 
-/* Those of cells in triangles that may have no surface. Returns the cells that may be on an edge. */
+/* The values of cells in triangles that may have no surface. Returns the cells that may be on an edge. */
 static uint64_t values_in_triangles(struct dt_valuer *v, const uint32_t *half, const double *x,
                                     double y, uint32_t n, double *out, enum dt_status *s)
 {

@@ -1,7 +1,7 @@
 /* value.h - the value of a surface at a place that has been found in the mesh.
  *
- * The value is a function of the points and values alone: where it depends on an order of corners, that order
- * begins with the smallest id, and what is kept from place to place is what would be computed again. */
+ * The value is a function of the points and values alone. If it depends on an order of corners, that order begins with
+ * the smallest id. Data that is kept from place to place equals what would be computed again. */
 #ifndef DT_VALUE_H
 #define DT_VALUE_H
 
@@ -21,7 +21,7 @@ struct dt_foot_edge {
     bool plain;                      /* they are there, and means of them need no scale */
 };
 
-/* What one place after the other is computed in, while the set does not change. */
+/* The work space for one place after the other, while the set does not change. */
 struct dt_valuer {
     const struct dt *t;            /* borrows */
     const struct dt_surface *s;    /* borrows */
@@ -52,7 +52,7 @@ void dt_valuer_clear(struct dt_valuer *v);
 /* From now on, for n places each near the one before, keeps circles and fetches by blocks. DT_NOMEM. */
 enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n);
 
-/* What the value at a place usually takes, in steps. */
+/* The usual cost of the value at a place, in steps. */
 static inline uint32_t dt_value_steps(const struct dt_valuer *v)
 {
     return v->numbers * (v->s->how == DT_LINEAR ? 1 : 8);
@@ -110,8 +110,8 @@ static inline double dt_value_of(const struct dt_valuer *v, uint32_t vertex)
 
 /* ---- prefetches by blocks of what a scan will read ----
  *
- * Vertices and triangles are numbered in Morton order by a build, so those of a block of numbers lie together in the
- * plane: where a row of a raster needs one of them, that row and the next ones need most of the others. Values are
+ * A build numbers vertices and triangles in Morton order, so a block of numbers lies together in the plane. If a row of a
+ * raster needs one of the block, that row and the next ones need most of the others. Values are
  * found by id, which may be in any order. Without that, the scan would wait for each of them. */
 
 enum {
@@ -155,8 +155,8 @@ bool dt_foot_value(struct dt_valuer *v, struct dt_point q, uint32_t ghost, doubl
 bool dt_foot_sees(const struct dt *t, uint32_t ghost, struct dt_point q);
 
 /* Walks to the place of the hull that is nearest to q, outside. It begins at the edge of *ghost, which q sees; on a line q may
- * be beyond its end. *corner: the place is the first point of *ghost's edge, else it is inside of that edge. DT_CANCELLED,
- * DT_TOOLONG. Cost: the number of edges between. */
+ * be beyond its end. If *corner, the place is the first point of *ghost's edge; otherwise it is inside of that edge.
+ * DT_CANCELLED, DT_TOOLONG. Cost: the number of edges between. */
 enum dt_status dt_foot_find(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, bool *corner);
 
 /* ---- linear values in doubles (planes.c) ---- */
@@ -164,7 +164,7 @@ enum dt_status dt_foot_find(struct dt_valuer *v, struct dt_point q, uint32_t *gh
 /* The value at q, inside of the triangle; false: doubles are not exact enough. */
 bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half, double *out);
 
-/* Those of dt_values_in_row. Returns bit i where doubles are not exact enough, or place i may be on an edge. */
+/* The values of dt_values_in_row. Returns bit i if doubles are not exact enough, or place i may be on an edge. */
 uint64_t dt_plane_values(const struct dt_valuer *v, const uint32_t *half, const double *x, double y,
                          uint32_t n, double *out);
 

@@ -1,11 +1,12 @@
 /* weights.h - the weights of the values at points for a place q between them.
  *
- * Inside the hull they are computed from a tour around q, which shows how the Voronoi cell that q would have lies over the
- * cells that are there. The triangles whose circumcircles have q strictly inside form a disc without inner vertices. Its
- * rim are the natural neighbours v0, v1, ... of q, counterclockwise. The tour visits the disc from its first triangle,
- * depth first and counterclockwise, and so turns about one rim vertex after the other: between the rim edges v(i-1) v(i)
- * and v(i) v(i+1) it passes the triangles at v(i), in order. The circumcentres on the way are the corners of the part of
- * v(i)'s old cell that q takes.
+ * Inside the hull they are computed from a tour around q. It shows how the Voronoi cell that q would have lies over the
+ * existing cells. The triangles whose circumcircles have q strictly inside form a disc without inner vertices. Its
+ * rim are the natural neighbours v0, v1, ... of q, counterclockwise.
+ *
+ * The tour visits the disc from its first triangle, depth first and counterclockwise. So it turns about one rim vertex after
+ * the other: between the rim edges v(i-1) v(i) and v(i) v(i+1) it passes the triangles at v(i), in order. The circumcentres
+ * on the way are the corners of the part of v(i)'s old cell that q takes.
  *
  *          v2 ------ v1            ENTER v0 v1 v3
  *          | \       |             RIM v0 v1
@@ -38,7 +39,7 @@ struct dt_tour_turn {
     uint32_t triangle; /* on this side */
 };
 
-/* What one place after the other is computed in. It grows to what the largest one needed. Start with {0}. */
+/* The work space for one place after the other. It grows to the size of the largest one. Start with {0}. */
 struct dt_weigher {
     uint32_t *
         id; /* owns cap: the n points that count, counterclockwise around the place; those of the rim */
@@ -57,8 +58,8 @@ struct dt_weigher {
 /* Frees what it owns. */
 void dt_weigher_clear(struct dt_weigher *w);
 
-/* Reads from the set what the weights at q take, and which points count: none if q is outside the hull. where
- * and half: as dt_find has found (half: DT_NONE for a set of one point). work may be NULL. Cost: the number of
+/* Reads from the set the data of the weights at q, and the points that count: none if q is outside the hull. The caller got
+ * `where` and `half` from dt_find (half: DT_NONE for a set of one point). The work may be NULL. Cost: the number of
  * natural neighbours. */
 enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_where where,
                               uint32_t half, enum dt_interpolation how, struct dt_stop *work,
@@ -79,13 +80,13 @@ static inline bool dt_weigh_along_edge(const struct dt *t, enum dt_where where, 
 enum dt_status dt_weigh_foot(const struct dt *t, struct dt_point q, uint32_t ghost,
                              struct dt_weigher *w);
 
-/* Where rounding begins, so that the same set gives the same bytes: the half edge of the triangle around the place, or
- * of the first of the two at its edge, that leaves the corner with the smallest id. */
+/* The half edge at which rounding begins, so that the same set gives the same bytes. It leaves the corner with the smallest id
+ * in the triangle around the place, or in the first of the two triangles at its edge. */
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
 
-/* Computes the weights. DT_CANCELLED, DT_NOMEM; if the work is limited, DT_TOOLONG where double words are not exact
- * enough. It takes no steps. Cost: the same; some ten times as much where doubles are not enough, and some thousand times
- * where double words are not. The flag is polled. */
+/* Computes the weights. DT_CANCELLED, DT_NOMEM; if the work is limited, DT_TOOLONG if double words are not exact
+ * enough. It takes no steps. Cost: the same; some ten times more if doubles are not enough, and some thousand times
+ * more if double words are not. The flag is polled. */
 enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work);
 
 #endif

@@ -23,7 +23,7 @@ struct F(vector) {
     NUMBER x, y;
 };
 
-/* A doubled circumcentre, how far it is from q, and how far it may be from where it is. */
+/* A doubled circumcentre, its distance from q, and a bound of its error. */
 struct F(centre) {
     struct F(vector) at;
     double length, error;
@@ -117,7 +117,7 @@ static inline void F(add)(NUMBER *sum, const struct F(centre) * a, const struct 
 }
 
 /* The weights are the shares over their sum. `error`: of all shares together. DT_RANGE: the weights' errors might add up to
- * more than DT_WEIGHTS_ERROR. Where UNIT is 0, they do not (weights.c). */
+ * more than DT_WEIGHTS_ERROR. If UNIT is 0, they do not (weights.c). */
 static enum dt_status F(divide)(const struct F(rim) * rim, double error, struct dt_weigher *w)
 {
     NUMBER total = rim[0].share;

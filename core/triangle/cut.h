@@ -12,7 +12,7 @@ struct dt_cut {
 };
 
 /* Of the way from p to q, which crosses the edge from a, on its right, to b, on its left; all four strictly. Cost: constant;
- * some hundred times as much for crossings at very small angles or near the middle of two doubles. */
+ * some hundred times more for crossings at very small angles or near the middle of two doubles. */
 struct dt_cut dt_cut_of(struct dt_point p, struct dt_point q, struct dt_point a, struct dt_point b);
 
 #endif

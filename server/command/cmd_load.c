@@ -17,7 +17,7 @@ static bool take_rows(struct answer *a, struct submission *x, double **rows)
 
 /* ---- LOAD ... PATHS ---- */
 
-/* What the words behind PATHS say about the constraints of the body. */
+/* Reads the words behind PATHS: the constraints of the body. */
 static bool read_paths(struct answer *a, const struct request *q, size_t at, struct chosen *f)
 {
     const struct body *b = &a->body->body;

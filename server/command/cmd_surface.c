@@ -155,7 +155,7 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     return true;
 }
 
-/* Those of the options `allowed` that there are from the word `at` on, in any order; nothing else may be there. */
+/* Reads the options among `allowed` from the word `at` on, in any order; no other word may follow. */
 static bool read_options(struct answer *a, const struct request *q, size_t at, unsigned allowed,
                          struct surface *out)
 {

@@ -33,8 +33,8 @@ enum {
 typedef bool change_reader(struct server *s, const struct dataset *set, const struct request *q,
                            struct answer *a, struct change *c);
 
-/* What is prefetched for requests in a pipeline (ahead.h): the place in the third and fourth word, or the point whose id is the
- * third word, which is only read, or edited. */
+/* The data that is prefetched for requests in a pipeline (ahead.h): at the place in the third and fourth word, or of a point. Its
+ * id is the third word, and it is only read, or edited. */
 enum command_ahead { AHEAD_NOTHING, AHEAD_PLACE, AHEAD_ID, AHEAD_EDIT };
 
 struct command {
@@ -53,7 +53,7 @@ struct command {
     struct load_shape body; /* follows the line; the handler runs when it is there (a->body) */
 };
 
-/* Whether its set must be there. */
+/* Whether its set must exist. */
 static inline bool command_needs_set(const struct command *c)
 {
     return ((c->flags & CMD_EXISTING) | (change_kinds[c->change].flags & CHANGE_EXISTING)) != 0;
@@ -78,8 +78,8 @@ bool command_is_quick(const struct server *s, struct reactor *r, const struct re
 /* Whether a reactor can carry out the request while others are at work: it reads, unless it calls world_alone. */
 bool command_shares(const struct server *s, struct reactor *r, const struct request *q);
 
-/* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
- * more than 0; without one 0, and the request is as it was. */
+/* Takes a prefix `TIMEOUT seconds` off a request that has a valid one. *ms becomes the time that the request may take,
+ * more than 0. Without a prefix *ms is 0, and the request is unchanged. */
 void command_take_timeout(struct request *q, int64_t *ms);
 
 /* Carries out the request q, or begins to; the outcome is in *a (answer.h). */
@@ -148,7 +148,7 @@ const struct dt_field *find_field(struct answer *a, const struct dataset *set,
 /* The number of a constraint. */
 bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t *k);
 
-/* What follows INSIDE: the word *at, if it is a number, that of a border; *at moves behind it. */
+/* The words after INSIDE: the word *at, if it is a number, is the number of a border; *at moves behind it. */
 struct inside;
 bool read_inside(struct answer *a, const struct request *q, size_t *at, struct inside *out);
 

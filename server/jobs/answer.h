@@ -24,7 +24,7 @@ enum answer_next {
     ANSWER_STREAM /* the rest of the reply, or all of it, comes from a stream */
 };
 
-/* What a request waits for (ANSWER_WAIT). */
+/* The event that a request waits for (ANSWER_WAIT). */
 enum answer_wait {
     WAIT_NOTHING, /* nothing any more: it is carried out now */
     WAIT_QUEUE,   /* the call of a queue */

@@ -91,7 +91,7 @@ void durable_close_mark(struct server *s, bool writes);
  * conditions). False: the disk has failed, or memory is short; the daemon must end. */
 bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l, bool same);
 
-/* The lsn of the last change of the set, of the last DROP (set NULL), or of the last change of all: a reply that
+/* The lsn of the last change of the set, of the last DROP (set NULL), or of the last change of all. A reply that
  * acknowledges or shows it waits until it is durable. 0: none. */
 uint64_t durable_lsn(const struct server *s, const struct dataset *set);
 uint64_t durable_last_lsn(const struct server *s);

@@ -120,8 +120,8 @@ static void run_later(struct work *w)
 
 /* ---- on a reactor ---- */
 
-/* Runs the job on this thread. False, with nothing done, if that would block all clients: it takes more steps
- * than this thread may do; or it edits in place while a piece of the set is being read, which takes
+/* Runs the job on this thread. False, with nothing done, if that would block all clients. It may take more steps than this
+ * thread may do. Or it edits in place while a piece of the set is being read, which takes
  * microseconds unless the processors are busy. */
 static bool run_now(struct server *s, const struct answer *a, struct job *j)
 {
@@ -390,7 +390,7 @@ void job_drain(struct job *j)
 
 /* ---- the end ---- */
 
-/* What the job has made of its set is current, and others may have the set. */
+/* Publishes the result of the job: it is current, and other requests may have the set. */
 static void publish(struct server *s, struct job *j)
 {
     bool memory = true; /* it may have changed */

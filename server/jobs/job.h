@@ -12,8 +12,8 @@
  *                 piece, or searches for about a millisecond. If job->set is set, it may run for long, since edits of
  *                 the set wait for its end; queries go on.
  *     job_change  is the only writer of a set. It edits in place, or it edits or triangulates a copy of the points,
- *                 which becomes the current version when the job has succeeded. job_beside: before that, something
- *                 is made beside the set, for as long as it takes; then `run` installs it in microseconds.
+ *                 which becomes the current version when the job has succeeded. With job_beside, before that, a result is
+ *                 made beside the set, for as long as it takes. Then `run` installs it in microseconds.
  *     job_aside   has no set.
  *
  * A job whose answer is NULL gives no reply, and is never refused. */
@@ -53,7 +53,7 @@ struct job {
     struct reservation memory; /* beyond that of the set, until the job ends */
 };
 
-/* How much work it is. */
+/* The amount of its work. */
 enum job_weight {
     JOB_LIGHT, /* done at once; by a worker if it exceeds a limit on steps, or if somebody is reading the set to change */
     JOB_SHORT, /* for a worker, but it takes only milliseconds: it does not wait behind builds */

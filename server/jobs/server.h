@@ -102,8 +102,8 @@ static inline struct reservation server_reservation(struct server *s, enum budge
     return (struct reservation){.budget = &s->budget, .kind = kind};
 }
 
-/* The statistics of a command, by its index in the table of commands. Those of several reactors are added up in *sum, which is
- * returned. */
+/* The statistics of a command, by its index in the table of commands. The statistics of several reactors are added up in
+ * *sum, which is returned. */
 const struct command_stats *server_stats(const struct server *s, size_t command,
                                          struct command_stats *sum);
 

@@ -314,8 +314,8 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
     return a->refused;
 }
 
-/* A reactor that shares the world leaves the set's grid to the next edit (submit_shares), and those who watch the set to the end
- * of its turn, where it is alone once for all its edits. */
+/* A reactor that shares the world leaves the set's grid to the next edit (submit_shares). It leaves the watchers of the set to
+ * the end of its turn, when it is alone once for all its edits. */
 static void after_edit(struct server *s, struct answer *a, struct dataset *set)
 {
     if (!answer_shares(a)) {

@@ -185,7 +185,7 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
         triangulate_next(s);
 }
 
-/* Everything on the disk is read, whatever --max-memory is, because it was acknowledged. */
+/* Everything on the disk is read, with any --max-memory, because it was acknowledged. */
 static void report_memory(const struct server *s)
 {
     size_t taken = budget_of(&s->budget, BUDGET_SETS);

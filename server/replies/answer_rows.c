@@ -29,7 +29,7 @@ static bool answer_at_once(struct server *s, struct answer *a, struct rows *rows
     return rows->done || rows->status != DT_OK;
 }
 
-/* Whether the rows are read from the set; those of a list are not. */
+/* Whether the rows are read from the set; rows of a list are not. */
 static bool reads_set(const struct rows *rows)
 {
     return rows->table || !row_is_of_list(rows->form);
@@ -110,7 +110,7 @@ void answer_places(struct server *s, struct answer *a, struct rows *rows, struct
 
 /* ---- tables ---- */
 
-/* The length of a binary table: 4 bytes a word, 16 for the coordinates of a point, and 8 for a value of it. */
+/* The length of a binary table: 4 bytes a word, 16 for the coordinates of a point, and 8 for each of its values. */
 static uint64_t table_bytes(const struct version *v, const struct rows *rows)
 {
     const struct dt_cursor *c = &rows->cursor;

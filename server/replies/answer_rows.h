@@ -6,8 +6,8 @@
 #include "server/jobs/server.h"
 #include "server/sets/rows.h"
 
-/* Answers with *rows, whose version need not be pinned: writes them at once if they are few, else creates a
- * stream (ANSWER_STREAM), to which *ids moves (it is empty then), and rows->made. ids is NULL for a table. The status
+/* Answers with *rows, whose version need not be pinned. Writes them at once if they are few. Otherwise it creates a
+ * stream (ANSWER_STREAM), which takes *ids, so that *ids is empty, and rows->made. ids is NULL for a table. The status
  * line must have been written before. rows->view, unless NULL, is ended when the rows have been sent; without a view,
  * the rows are those of now. If there is no memory for pieces: answer_busy. */
 void answer_rows(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);

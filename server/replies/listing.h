@@ -1,11 +1,11 @@
-/* listing.h - streams that list sets, clients or slow requests: made a piece per turn of the loop, sorted by a worker
- * if necessary, and sent as fast as the socket accepts them.
+/* listing.h - streams that list sets, clients or slow requests. They are made a piece per turn of the loop, sorted by a
+ * worker if necessary, and sent as fast as the socket accepts them.
  *
  *     pieces, one per turn        a worker        at the rate of the socket
  *     [ 256 ][ 256 ] ... [ 40 ] -> sort by name -> status line, rows
  *
- * Each piece shows the state at its own moment: what is created or removed while the listing is made may be
- * in it or not; what exists all the time is in it once. The text of the rows counts as memory of replies. */
+ * Each piece shows the state at its own moment. An item that is created or removed while the listing is made may be
+ * in it or not; an item that exists all the time is in it once. The text of the rows counts as memory of replies. */
 #ifndef SERVER_LISTING_H
 #define SERVER_LISTING_H
 

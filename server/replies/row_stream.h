@@ -10,9 +10,9 @@
  * stops reading costs the memory of a few pieces, however long the reply is. Pieces and ids of a list are
  * in the memory budget.
  *
- * Tables are read through the view. Values of a surface need the whole triangulation of its moment: when a piece finds
+ * Tables are read through the view. Values of a surface need the whole triangulation of its moment. When a piece finds
  * that the points have been edited since, a worker makes a copy of the set as it was (past.h), and the remaining pieces
- * are made from that. */
+ * are made from that copy. */
 #ifndef SERVER_ROW_STREAM_H
 #define SERVER_ROW_STREAM_H
 

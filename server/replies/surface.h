@@ -33,14 +33,14 @@ struct surface {
     struct dataset *clip;     /* borrows, for the request; SURFACE_RASTER: CLIP; NULL: none */
 };
 
-/* What a surface is read from. */
+/* The source of a surface. */
 struct surface_moment {
     struct version *version; /* borrows */
     struct dt_view *view;    /* NULL: now */
     const struct dt_field *field;
 };
 
-/* That of the set now. */
+/* The surface's source in the set now. */
 struct surface_moment surface_moment(struct dataset *set, const struct surface *q);
 
 /* Answers with values; what *q and *m own moves here. */
