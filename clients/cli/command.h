@@ -1,5 +1,5 @@
-/* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. Those
- * that take argc and argv are given their own name as argv[0], and options may be among the
+/* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. If a subcommand takes argc and
+ * argv, argv[0] is its own name, and options may be among the
  * arguments. */
 #ifndef CLIENTS_COMMAND_H
 #define CLIENTS_COMMAND_H

@@ -13,7 +13,7 @@ int options_next(int argc, char **argv, const char *letters, const struct option
 {
     char with_colon[16];
     opterr = 0;
-    /* ':' makes getopt report a missing value as such; a '+' must stay in front of it. */
+    /* ':' makes getopt report a missing value as such; a '+' must stay in front of the ':'. */
     bool plus = letters[0] == '+';
     snprintf(with_colon, sizeof with_colon, "%s:%s", plus ? "+" : "", letters + plus);
     return getopt_long(argc, argv, with_colon, options, NULL);
@@ -33,7 +33,7 @@ int options_wrong(const char *command, const char *format, ...)
     return EXIT_USAGE;
 }
 
-/* The word that getopt has looked at last. Where the value of the last option is missing, some C libraries
+/* The word that getopt has looked at last. If the value of the last option is missing, some C libraries
  * have moved to the end of argv, others after it. */
 static const char *last_word(char **argv)
 {

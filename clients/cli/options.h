@@ -15,7 +15,7 @@ __attribute__((format(printf, 2, 3))) int options_wrong(const char *command, con
 /* The same for what options_next has just returned: an unknown option or one without a value. */
 int options_unknown(const char *command, char **argv, int option);
 
-/* Whether the arguments are those of a subcommand that writes a file, not of the request of the same name: one of
+/* Whether the arguments belong to a subcommand that writes a file, not to the request of the same name. Then one of
  * them is an option, or names a file: "-", or a word with a '.' or '/' that is not a number. */
 bool options_name_file(int argc, char **argv);
 

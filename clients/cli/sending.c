@@ -132,8 +132,8 @@ static enum delaunay_result triangulate(struct sending *s)
 
 /* ---- faces of a .poly file ---- */
 
-/* Of each face the number of its border; NOT_INSIDE for the others. What lines enclose is inside, unless it has a hole's seed; a region's
- * seed gives its number. */
+/* Finds the number of the border of each face; NOT_INSIDE for the others. A face that lines enclose is inside, unless it has a hole's
+ * seed; a region's seed gives its number. */
 static enum delaunay_result number_faces(struct sending *s, const struct model *m,
                                          const struct sides *sides, const struct faces *f,
                                          int64_t *number)

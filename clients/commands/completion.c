@@ -210,7 +210,7 @@ static void put_fish_options(const struct subcommand *s)
     }
 }
 
-/* The help's first sentence, or as much of it as is on its first line, within single quotes. */
+/* The help's first sentence, or the part of it that is on its first line, within single quotes. */
 static void put_fish_help(const char *help)
 {
     size_t n = strcspn(help, "\n.;");

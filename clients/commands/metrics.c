@@ -233,7 +233,7 @@ static void add_value(struct metrics *m, const char *key, const char *value, con
 }
 
 /* `command_ADD:calls=1,errors=0`: the label is `command`, its value what follows the first `_`, or the number at the
- * end. What is text becomes labels of one more metric. */
+ * end. Values that are text become labels of one more metric. */
 static void add_group(struct metrics *m, const char *key, char *values)
 {
     char label[ROOM], name[2 * ROOM];

@@ -1,4 +1,4 @@
-/* prompt.c - `delaunay` without a command: carries out lines from the standard input one by one: requests of
+/* prompt.c - `delaunay` without a command: carries out lines from the standard input one by one. Requests of
  * the protocol are sent unchanged, and subcommands that read or write files work as from a shell. */
 #include <ctype.h>
 #include <stdio.h>

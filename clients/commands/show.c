@@ -250,7 +250,7 @@ static bool find_triangles(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-/* Whether `find` finds something in the reply. What is wrong with the set is reported later. */
+/* Whether `find` finds something in the reply. Faults of the set are reported later. */
 static bool finds(struct delaunay_client *c, const char *command, const char *set,
                   delaunay_part_fn *find)
 {

@@ -1,5 +1,5 @@
-/* show_relief.c - see show_relief.h. Where a terminal does not say that it has all colours ($COLORTERM), it gets the 256
- * that all have. */
+/* show_relief.c - see show_relief.h. A terminal that does not announce all colours ($COLORTERM) gets the 256 colours
+ * that all terminals have. */
 #include "clients/commands/show_relief.h"
 
 #include <math.h>

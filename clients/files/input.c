@@ -1,4 +1,4 @@
-/* input.c - see input.h. A file is recognised by its first bytes. Those of a pipe are copied by tee(2), which
+/* input.c - see input.h. A file is recognised by its first bytes. tee(2) copies the first bytes of a pipe, because it
  * does not consume them. */
 #include "clients/files/input.h"
 

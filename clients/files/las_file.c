@@ -133,7 +133,7 @@ static bool read_points(struct points_file *f, int fd, const struct las_header *
     return true;
 }
 
-/* Counts what may be points behind the last one. From version 1.3 on other records may be there. */
+/* Counts possible points behind the last one. From version 1.3 on there may be other records behind it. */
 static bool look_behind(struct points_file *f, int fd, const struct las_header *h,
                         unsigned char *block, struct las_notes *notes)
 {

@@ -35,9 +35,9 @@ struct table_file {
 /* Called now and then with the bytes and points read so far. */
 typedef void table_progress_fn(void *ctx, uint64_t bytes, size_t points);
 
-/* Reads all of the open file fd into *f. False at the first bad line unless f->skip_bad, on a read error or out of memory. The
- * caller has zeroed *t except the wish and fields.all, and *f except skip_bad, and frees both in any case. f->report gets a note
- * about everything that is not used, skipped or doubtful. */
+/* Reads all of the open file fd into *f. False at the first bad line unless f->skip_bad, on a read error or out of memory. Before,
+ * the caller has zeroed *t except the wish and fields.all, and *f except skip_bad. The caller frees both in any case. f->report gets a
+ * note about everything that is not used, skipped or doubtful. */
 bool table_file_read(struct table_file *t, struct points_file *f, int fd,
                      table_progress_fn *progress, void *ctx);
 void table_file_free(struct table_file *t);

@@ -1,2 +1,2 @@
-// What bundlers for browsers make of `import Constrainautor from 'delaunayd/constrainautor'`.
+// The module that bundlers for browsers use for `import Constrainautor from 'delaunayd/constrainautor'`.
 export { Constrainautor as default } from './browser.mjs';

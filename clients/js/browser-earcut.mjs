@@ -1,4 +1,4 @@
-// What bundlers for browsers make of `import earcut from 'delaunayd/earcut'`.
+// The module that bundlers for browsers use for `import earcut from 'delaunayd/earcut'`.
 import { earcut } from './browser.mjs';
 
 export const { deviation, flatten, refine } = earcut;

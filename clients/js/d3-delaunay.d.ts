@@ -45,7 +45,7 @@ export namespace Delaunay {
   type Bounds = [number, number, number, number];
   type GetCoordinate<P, PS> = (this: any, point: P, i: number, points: PS) => number;
 
-  /** What is drawn on: a CanvasRenderingContext2D, or anything with these. */
+  /** A target for drawing: a CanvasRenderingContext2D, or anything with these. */
   interface RectContext {
     rect(x: number, y: number, width: number, height: number): void;
   }

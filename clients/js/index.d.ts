@@ -27,7 +27,7 @@ export interface Reply {
   data: Uint8Array | null;
 }
 
-/** What triangulate(), check() and stat() resolve with, in part. */
+/** A part of the results of triangulate(), check() and stat(). */
 export type Summary = Omit<Awaited<ReturnType<Table['check']>>, 'delaunay'>;
 
 /** `version` grows with every change of the set. */
@@ -313,10 +313,10 @@ export interface Constraint {
   places?: number[];
 }
 
-/** What has changed between two versions of a set. */
+/** The difference between two versions of a set. */
 export interface Change {
   version: number;
-  /** The server sent everything; the rest is the difference all the same. */
+  /** The server sent everything; the rest is still the difference. */
   reset: boolean;
   /** Ids of points, ascending; moved: they have other coordinates, or another value. */
   added: Uint32Array;

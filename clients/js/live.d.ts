@@ -22,7 +22,7 @@ export class LiveSet {
   /** Pairs of ids become edges that stay, or chains of edges through the points on them, all or none; returns how many are new.
    * CROSSES: two would cross where no point is. border: they are parts of the border of inside(). */
   constrain(ids: Points, options?: { border?: boolean }): number;
-  /** The opposite, all or none; NOCONSTRAINT: one is not there. */
+  /** The opposite, all or none; NOCONSTRAINT: one does not exist. */
   release(ids: Points, options?: { border?: boolean }): void;
   /** Pairs: the edges that are parts of constraints. */
   constrainedEdges(): Uint32Array;
@@ -41,9 +41,9 @@ export class LiveSet {
   triangulation(options?: { clockwise?: boolean }): { triangles: Uint32Array; halfedges: Int32Array };
   neighbors(id: number, options?: { clockwise?: boolean }): Uint32Array;
 
-  /** Three ids for each place: those of the triangle that contains it, or NONE. */
+  /** Three ids for each place: of the triangle that contains it, or NONE. */
   locate(places: Points): Uint32Array;
-  /** k ids for each place, the nearest first; NONE where there are no more. */
+  /** k ids for each place, the nearest first; NONE behind the last point. */
   nearest(places: Points, k?: number): Uint32Array;
 
   /** The values of the points with the ids from `first` on; NaN: it has none. */
@@ -55,7 +55,7 @@ export class LiveSet {
     levels: Iterable<number>,
     options?: { maxEdge?: number },
   ): { levels: Float64Array; offsets: Uint32Array; coords: Float64Array; closed: Uint32Array };
-  /** Voronoi cells in a box: that of a point has the corners offsets[id] .. offsets[id + 1] of coords. */
+  /** Voronoi cells in a box: the cell of a point has the corners offsets[id] .. offsets[id + 1] of coords. */
   cells(box: Box): { offsets: Uint32Array; coords: Float64Array };
 }
 

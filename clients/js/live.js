@@ -59,7 +59,7 @@ class LiveSet {
     return [0, 1, 2].map((i) => this.#core.number(i));
   }
 
-  /** How many points there are. */
+  /** The number of points. */
   get size() {
     return this.#counts()[0];
   }
@@ -98,8 +98,8 @@ class LiveSet {
 
   // ---- constraints ----
 
-  /** Pairs of ids, flat or not, become edges that stay, or chains of edges through the points on them, all or none; returns how many
-   * are new. border: they are parts of the border of inside(). */
+  /** Pairs of ids, flat or not, become edges that stay, or chains of edges through the points on them, all or none. Returns the number
+   * of new ones. border: they are parts of the border of inside(). */
   constrain(ids, { border = false } = {}) {
     this.#pairs('set_constrain', ids, border);
     return this.#core.number(0);
@@ -168,7 +168,7 @@ class LiveSet {
     return { triangles: this.#core.array(Uint32Array, 0), halfedges: this.#core.array(Int32Array, 1) };
   }
 
-  /** In order, that of LISTS. */
+  /** In the order of LISTS. */
   neighbors(id, { clockwise = false } = {}) {
     this.#core.call('set_triangulate', this.#mine);
     this.#core.call('set_ring', this.#set, idOf(id), clockwise);
@@ -188,7 +188,7 @@ class LiveSet {
     return this.#core.array(Uint32Array, 0);
   }
 
-  /** k ids for each place, the nearest first; NONE: there are no more. */
+  /** k ids for each place, the nearest first; NONE behind the last point. */
   nearest(places, k = 1) {
     if (!(Number.isInteger(k) && k >= 1 && k < 2 ** 32)) throw new RangeError('k is a number of points from 1 on');
     this.#ask('set_nearest', places, k);
@@ -222,8 +222,8 @@ class LiveSet {
     return { levels: of, offsets, coords, closed };
   }
 
-  /** The Voronoi cells, clipped to a box: that of point id has the corners offsets[id] .. offsets[id + 1] of coords, counterclockwise
-   * where y points up. */
+  /** The Voronoi cells, clipped to a box: the cell of point id has the corners offsets[id] .. offsets[id + 1] of coords, counterclockwise
+   * if y points up. */
   cells([x0, y0, x1, y1]) {
     this.#core.call('set_triangulate', this.#mine);
     this.#core.call('set_cells', this.#set, x0, y0, x1, y1);

@@ -12,7 +12,7 @@ struct poly_notes {
     uint64_t areas; /* regions with a greatest area, which is not used */
 };
 
-/* Reads the whole file into memory; without points in it, those of the .node file beside `path`. Points keep their places. A segment is a
+/* Reads the whole file into memory; without points in it, the points of the .node file beside `path`. Points keep their places. A segment is a
  * line whose number is its marker; attributes of points are fields a1, a2, ...; holes and regions become seeds. False with a fault. */
 bool poly_file_read(struct points_file *f, int fd, const char *path, struct table_fields *t,
                     struct poly_notes *notes);

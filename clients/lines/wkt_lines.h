@@ -5,7 +5,7 @@
 #include "clients/points/points_file.h"
 #include "clients/reading/row.h"
 
-/* What a table says of a geometry beside it. */
+/* The name that a table gives a geometry beside it. */
 struct wkt_name {
     bool named; /* the kind of its lines, and the number of all its parts, are given */
     bool border;

@@ -1,7 +1,7 @@
 /* film_draw.c - an SVG that plays the shelling algorithm. See film.h.
  *
- * Every element has one animation as long as the whole film, which steps through a few values at
- * the moments when something happens to it: nothing depends on the end of anything else, so a
+ * Every element has one animation as long as the whole film, which steps through a few values at the moments when
+ * the element changes. No animation depends on the end of another one, so a
  * viewer may begin anywhere. Without animation an element has its last value. */
 #include "clients/pictures/film.h"
 

@@ -64,7 +64,7 @@ static double value_at(const struct grid *g, int64_t column, int64_t row)
     return inside ? g->value[(size_t)row * g->columns + (size_t)column] : (double)NAN;
 }
 
-/* How much is gained from a over z to b, a cell apart each; nan: missing. */
+/* The rise from a over z to b, a cell apart each; nan: missing. */
 static double rise(double a, double z, double b, double cell)
 {
     if (isnan(a))

@@ -26,7 +26,7 @@ static size_t split(const char *row, size_t len, struct row_word *word)
     return n;
 }
 
-/* How many points each kind names. */
+/* The number of points that each kind names. */
 static const struct {
     const char *name;
     unsigned points;

@@ -148,7 +148,7 @@ static void choose_frame(struct svg *s, bool scale, const struct svg_legend *leg
     s->height = ceil(s->height / PIXEL) * PIXEL;
 }
 
-/* What is drawn from here on is cut off at the edges of the box. */
+/* Everything that is drawn from here on is cut off at the edges of the box. */
 static void begin_clip(const struct svg *s)
 {
     fprintf(s->out,
@@ -224,7 +224,7 @@ static void path_item(struct svg *s, const char *class, double width)
 
 enum { MOST_CORNERS = 16 }; /* 7, plus room for rounding at nearly equal corners */
 
-/* What lies on one side of a vertical (axis 0) or horizontal line: v >= limit, or with sign -1 v <= limit. */
+/* Keeps the part on one side of a vertical (axis 0) or horizontal line: v >= limit, or with sign -1 v <= limit. */
 static size_t cut(double (*to)[2], double (*from)[2], size_t n, int axis, double limit, double sign)
 {
     size_t kept = 0;
@@ -349,7 +349,7 @@ void svg_hull_begin(struct svg *s)
     path_end(s);
 }
 
-/* A segment, as much of it as is near the box. */
+/* A segment, only the part near the box. */
 static void draw_segment(struct svg *s, const char *class, double width, const double *p,
                          const double *q)
 {

@@ -39,7 +39,7 @@ struct svg_legend {
 };
 
 /* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in
- * which about n points lie. The box is borrowed until svg_end. clip: the drawing is larger than the box, and is
+ * which about n points lie. The box is borrowed until svg_end. With clip, the drawing is larger than the box, and is
  * cut off at its edges. legend: NULL if there are no shades. unit: of the scale, "" if unknown. */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
                const struct svg_legend *legend, const char *unit);
@@ -73,7 +73,7 @@ void svg_hull_begin(struct svg *s);
 void svg_hull_point(struct svg *s, const double *p);
 void svg_hull_end(struct svg *s);
 
-/* A constraint, bold; as much of it as is near the box if there is a clip. Begins where the hull has ended. */
+/* A constraint, bold; only the part near the box if there is a clip. Begins where the hull has ended. */
 void svg_constraint(struct svg *s, bool border, const double *p, const double *q);
 
 /* The points, each a dot, and their ids beside them if there are at most 100 or

@@ -54,7 +54,7 @@ def _metadata() -> bytes:
     return "\n".join(lines).encode()
 
 
-# What the wheel contains besides Python: name there, target of make in a build folder, mode.
+# The content of the wheel besides Python: name in the wheel, target of make in a build folder, mode.
 _BINARIES = (("bin/delaunayd", "delaunayd", 0o755), ("lib/libdelaunay-core.so.0", "lib/libdelaunay-core.so.0", 0o644))
 
 _Files = List[Tuple[str, bytes, int]]  # name, content, mode

@@ -34,8 +34,8 @@ bool rings_place(struct rings *r);
 /* The number of outer rings. */
 size_t rings_outer(const struct rings *r);
 
-/* After rings_place, a FeatureCollection: for each outer ring a Polygon with its holes and the properties radius and holes; the same
- * as a table with a column WKT. ferror() shows whether writing failed. */
+/* After rings_place, writes a FeatureCollection: for each outer ring a Polygon with its holes and the properties radius and holes. Or the
+ * same as a table with a column WKT. ferror() shows whether writing failed. */
 void rings_write_geojson(FILE *out, const struct rings *r, const char *radius);
 void rings_write_wkt(FILE *out, const struct rings *r, const char *radius);
 

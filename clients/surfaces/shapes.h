@@ -30,7 +30,7 @@ struct shapes {
     const char *fault; /* why shapes_take returned false: a static sentence */
 };
 
-/* Takes a row; one without corners is left out. *s must be zeroed but for its kind. */
+/* Takes a row; one without corners is left out. *s must be zeroed, except its kind. */
 bool shapes_take(struct shapes *s, const char *row, size_t len);
 void shapes_free(struct shapes *s);
 

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* What is left of the row: s .. end. */
+/* The rest of the row: s .. end. */
 struct words {
     const char *s, *end;
 };

@@ -53,8 +53,8 @@ function findProgram() {
   return process.env.DELAUNAYD || near.find(existsSync) || 'delaunayd';
 }
 
-/** Starts a private daemon, which ends with this process, however that ends: the system closes
- * the daemon's standard input then. Its socket's path. */
+/** Starts a private daemon. It ends with this process in any case: the system then closes the
+ * daemon's standard input. Returns the path of its socket. */
 function startPrivate() {
   const program = findProgram();
   return new Promise((resolve, reject) => {
@@ -93,7 +93,7 @@ async function openPrivate(timeout) {
 
 const NOBODY = ['ECONNREFUSED', 'ENETUNREACH', 'EADDRNOTAVAIL'];
 
-/** A function that opens a socket to the same daemon every time, and the token to send there. */
+/** A function that opens a socket to the same daemon every time, and the token for that daemon. */
 function chooseAddress(url = process.env.DELAUNAY_URL || undefined) {
   if (url === 'private:') return { token: '', open: openPrivate };
   if (url !== undefined) {

@@ -151,7 +151,7 @@ class Client extends Constraints {
 
   // ---- points ----
 
-  /** Adds points, all or none; resolves with the id of the first one. A Float64Array must not change until then. */
+  /** Adds points, all or none; resolves with the id of the first one. Until it resolves a Float64Array must not change. */
   async load(set, points, { getX, getY, fields, timeout } = {}) {
     const coords = flatten(points, getX, getY);
     if (fields && Object.keys(fields).length > 0) return this.#loadFields(set, coords, fields, timeout);
@@ -179,8 +179,8 @@ class Client extends Constraints {
     return this.#points(`GET ${checkSet(set)} ${[...ids].join(' ')}`);
   }
 
-  /** {ids: Uint32Array, coords: Float64Array of x, y}, and with names of fields `values`, a Float64Array for each, NaN where a
-   * value is missing; all of it is of one state of the set. */
+  /** {ids: Uint32Array, coords: Float64Array of x, y}. With names of fields also `values`, a Float64Array for each, NaN if a
+   * value is missing; all of it belongs to one state of the set. */
   async points(set, { fields = [] } = {}) {
     const names = [...fields].map(checkField);
     const { data } = await this.request(`POINTS ${checkSet(set)}${names.length > 0 ? ` FIELDS ${names.join(',')}` : ''} BINARY`);
@@ -235,8 +235,8 @@ class Client extends Constraints {
 
   // ---- the triangulation ----
 
-  /** Three ids a triangle, counterclockwise. within: [x0, y0, x1, y1], only the triangles that meet this box. inside: only the triangles
-   * inside the border of this number, or, if it is true, inside any border. */
+  /** Three ids a triangle, counterclockwise. With within, [x0, y0, x1, y1], only the triangles that meet this box. With inside, only the
+   * triangles inside the border of this number, or, if it is true, inside any border. */
   async triangles(set, { clockwise = false, within, inside } = {}) {
     return this.#ids(`TRIANGLES ${checkSet(set)}${boxWords(within, 'WITHIN')}${insideWords(inside)}${clockwise ? ' CW' : ''} BINARY`);
   }
@@ -442,8 +442,8 @@ class Client extends Constraints {
 
   // ---- mirrors ----
 
-  /** A copy of the set that follows it, over a connection of its own; resolves when it is whole. within: [x0, y0, x1, y1]; fields:
-   * names, whose values points have after their coordinates. */
+  /** A copy of the set that follows it, over a connection of its own; resolves when it is whole. within is a box [x0, y0, x1, y1].
+   * Points have the values of `fields`, names, after their coordinates. */
   async mirror(set, { within, fields = [] } = {}) {
     const { Mirror } = await import('./mirror.mjs');
     const names = [...fields].map(checkField);

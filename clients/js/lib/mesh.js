@@ -1,4 +1,4 @@
-// What follows from a list of triangles. Three points a triangle; halfedges[e] is the half edge on the other side of e, -1 at
+// Functions of a list of triangles. Three points a triangle; halfedges[e] is the half edge on the other side of e, -1 at
 // the hull.
 //
 //              b

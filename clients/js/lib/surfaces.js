@@ -1,8 +1,8 @@
 // Surfaces in the shapes that users of d3 know: Voronoi cells as polygons, contours as GeoJSON.
 'use strict';
 
-/** Voronoi cells, clipped to `box` [x0, y0, x1, y1]: that of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords (x, y),
- * counterclockwise where y points up. */
+/** Voronoi cells, clipped to `box` [x0, y0, x1, y1]. The cell of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords (x, y),
+ * counterclockwise if y points up. */
 class Cells {
   #place;
 
@@ -126,7 +126,7 @@ function placeIn(ring) {
 
 const between = (a, b, share) => Math.min(Math.max(a + (b - a) * share, Math.min(a, b)), Math.max(a, b));
 
-/** Where the level is on an edge, as the server rounds it. */
+/** The place of the level on an edge, as the server rounds it. */
 function placeOn(a, b, level) {
   const [high, low] = a[2] >= level ? [a, b] : [b, a];
   const fall = high[2] - low[2];
@@ -137,8 +137,8 @@ function placeOn(a, b, level) {
 const direction = ([x, y], [nx, ny]) => Math.atan2(ny - y, nx - x);
 const turn = (from, to) => (to - from + 2 * Math.PI) % (2 * Math.PI);
 
-/** The places where a border crosses the level: {edge, start, point, border, along}; a line starts where the ground falls below the level
- * along the border. along: the direction of the edge from its higher end. */
+/** The places at which a border crosses the level: {edge, start, point, border, along}. A line starts if the ground falls below the
+ * level along the border. along: the direction of the edge from its higher end. */
 function crossings(border, level) {
   const found = [];
   border.forEach((corner, edge) => {
@@ -151,8 +151,8 @@ function crossings(border, level) {
   return found;
 }
 
-/** Takes the crossing where a line begins that leaves a place towards another one, or ends that comes from there. Several are at a place
- * where the border passes it more than once: the line is in the triangles beside its edge. */
+/** Takes the crossing at which a line begins that leaves a place towards another one, or ends that comes from the other one. A place has
+ * several if the border passes it more than once: the line is in the triangles beside its edge. */
 function takeCrossing(all, place, beyond) {
   const way = direction(place, beyond);
   const aside = (c) => (c.start ? turn(c.along, way) : turn(way, c.along));
@@ -198,8 +198,8 @@ function joinAlong(borders, lines, level) {
   return rings;
 }
 
-/** The ground at or above a level as a GeoJSON MultiPolygon with the property `value`, as d3-contour's; rings end where they begin, outer
- * ones counterclockwise. borders: closed, [[x, y, z], ...], with the surface on their left. */
+/** The ground at or above a level as a GeoJSON MultiPolygon with the property `value`, as d3-contour's. Rings end at their first place,
+ * outer ones counterclockwise. borders: closed, [[x, y, z], ...], with the surface on their left. */
 function multiPolygon(contours, borders, level) {
   const ringsOf = (closed) => contours.filter((c) => c.closed === closed).map((c) => ringOf(c.coords));
   const rings = [...ringsOf(true), ...joinAlong(borders, ringsOf(false), level)];

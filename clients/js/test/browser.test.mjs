@@ -1,4 +1,4 @@
-// What runs in process, in Chromium: a page opened from a file, a module from a static folder, and a worker.
+// The classes in process, in Chromium: a page opened from a file, a module from a static folder, and a worker.
 
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
@@ -23,7 +23,7 @@ before(async () => {
 });
 after(() => rm(scratch, { recursive: true, force: true }));
 
-/** What a page has written into its title when it has loaded. */
+/** The title that a page has written when it has loaded. */
 async function titleOf(url) {
   const flags = ['--headless', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage', '--virtual-time-budget=20000', `--user-data-dir=${scratch}/profile`];
   const { stdout } = await promisify(execFile)(BROWSER, [...flags, '--dump-dom', url], { timeout: 120000, maxBuffer: 1 << 26 });

@@ -92,7 +92,7 @@ test('a server is refused with a sentence', () => {
 });
 
 test('triangles are exact where those of doubles are not', () => {
-  // A circle through many lattice points, shifted far away; and points that are collinear but for the last bit.
+  // A circle through many lattice points, shifted far away; and points whose last bits alone keep them from being collinear.
   const far = 2 ** 40;
   const circle = [[5, 0], [4, 3], [3, 4], [0, 5], [-3, 4], [-4, 3], [-5, 0], [-4, -3], [-3, -4], [0, -5], [3, -4], [4, -3]];
   checkSound(Delaunator.from(circle.map(([x, y]) => [far + x, far + y])));

@@ -41,7 +41,7 @@ async function compare(mirror, set, from = client) {
 /** A constraint as a row of CONSTRAINTS. */
 const rowOf = ({ a, b, border, number }) => `${a} ${b} ${border ? 'border' : 'line'} ${number}`;
 
-/** Keeps ids and triangles by what a mirror reports, and checks that each report fits what was there. */
+/** Keeps ids and triangles by the reports of a mirror, and checks that each report fits the state before it. */
 function ledger(mirror) {
   const triangles = new Set();
   const ids = new Set(mirror.points().ids);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The WebAssembly module: a fresh build has the bytes of the committed one where the compiler is the recorded one, is small, needs
-# nothing of its host, and passes the tests of what runs in process.
+# The WebAssembly module: if the compiler is the recorded one, a fresh build has the bytes of the committed one. It is small, needs
+# nothing of its host, and passes the tests of the classes in process.
 #
 #     check.sh BUILD_DIR COMPILER     prints what failed, and at the end one line: N passed, N failed
 set -uo pipefail

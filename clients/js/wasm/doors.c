@@ -314,8 +314,8 @@ static struct dt_constraint *constraints_of(const uint32_t *pair, uint32_t n, bo
     return c;
 }
 
-/* Lines, or parts of the border of one region. out: how many are new; or, if it is DT_CROSSES, the ends of one and of the
- * other; or the id that is wrong. */
+/* Lines, or parts of the border of one region. out: how many are new. If it is DT_CROSSES: the ends of one and of the
+ * other. Otherwise the id that is wrong. */
 DOOR(set_constrain)
 enum dt_status door_set_constrain(struct dt *t, const uint32_t *pair, uint32_t n, bool border,
                                   uint32_t *out)
@@ -334,7 +334,7 @@ enum dt_status door_set_constrain(struct dt *t, const uint32_t *pair, uint32_t n
     return s;
 }
 
-/* out: which one is not there. */
+/* out: which one does not exist. */
 DOOR(set_release)
 enum dt_status door_set_release(struct dt *t, const uint32_t *pair, uint32_t n, bool border,
                                 uint32_t *out)

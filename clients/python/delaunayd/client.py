@@ -18,8 +18,8 @@ from .mirror import Change, Mirror
 
 __all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
 
-# What is sent before its replies are read: it must fit into the buffers of sockets, because a server that cannot send
-# its replies reads no more. Only a single request may be longer: the server reads all of it before it replies.
+# Requests that are sent before their replies are read must fit into the buffers of sockets, because a server that cannot send
+# its replies stops reading. Only a single request may be longer: the server reads all of it before it replies.
 _AT_ONCE = 1000  # requests
 _BYTES_AT_ONCE = 1 << 15
 _PIECE = 1 << 20
