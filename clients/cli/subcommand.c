@@ -120,9 +120,11 @@ const struct subcommand subcommands[] = {
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --outside nearest beyond the hull the values at its nearest place\n"
      "      --clip SET        only inside the borders of another set\n"
+     "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --inside --outside --clip --colour "
+     "--format --cell --width --viewport --method --max-edge --inside --outside --clip --as "
+     "--colour "
      "--force",
      true, NULL},
     {"contour", command_contour, false, true,

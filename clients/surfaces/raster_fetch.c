@@ -88,6 +88,8 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
         n += (size_t)snprintf(line + n, sizeof line - n, " OUTSIDE %.20s", r->outside);
     if (r->clip != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " CLIP %.100s", r->clip);
+    if (r->quantity != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " AS %.20s", r->quantity);
     n += (size_t)snprintf(line + n, sizeof line - n, " BINARY");
     return delaunay_send(c, line, n);
 }

@@ -9,15 +9,15 @@ enum { RASTER_MOST_COLUMNS = 1000000, RASTER_USUAL_COLUMNS = 1000 };
 
 struct raster_request {
     bool has_box;
-    double box[4];       /* left, lower, right, upper; without it, the bounding box of the hull */
-    double cell;         /* side of a cell; 0: `columns` decide */
-    uint32_t columns;    /* across the box; 0: RASTER_USUAL_COLUMNS along its longer side */
-    uint32_t most_rows;  /* where it is not 0, cells are larger if there would be more */
-    const char *method;  /* NULL: linear */
-    double max_edge;     /* 0: any */
-    const char *inside;  /* the number of a border, or any; NULL: everywhere */
-    const char *outside; /* nan or nearest; NULL: nan */
-    const char
+    double box[4];        /* left, lower, right, upper; without it, the bounding box of the hull */
+    double cell;          /* side of a cell; 0: `columns` decide */
+    uint32_t columns;     /* across the box; 0: RASTER_USUAL_COLUMNS along its longer side */
+    uint32_t most_rows;   /* where it is not 0, cells are larger if there would be more */
+    const char *method;   /* NULL: linear */
+    double max_edge;      /* 0: any */
+    const char *inside;   /* the number of a border, or any; NULL: everywhere */
+    const char *outside;  /* nan or nearest; NULL: nan */
+    const char *quantity, /* slope or aspect in degrees; NULL: the values */
         *clip;      /* the name of a set, inside whose borders there are values; NULL: everywhere */
     double squeeze; /* cells are 1 / squeeze as wide as high; 0: as wide */
 };

@@ -134,7 +134,7 @@ def some_place(model):
     (ax, ay), (bx, by) = model.rng.choice(list(model.points.values())), model.rng.choice(list(model.points.values()))
     t = model.rng.choice((0, 0, 0.5, 0.25, 2))
     x, y = ax + t * (bx - ax), ay + t * (by - ay)
-    return tuple(0.0 if abs(v) < 1e-40 else v for v in (x, y))
+    return tuple(0.0 if abs(v) < 1e-40 else max(-3e60, min(3e60, v)) for v in (x, y))
 
 
 def compare(connection, model):

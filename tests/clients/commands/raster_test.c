@@ -86,6 +86,20 @@ TEST(raster_goes_on_beyond_the_hull_and_is_clipped)
     cli_finish();
 }
 
+TEST(raster_writes_slopes_and_directions)
+{
+    int status;
+    make_plane();
+    cli_expect("raster t z - --width 2 --as slope",
+               "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\nNODATA_value -9999\n"
+               "84.31756151648317 84.31756151648317\n84.31756151648317 84.31756151648317\n");
+    CHECK(strstr(cli_run(&status, "raster t z - --width 2 --as aspect"),
+                 "\n185.71059313749964 185.71059313749964\n") &&
+          status == 0);
+    CHECK(strstr(cli_run(&status, "raster t z - --as height"), "ERR SYNTAX") && status == 1);
+    cli_finish();
+}
+
 TEST(raster_writes_bil_with_a_header_file)
 {
     int status;

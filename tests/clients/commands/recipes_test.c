@@ -22,7 +22,7 @@ TEST(recipes_answer_what_the_readme_says)
                    "printf '$ %%s\\n' \"$command\"; eval \"$command\"; done > got; "
                    "grep -c '^\\$ ' want; diff want got",
                    getenv("DELAUNAY"), getenv("DELAUNAYD"), cli_daemon.port_text, cli_path("."));
-    CHECK_STR(got, "20\n");
+    CHECK_STR(got, "27\n");
     CHECK(status == 0);
     cli_finish();
 }
