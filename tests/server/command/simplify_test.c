@@ -103,11 +103,21 @@ static int load_values(const struct daemon *d, double most)
     return fd;
 }
 
+/* Says so, and returns when a worker has begun. */
+static void begin(const struct daemon *d, int fd, const char *request)
+{
+    await_info(d, "jobs_running", 0);
+    uint64_t jobs = daemon_info(d, "jobs");
+    say(fd, request);
+    while (daemon_info(d, "jobs") == jobs)
+        pause_ms(1);
+}
+
 TEST_TIMEOUT(others_are_served_and_edit_while_a_large_set_is_simplified, 60)
 {
     struct daemon d = daemon_start(no_arguments);
     int fd = load_values(&d, 1), other = daemon_connect(&d);
-    say(fd, "SIMPLIFY t z ERROR 0.1 IDS id INTO u\n");
+    begin(&d, fd, "SIMPLIFY t z ERROR 0.1 IDS id INTO u\n");
     say(other, "SETS\nFDROP t z\nDEL t 0 1 2\nSIMPLIFY t z ERROR 1 INTO v\n");
     expect(other, "OK 1\n");
     hear_line(other);
@@ -122,7 +132,7 @@ TEST_TIMEOUT(a_set_of_the_name_that_comes_meanwhile_stays, 60)
 {
     struct daemon d = daemon_start(no_arguments);
     int fd = load_values(&d, 1), other = daemon_connect(&d);
-    say(fd, "SIMPLIFY t z ERROR 0.01 INTO u\n");
+    begin(&d, fd, "SIMPLIFY t z ERROR 0.01 INTO u\n");
     say(other, "ADD u 7 7\n");
     expect(other, "OK 0 first=0 added=1 coincident=0\n");
     expect(fd, "ERR EXISTS the set u already exists\n");

@@ -293,7 +293,7 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
     CHECK(info(known[0], "refused") == 3 && info(known[0], "clients") == MOST);
     close(known[2]);
     for (int i = 0; i < 20; i++) { /* one place is left, which a client without a token has */
-        while (info(known[0], "clients") == MOST)
+        while (info(known[0], "clients") >= MOST) /* one that is evicted still counts */
             pause_ms(1);
         int last = daemon_connect(&d);
         say(last, "PING\n");
