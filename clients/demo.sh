@@ -136,14 +136,19 @@ if [ -n "$contours" ]; then
     show 2 INTERPOLATE terrain z 500 -12000 METHOD natural
     show 1 contour terrain z "$contours" --every 50
 fi
-outlines=$(dirname "$0")/examples/field.geojson
-if [ -f "$outlines" ]; then
-    say "Outlines and a breakline, GeoJSON: each polygon is a border with a number, and its holes are outside"
-    show 1 load land "$outlines"
-    show 3 REGIONS land
-    show 2 REGIONS land AT 40 10
-    show 12 show land --width 50 --height 11
-    show 1 export land "${svg%.svg}-land.svg"
+examples=$(dirname "$0")/examples
+if [ -d "$examples" ]; then
+    say "A country's outline, GeoJSON (Natural Earth, public domain): its polygons are borders; Dublin is inside, London is not"
+    show 1 load ireland "$examples/ireland.geojson"
+    show 2 REGIONS ireland
+    show 3 REGIONS ireland AT -6.26 53.35 -0.13 51.51
+    show 30 show ireland --geographic --width 60 --height 24
+    show 1 export ireland "${svg%.svg}-ireland.svg" --geographic
+    say "A terrain with breaklines, a table with WKT: the ridge and the stream are edges, and bold among the bands of heights"
+    show 1 load site "$examples/breaklines.csv"
+    show 3 EDGES site CONSTRAINED
+    show 1 VOLUME site z LEVEL 5
+    show 1 contour site z "${svg%.svg}-site.svg" --bands --every 1
 fi
 if [ -n "$cells" ]; then
     say "Voronoi cells: what is nearer to a point than to any other, as \`id corners x y ...\`; and all of them as a picture"

@@ -100,6 +100,7 @@ static enum delaunay_result send_request(struct delaunay_client *c, const struct
 
 static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
 {
+    enum { PARTS = MODEL_TRIANGLES | MODEL_FIELDS | MODEL_CONSTRAINTS | MODEL_REGIONS };
     struct span span = {.field = w->field};
     char line[120];
     enum delaunay_result r = DELAUNAY_OK;
@@ -111,7 +112,7 @@ static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
     if (r == DELAUNAY_OK)
         r = send_request(c, w, step > 0 ? step : 1);
     if (r == DELAUNAY_OK)
-        r = shapes_file_receive(c, &w->file, w->set, MODEL_TRIANGLES | MODEL_FIELDS);
+        r = shapes_file_receive(c, &w->file, w->set, PARTS);
     return r;
 }
 
@@ -122,9 +123,10 @@ static bool write_picture(struct work *w, FILE *out, int field)
     const double *box = f->has_box ? f->box : NULL;
     snprintf(title, sizeof title, "%.100s: %s of %.100s", w->set,
              w->bands ? "bands" : "contour lines", w->field);
-    return w->bands ? surface_write_bands(out, title, &f->shapes, box, shapes_file_unit(f))
-                    : surface_write_contours(out, title, &f->shapes, &f->model, field, box,
-                                             shapes_file_unit(f));
+    return w->bands
+               ? surface_write_bands(out, title, &f->shapes, &f->model, box, shapes_file_unit(f))
+               : surface_write_contours(out, title, &f->shapes, &f->model, field, box,
+                                        shapes_file_unit(f));
 }
 
 static int draw(void *ctx, FILE *out)

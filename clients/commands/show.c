@@ -17,7 +17,18 @@
 #include "clients/meshes/model.h"
 #include "proto/number.h"
 
-enum ink { INK_NONE, INK_OUTSIDE, INK_EDGE, INK_POINT, INK_HULL, INK_LINE, INK_BORDER };
+/* The later one wins within a cell. Regions have REGION_INKS colours, by their numbers. */
+enum { REGION_INKS = 6 };
+enum ink {
+    INK_NONE,
+    INK_OUTSIDE,
+    INK_EDGE,
+    INK_REGION,
+    INK_POINT = INK_REGION + REGION_INKS,
+    INK_HULL,
+    INK_LINE,
+    INK_BORDER
+};
 
 struct canvas {
     uint32_t columns, lines;
@@ -77,21 +88,37 @@ static void fit(struct canvas *v, const struct model *m)
         v->lines = lines;
 }
 
-static void draw_edges(struct canvas *v, const struct model *m, enum ink ink)
+/* With more edges than this a cell would only be full. */
+static bool is_readable(const struct canvas *v, size_t edges)
 {
-    /* With more edges than this a cell would only be full. */
-    size_t readable = (size_t)v->columns * v->lines;
-    for (size_t i = 0; m->edges <= 3 * readable && i < m->edges; i++)
-        draw_line(v, m->xy + 2 * (size_t)m->edge[2 * i], m->xy + 2 * (size_t)m->edge[2 * i + 1],
-                  ink);
+    return edges <= 3 * (size_t)v->columns * v->lines;
 }
 
-/* inside: the edges that borders enclose; NULL if there are no borders. */
-static void draw(struct canvas *v, const struct model *m, const struct model *inside)
+static void draw_edges(struct canvas *v, const struct model *m)
 {
-    draw_edges(v, m, inside != NULL ? INK_OUTSIDE : INK_EDGE);
-    if (inside != NULL)
-        draw_edges(v, inside, INK_EDGE);
+    for (size_t i = 0; i < m->edges; i++)
+        draw_line(v, m->xy + 2 * (size_t)m->edge[2 * i], m->xy + 2 * (size_t)m->edge[2 * i + 1],
+                  m->regions ? INK_OUTSIDE : INK_EDGE);
+}
+
+/* The sides of the triangles that borders enclose. */
+static void draw_regions(struct canvas *v, const struct model *m)
+{
+    for (size_t i = 0; i < 3 * m->triangles; i++) {
+        const uint32_t *corner = m->triangle + i - i % 3;
+        int64_t region = m->region[i / 3];
+        if (region != MODEL_OUTSIDE)
+            draw_line(v, m->xy + 2 * (size_t)corner[i % 3], m->xy + 2 * (size_t)corner[(i + 1) % 3],
+                      (enum ink)(INK_REGION + region % REGION_INKS));
+    }
+}
+
+static void draw(struct canvas *v, const struct model *m)
+{
+    if (is_readable(v, m->edges))
+        draw_edges(v, m);
+    if (m->regions && is_readable(v, m->edges))
+        draw_regions(v, m);
     for (size_t i = 0; i < m->n; i++)
         plot(v, dot_x(v, m->xy + 2 * i), dot_y(v, m->xy + 2 * i), INK_POINT);
     for (size_t i = 0; i < m->hull_n; i++) {
@@ -114,14 +141,24 @@ static void print_cell(unsigned char dots)
 
 static void print(const struct canvas *v)
 {
-    static const char *const colour[] = {"",         "\033[2;37m", "\033[2;34m", "\033[1;33m",
-                                         "\033[31m", "\033[1;36m", "\033[1;35m"};
+    static const char *const colour[] = {[INK_OUTSIDE] = "\033[2;37m",
+                                         [INK_EDGE] = "\033[2;34m",
+                                         [INK_REGION] = "\033[34m",
+                                         "\033[32m",
+                                         "\033[36m",
+                                         "\033[33m",
+                                         "\033[35m",
+                                         "\033[31m",
+                                         [INK_POINT] = "\033[1;33m",
+                                         [INK_HULL] = "\033[31m",
+                                         [INK_LINE] = "\033[1;36m",
+                                         [INK_BORDER] = "\033[1;35m"};
     for (size_t y = 0; y < v->lines; y++) {
         unsigned char last = INK_NONE;
         for (size_t x = 0; x < v->columns; x++) {
             unsigned char ink = v->ink[y * v->columns + x];
             if (!v->plain && ink != last)
-                printf("\033[0m%s", colour[ink]);
+                printf("\033[0m%s", ink != INK_NONE ? colour[ink] : "");
             last = ink;
             print_cell(v->dots[y * v->columns + x]);
         }
@@ -190,15 +227,14 @@ static bool has_borders(const struct model *m)
     return false;
 }
 
-static enum delaunay_result draw_canvas(struct canvas *v, const struct model *m,
-                                        const struct model *inside)
+static enum delaunay_result draw_canvas(struct canvas *v, const struct model *m)
 {
     enum delaunay_result r = DELAUNAY_NOMEM;
     fit(v, m);
     v->dots = calloc((size_t)v->columns * v->lines, 1);
     v->ink = calloc((size_t)v->columns * v->lines, 1);
     if (v->dots != NULL && v->ink != NULL) {
-        draw(v, m, inside);
+        draw(v, m);
         json_chosen() ? print_json(v) : print(v);
         r = DELAUNAY_OK;
     }
@@ -209,28 +245,25 @@ static enum delaunay_result draw_canvas(struct canvas *v, const struct model *m,
 
 static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *v)
 {
-    struct model m = {0}, inside = {.inside = "any"};
+    struct model m = {0};
     int status = EXIT_REFUSED;
     enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL | MODEL_CONSTRAINTS, &m);
-    bool borders = r == DELAUNAY_OK && has_borders(&m) &&
-                   model_fetch(c, set, MODEL_EDGES, &inside) == DELAUNAY_OK;
+    if (r == DELAUNAY_OK && has_borders(&m))
+        r = model_fetch(c, set, MODEL_MESH | MODEL_CONSTRAINTS | MODEL_REGIONS, &m);
     struct degrees d;
     if (r == DELAUNAY_OK && v->geographic && !degrees_choose(&d, m.xy, m.n)) {
         status = output_fault("", "--geographic: there are latitudes beyond 90 degrees");
     } else {
-        if (r == DELAUNAY_OK && v->geographic) {
+        if (r == DELAUNAY_OK && v->geographic)
             degrees_project(&d, m.xy, m.n);
-            degrees_project(&d, inside.xy, borders ? inside.n : 0);
-        }
         if (r == DELAUNAY_OK)
-            r = draw_canvas(v, &m, borders ? &inside : NULL);
+            r = draw_canvas(v, &m);
         if (r == DELAUNAY_STOPPED)
             message_print("%s", m.fault);
         else
             status = command_outcome(c, r);
     }
     model_free(&m);
-    model_free(&inside);
     return status;
 }
 

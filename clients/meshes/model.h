@@ -69,6 +69,12 @@ static inline bool model_is_border(const struct model *m, size_t constraint)
     return (m->constraint[3 * constraint + 2] & 1) != 0;
 }
 
+/* Whether a triangle is outside of all borders; false if there are none. */
+static inline bool model_is_outside(const struct model *m, size_t triangle)
+{
+    return m->regions && m->region[triangle] == MODEL_OUTSIDE;
+}
+
 /* The value of a field at a place. */
 static inline double model_value(const struct model *m, int field, size_t place)
 {

@@ -53,12 +53,6 @@ static void draw_regions(struct svg *s, const struct model *m)
         }
 }
 
-/* Whether the triangle is pale, and not in the colour of its shape. */
-static bool is_pale(const struct model *m, size_t t)
-{
-    return m->regions && m->region[t] == MODEL_OUTSIDE;
-}
-
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
 {
     if (e->colour == COLOUR_RELIEF)
@@ -75,7 +69,7 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
             const uint32_t *v = m->triangle + 3 * t;
             if (shade != NULL && shade[t] != pass)
                 continue;
-            if (is_pale(m, t))
+            if (model_is_outside(m, t))
                 svg_region_triangle(s, SVG_OUTSIDE, point(m, v[0]), point(m, v[1]), point(m, v[2]));
             else if (shade != NULL)
                 svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
@@ -128,22 +122,6 @@ static void choose_box(const struct picture *e, const struct model *m, double *b
     }
 }
 
-/* The ends of the constraint before it, of the same kind, need no second line. */
-static bool repeats(const struct model *m, size_t i)
-{
-    const uint32_t *c = m->constraint + 3 * i;
-    return i > 0 && c[0] == c[-3] && c[1] == c[-2] &&
-           model_is_border(m, i) == model_is_border(m, i - 1);
-}
-
-static void draw_constraints(struct svg *s, const struct model *m)
-{
-    for (size_t i = 0; i < m->constraints; i++)
-        if (!repeats(m, i))
-            svg_constraint(s, model_is_border(m, i), point(m, m->constraint[3 * i]),
-                           point(m, m->constraint[3 * i + 1]));
-}
-
 bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
 {
     static const struct svg_legend legends[] = {
@@ -172,7 +150,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     for (size_t i = 0; i < m->hull_n; i++)
         svg_hull_point(&s, point(m, m->hull[i]));
     svg_hull_end(&s);
-    draw_constraints(&s, m);
+    surface_draw_constraints(&s, m);
     cut_points(e, m);
     svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);
     e->unlabelled = s.unlabelled;

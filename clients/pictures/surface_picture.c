@@ -79,7 +79,9 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum r
     fit_to_model(&r, m, field);
     for (size_t t = 0; t < m->triangles; t++) {
         double dx, dy, z = 0;
-        if (!find_slope(m, field, t, &dx, &dy))
+        if (model_is_outside(m, t))
+            svg_region_triangle(s, SVG_OUTSIDE, corner(m, t, 0), corner(m, t, 1), corner(m, t, 2));
+        if (model_is_outside(m, t) || !find_slope(m, field, t, &dx, &dy))
             continue;
         for (size_t k = 0; k < 3; k++)
             z += height(m, field, t, k) / 3;
@@ -92,6 +94,24 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum r
     }
     free(p);
     return true;
+}
+
+/* ---- constraints ---- */
+
+/* The ends of the constraint before it, of the same kind, need no second line. */
+static bool repeats(const struct model *m, size_t i)
+{
+    const uint32_t *c = m->constraint + 3 * i;
+    return i > 0 && c[0] == c[-3] && c[1] == c[-2] &&
+           model_is_border(m, i) == model_is_border(m, i - 1);
+}
+
+void surface_draw_constraints(struct svg *s, const struct model *m)
+{
+    for (size_t i = 0; i < m->constraints; i++)
+        if (!repeats(m, i))
+            svg_constraint(s, model_is_border(m, i), m->xy + 2 * (size_t)m->constraint[3 * i],
+                           m->xy + 2 * (size_t)m->constraint[3 * i + 1]);
 }
 
 /* ---- contours ---- */
@@ -154,6 +174,7 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL, NULL, unit);
     bool ok = surface_draw_ground(&s, m, field, RELIEF_BOTH);
     draw_lines(&s, lines, level, levels);
+    surface_draw_constraints(&s, m);
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
     free(level);
@@ -202,7 +223,7 @@ static void draw_bands(struct svg *s, const struct relief *r, const struct shape
 }
 
 bool surface_write_bands(FILE *out, const char *title, const struct shapes *bands,
-                         const double *box, const char *unit)
+                         const struct model *m, const double *box, const char *unit)
 {
     struct relief r = {.style = RELIEF_HEIGHT};
     double around[4] = {0, 0, 1, 1};
@@ -223,6 +244,7 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
     svg_begin(&s, out, title, box != NULL ? box : around, bands->n, box != NULL,
               bands->n > 0 ? &legend : NULL, unit);
     draw_bands(&s, &r, bands);
+    surface_draw_constraints(&s, m);
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
     free(colour);

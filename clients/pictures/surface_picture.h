@@ -8,20 +8,24 @@
 #include "clients/surfaces/rings.h"
 #include "clients/surfaces/shapes.h"
 
-/* Draws every triangle in the colour of its mean height and of its slope. False when out of memory. */
+/* Draws every triangle in the colour of its mean height and of its slope; what is outside of all borders is pale. False when out of
+ * memory. */
 bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style);
+
+/* Draws the constraints of m, bold; call it where svg_constraint may be called. */
+void surface_draw_constraints(struct svg *s, const struct model *m);
 
 /* unit: of the scale, "" if unknown. */
 
-/* Writes a picture of contour lines; of the ground below them if m has triangles. Each fifth level is heavy if there are
+/* Writes a picture of contour lines, of the constraints of m, and of the ground below them if m has triangles. Each fifth level is heavy if there are
  * more than five. box: NULL or what is shown. False when out of memory. */
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
                             const struct model *m, int field, const double *box, const char *unit);
 
-/* Writes a picture of bands, filled with the colours of their heights, and what the colours mean. box: NULL or what is shown. False
+/* Writes a picture of bands, filled with the colours of their heights, of the constraints of m, and of what the colours mean. box: NULL or what is shown. False
  * when out of memory. */
 bool surface_write_bands(FILE *out, const char *title, const struct shapes *bands,
-                         const double *box, const char *unit);
+                         const struct model *m, const double *box, const char *unit);
 
 /* Writes a picture of cells and of the points of m; cells have the colours of the heights in m's field, if that is not
  * -1. False when out of memory. */

@@ -98,6 +98,23 @@ TEST(contour_ends_at_the_border_that_an_option_names)
     cli_finish();
 }
 
+/* Three sides of the border and a line, bold; the other three triangles pale. */
+TEST(constraints_are_bold_in_pictures_of_surfaces_and_the_outside_is_pale)
+{
+    int status;
+    make_pyramid();
+    cli_run_well("constrain t border ring 0 1 4");
+    cli_run_well("constrain t 2 4");
+    const char *svg = cli_run(&status, "contour t z - -f svg --levels 5");
+    CHECK(status == 0 && count(svg, "class=\"c\"") == 1 && count(svg, "class=\"b\"") >= 1);
+    CHECK(count(svg, "class=\"o\"") == 1 && count(svg, "<path fill=\"#") == 1);
+    svg = cli_run(&status, "contour t z - -f svg --levels 0,5,10 --bands");
+    CHECK(status == 0 && count(svg, "class=\"c\"") == 1 && count(svg, "class=\"b\"") >= 1);
+    svg = cli_run(&status, "export t - --colour relief -f svg");
+    CHECK(status == 0 && count(svg, "class=\"o\"") == 1 && count(svg, "class=\"b\"") >= 1);
+    cli_finish();
+}
+
 TEST(bands_are_written_as_polygons)
 {
     int status;

@@ -86,19 +86,27 @@ TEST(show_draws_constraints_also_where_there_are_too_many_edges_to_draw)
     daemon_end(&d);
 }
 
-TEST(show_draws_edges_outside_borders_in_another_colour_on_a_terminal)
+TEST(show_draws_regions_in_colours_and_the_outside_pale_on_a_terminal)
 {
-    static const char outside[] = "\033[2;37m", inside[] = "\033[2;34m";
+    static const char outside[] = "\033[2;37m", edge[] = "\033[2;34m", first[] = "\033[0m\033[34m",
+                      third[] = "\033[0m\033[36m";
     char out[20000];
     int status;
     struct daemon d = daemon_start(NULL);
     run(&d, &status, "ADD t 0 0  8 0  8 8  0 8  40 0  40 8");
     run(&d, &status, "TRIANGULATE t");
     cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", out, sizeof out);
-    CHECK_MSG(strstr(out, outside) == NULL && strstr(out, inside) != NULL, "%s", out);
+    CHECK_MSG(strstr(out, outside) == NULL && strstr(out, edge) != NULL, "%s", out);
+    CHECK(strstr(out, first) == NULL && strstr(out, third) == NULL);
+    run(&d, &status, "ADD t 24 0");
     run(&d, &status, "CONSTRAIN t BORDER RING 0 1 2 3");
+    run(&d, &status, "CONSTRAIN t BORDER OF 8 RING 6 4 5"); /* the colours repeat after six */
     cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", out, sizeof out);
-    CHECK_MSG(strstr(out, outside) != NULL && strstr(out, inside) != NULL, "%s", out);
+    CHECK_MSG(strstr(out, outside) != NULL && strstr(out, edge) == NULL, "%s", out);
+    CHECK_MSG(strstr(out, first) != NULL && strstr(out, third) == NULL, "%s", out);
+    run(&d, &status, "ADD t 35 3");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", out, sizeof out);
+    CHECK_MSG(strstr(out, first) != NULL && strstr(out, third) != NULL, "%s", out);
     daemon_end(&d);
 }
 
