@@ -275,7 +275,7 @@ TEST(without_borders_all_triangles_are_in_the_outer_face)
 TEST(constraints_that_cross_get_points_in_common_with_heights)
 {
     const struct dt_point p[] = {{0, 0}, {4, 4}, {0, 4}, {4, 0}, {9, 9}};
-    const double z[] = {0, 8, 4, 0, NAN};
+    const double z[] = {0, 8, 4, 0, (double)NAN};
     const struct dt_constraint c[] = {{1, 0, false, 5}, {2, 3, true, 6}, {1, 4, false, 7}};
     for (int with = 0; with < 2; with++) {
         struct dt_split plan;

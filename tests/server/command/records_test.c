@@ -51,7 +51,7 @@ TEST(records_of_kinds_and_numbers_come_with_points_and_values)
     struct daemon d = daemon_start(no_arguments);
     int fd = daemon_connect(&d);
     struct bytes b = {.n = 0};
-    const double rows[] = {0, 0, 1, 4, 0, 2, 0, 4, (double)NAN}, none = NAN;
+    const double rows[] = {0, 0, 1, 4, 0, 2, 0, 4, (double)NAN}, none = (double)NAN;
     put_line(&b, "ADD t 9 9\nLOADB t 3 CONSTRAINTS 2 FIELDS z\n");
     put(&b, rows, sizeof rows);
     put_record(&b, 2, 0, 1, 7);
