@@ -22,7 +22,7 @@ static bool bad(struct wkt *w)
 {
     char text[40];
     return points_file_bad(
-        w->f, "not a geometry in well-known text, at \"%s\"",
+        w->f, "no points, lines or polygons in well-known text, at \"%s\"",
         report_clean(text, sizeof text, w->rest.text, w->rest.len < 30 ? w->rest.len : 30));
 }
 

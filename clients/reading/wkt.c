@@ -45,9 +45,12 @@ bool wkt_take_kind(struct value *v, const char *kind, bool *flat)
 
 bool wkt_is_geometry(struct value v, bool *solid)
 {
-    static const char *const kinds[] = {
-        "POINT",   "MULTIPOINT",   "LINESTRING",        "MULTILINESTRING",
-        "POLYGON", "MULTIPOLYGON", "GEOMETRYCOLLECTION"};
+    static const char *const kinds[] = {"POINT", "MULTIPOINT", "LINESTRING", "MULTILINESTRING",
+                                        "POLYGON", "MULTIPOLYGON", "GEOMETRYCOLLECTION",
+                                        /* not read, but a column of them is one of geometries: */
+                                        "CIRCULARSTRING", "COMPOUNDCURVE", "CURVEPOLYGON",
+                                        "MULTICURVE", "MULTISURFACE", "POLYHEDRALSURFACE",
+                                        "TRIANGLE", "TIN"};
     bool flat;
     v = wkt_without_srid(v);
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {

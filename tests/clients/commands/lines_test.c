@@ -141,11 +141,14 @@ TEST(geometries_of_a_column_of_wkt_become_constraints)
                "9 3 5\n10 9 9\n11 8 8\n12 7 7\n13 7 8\n14 20 0\n15 21 0\n");
     load_lines("a.csv", "WKT,kind,number\n\"LINESTRING Z (0 0 1,1 0 2)\",border,6\n", "",
                "OK 1\n0 1 border 6\n", "OK 2\n0 0 0\n1 1 0\n");
-    load_says("a.csv", "g\n\"LINESTRING (0 0, 1)\"\n\"LINESTRING (0 0, 1 1)\"\n", "", 1,
-              "a.csv:2: not a geometry in well-known text, at \")\"; nothing was loaded");
+    load_says(
+        "a.csv", "g\n\"LINESTRING (0 0, 1)\"\n\"LINESTRING (0 0, 1 1)\"\n", "", 1,
+        "a.csv:2: no points, lines or polygons in well-known text, at \")\"; nothing was loaded");
     load_says("a.csv", "g\n\"POLYGON ((0 0, 1 1, 1 0, 0 0)\"\n\"LINESTRING (0 0, 1 1)\"\n",
-              "--skip-bad", 0, "a.csv:2: skipped, not a geometry in well-known text");
+              "--skip-bad", 0, "a.csv:2: skipped, no points, lines or polygons in well-known text");
     cli_expect("constraints t", "OK 1\n0 1 line 0\n");
+    load_says("a.csv", "g\n\"CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 0 0))\"\n", "", 1,
+              "a.csv:2: no points, lines or polygons in well-known text, at \"CURVEPOLYGON");
     cli_finish();
 }
 

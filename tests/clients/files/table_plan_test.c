@@ -441,8 +441,10 @@ TEST(points_in_wkt_may_have_heights_and_be_beside_other_geometries)
     tables_expect(CSV, "WKT,id\nPOINT (0 0),1\nPOINT EMPTY,2\n", "0 0",
                   "line 3 has an empty geometry");
     tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\nPOINT (0),2\n",
-                  "3: not a geometry in well-known text, at \")\"");
-    tables_refuse(CSV, "WKT,id\nPOINT (0 0),1\nCIRCULARSTRING (0 0),2\n", "3: not a point");
+                  "3: no points, lines or polygons in well-known text, at \")\"");
+    tables_refuse(
+        CSV, "WKT,id\nPOINT (0 0),1\nCIRCULARSTRING (0 0),2\n",
+        "3: no points, lines or polygons in well-known text, at \"CIRCULARSTRING (0 0)\"");
 }
 
 /* ---- without a heading ---- */

@@ -113,6 +113,15 @@ static void begin(const struct daemon *d, int fd, const char *request)
         pause_ms(1);
 }
 
+/* A line that is no progress comment, which a slow machine sends. */
+static const char *hear_reply(int fd)
+{
+    const char *line = hear_line(fd);
+    while (line[0] == '#')
+        line = hear_line(fd);
+    return line;
+}
+
 TEST_TIMEOUT(others_are_served_and_edit_while_a_large_set_is_simplified, 60)
 {
     struct daemon d = daemon_start(no_arguments);
@@ -122,7 +131,7 @@ TEST_TIMEOUT(others_are_served_and_edit_while_a_large_set_is_simplified, 60)
     expect(other, "OK 1\n");
     hear_line(other);
     expect(other, "OK 0\nOK 0 deleted=3\nERR NOFIELD there is no field z\n");
-    CHECK(strncmp(hear_line(fd), "OK 0 points=", 12) == 0);
+    CHECK(strncmp(hear_reply(fd), "OK 0 points=", 12) == 0);
     say(fd, "FIELDS u\n");
     expect(fd, "OK 2\n");
     daemon_stop(&d, SIGTERM);
@@ -135,7 +144,7 @@ TEST_TIMEOUT(a_set_of_the_name_that_comes_meanwhile_stays, 60)
     begin(&d, fd, "SIMPLIFY t z ERROR 0.01 INTO u\n");
     say(other, "ADD u 7 7\n");
     expect(other, "OK 0 first=0 added=1 coincident=0\n");
-    expect(fd, "ERR EXISTS the set u already exists\n");
+    CHECK_STR(hear_reply(fd), "ERR EXISTS the set u already exists");
     converse(&d, "POINTS u\n", "OK 1\n0 7 7\n");
     daemon_stop(&d, SIGTERM);
 }
@@ -145,7 +154,7 @@ TEST_TIMEOUT(simplify_ends_in_time_and_leaves_nothing, 60)
     struct daemon d = daemon_start(no_arguments);
     int fd = load_values(&d, 1);
     say(fd, "TIMEOUT 0.01 SIMPLIFY t z ERROR 0 INTO u\nSTAT u\n");
-    CHECK(strncmp(hear_line(fd), "ERR TIMEOUT", 11) == 0);
+    CHECK(strncmp(hear_reply(fd), "ERR TIMEOUT", 11) == 0);
     expect(fd, "ERR NOSET there is no set u\n");
     daemon_stop(&d, SIGTERM);
 }
@@ -156,7 +165,7 @@ TEST_TIMEOUT(simplify_without_memory_is_refused, 60)
     struct daemon d = daemon_start(little);
     int fd = load_values(&d, 1);
     say(fd, "SIMPLIFY t z ERROR 0 INTO u\nSTAT u\n");
-    const char *got = hear_line(fd);
+    const char *got = hear_reply(fd);
     CHECK_MSG(strncmp(got, "ERR NOMEM", 9) == 0 || strncmp(got, "ERR BUSY", 8) == 0, "%s", got);
     expect(fd, "ERR NOSET there is no set u\n");
     daemon_stop(&d, SIGTERM);
@@ -174,10 +183,10 @@ TEST_TIMEOUT(a_simplified_set_survives_a_kill, 60)
     say(fd, PEAK "CONSTRAIN t OF 4 0 1\nSIMPLIFY t z ERROR 0.4 IDS i INTO large\n"
                  "ADD q FIELDS z 0 0 1 1 0 2 0 1 3 0.2 0.2 9\nSIMPLIFY q z ERROR 2 INTO small\n");
     for (int i = 0; i < 5; i++)
-        CHECK(strncmp(hear_line(fd), "OK 0 ", 5) == 0);
+        CHECK(strncmp(hear_reply(fd), "OK 0 ", 5) == 0);
     for (int i = 0; i < 2; i++) {
         say(fd, asked[i]);
-        snprintf(digest[i], sizeof digest[i], "%s", hear_line(fd));
+        snprintf(digest[i], sizeof digest[i], "%s", hear_reply(fd));
         CHECK(strncmp(digest[i], "OK 0 digest=", 12) == 0);
     }
     daemon_stop(&d, SIGKILL);
@@ -185,7 +194,7 @@ TEST_TIMEOUT(a_simplified_set_survives_a_kill, 60)
     fd = daemon_connect(&d);
     for (int i = 0; i < 2; i++) {
         say(fd, asked[i]);
-        CHECK_STR(hear_line(fd), digest[i]);
+        CHECK_STR(hear_reply(fd), digest[i]);
     }
     daemon_stop(&d, SIGTERM);
     directory_remove(&dir);
