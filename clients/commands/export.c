@@ -9,6 +9,7 @@
 #include "clients/cli/child.h"
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "clients/cli/output.h"
 #include "clients/meshes/line_formats.h"
 #include "clients/surfaces/grid_file.h"
@@ -120,8 +121,8 @@ static void report(const struct export_work *w)
     } else if (shown < m->n) {
         printf("%s: %zu of %zu points\n", e->path, shown, m->n);
     } else {
-        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, m->n, m->triangles,
-               m->hull_n);
+        printf("%s: %zu point%s, %zu triangle%s, hull of %zu\n", e->path, m->n,
+               m->n == 1 ? "" : "s", m->triangles, m->triangles == 1 ? "" : "s", m->hull_n);
     }
 }
 
@@ -165,6 +166,16 @@ static int choose_heights(struct export_work *w)
     return EXIT_DONE;
 }
 
+/* After a refusal. A set of lines without borders has no inside. */
+static int no_mesh(struct delaunay_client *c, enum delaunay_result r, const struct export *e)
+{
+    int status = command_outcome(c, r);
+    if (r == DELAUNAY_REFUSED && e->inside != NULL && !json_chosen() &&
+        strstr(delaunay_status(c)->text, "NOREGION the set has no borders") != NULL)
+        message_print("--inside needs borders: load lines with --border, or leave --inside out");
+    return status;
+}
+
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
     struct model m = {.inside = e->inside};
@@ -180,7 +191,7 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
     if (r == DELAUNAY_STOPPED)
         status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
-        status = command_outcome(c, r);
+        status = no_mesh(c, r, e);
     else if (m.one_region && e->format != NULL)
         status = output_fault("", "there are too many borders for this format");
     else if ((status = choose_heights(&work)) == EXIT_DONE &&

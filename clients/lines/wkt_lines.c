@@ -21,6 +21,12 @@ struct wkt {
 static bool bad(struct wkt *w)
 {
     char text[40];
+    const char *curved = wkt_curved_kind(w->rest);
+    if (curved != NULL)
+        return points_file_bad(w->f,
+                               "%s has curves, and only straight lines are read; ogr2ogr -nlt "
+                               "CONVERT_TO_LINEAR makes straight lines of curves",
+                               curved);
     return points_file_bad(
         w->f, "no points, lines or polygons in well-known text, at \"%s\"",
         report_clean(text, sizeof text, w->rest.text, w->rest.len < 30 ? w->rest.len : 30));

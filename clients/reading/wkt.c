@@ -43,6 +43,17 @@ bool wkt_take_kind(struct value *v, const char *kind, bool *flat)
     return true;
 }
 
+const char *wkt_curved_kind(struct value v)
+{
+    static const char *const kinds[] = {"CIRCULARSTRING", "COMPOUNDCURVE", "CURVEPOLYGON",
+                                        "MULTICURVE", "MULTISURFACE"};
+    bool flat;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        if (wkt_take_kind(&v, kinds[i], &flat))
+            return kinds[i];
+    return NULL;
+}
+
 bool wkt_is_geometry(struct value v, bool *solid)
 {
     static const char *const kinds[] = {"POINT", "MULTIPOINT", "LINESTRING", "MULTILINESTRING",
@@ -53,6 +64,10 @@ bool wkt_is_geometry(struct value v, bool *solid)
                                         "TRIANGLE", "TIN"};
     bool flat;
     v = wkt_without_srid(v);
+    if (wkt_curved_kind(v) != NULL) {
+        *solid = false;
+        return true;
+    }
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (!wkt_take_kind(&v, kinds[i], &flat))
             continue;

@@ -69,7 +69,7 @@ TEST(run_writes_a_mesh_of_a_file_without_a_server)
            "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
     expect("printf '7,0,0\\n8,4,0\\n9,0,4\\n' > a.csv; $D run a.csv b.ele -c 2,3 && cat b.ele",
            "delaunay: a.csv: columns not used: 1 (--fields keeps those of numbers)\n"
-           "b.ele: 3 points, 1 triangles, hull of 3\n1 3 0\n0 0 1 2\n");
+           "b.ele: 3 points, 1 triangle, hull of 3\n1 3 0\n0 0 1 2\n");
     finish();
 }
 

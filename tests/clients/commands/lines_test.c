@@ -152,6 +152,54 @@ TEST(geometries_of_a_column_of_wkt_become_constraints)
     cli_finish();
 }
 
+TEST(measures_of_wkt_are_no_heights_and_lose_no_row)
+{
+    cli_begin();
+    load_lines("a.csv", "POLYGON M ((0 0 7,4 0 7,4 4 7,0 0 7))\nlinestring m (10 0 7,14 0 7)\n", "",
+               "OK 4\n0 1 border 0\n0 2 border 0\n1 2 border 0\n3 4 line 1\n",
+               "OK 5\n0 0 0\n1 4 0\n2 4 4\n3 10 0\n4 14 0\n");
+    cli_write("a.csv", "WKT\n\"LINESTRING ZM (0 0 5 1,4 0 6 1)\"\n\"LINESTRINGM (1 1 7,2 1 7)\"\n");
+    char command[300];
+    snprintf(command, sizeof command, "load t %s", cli_path("a.csv"));
+    cli_run_well(command);
+    cli_expect("fget t z 0 1", "OK 2\n0 5\n1 6\n");
+    cli_finish();
+}
+
+TEST(curves_of_wkt_are_named_with_what_makes_lines_of_them)
+{
+    cli_begin();
+    load_says("a.csv", "WKT,name\n\"CURVEPOLYGON (CIRCULARSTRING (0 0,4 0,4 4,0 4,0 0))\",a\n", "",
+              1,
+              "a.csv:2: CURVEPOLYGON has curves, and only straight lines are read; ogr2ogr -nlt "
+              "CONVERT_TO_LINEAR");
+    load_says("a.csv", "CIRCULARSTRING Z (0 0 1,4 0 1,4 4 1)\n", "", 1,
+              "a.csv:1: CIRCULARSTRING has curves");
+    load_says("a.csv", "g\nSRID=4326;MULTISURFACE(CURVEPOLYGON((0 0,1 0,0 1,0 0)))\n", "", 1,
+              "a.csv:2: MULTISURFACE has curves");
+    load_says("a.csv",
+              "g\n\"GEOMETRYCOLLECTION(POINT (8 8),COMPOUNDCURVE((0 0,1 0)))\"\n"
+              "\"LINESTRING (0 0, 1 1)\"\n",
+              "--skip-bad", 0, "a.csv:2: skipped, COMPOUNDCURVE has curves");
+    cli_expect("constraints t", "OK 1\n0 1 line 0\n");
+    cli_expect("points t", "OK 2\n0 0 0\n1 1 1\n");
+    cli_finish();
+}
+
+TEST(run_inside_of_lines_without_borders_says_how_to_make_borders)
+{
+    char command[300];
+    int status;
+    cli_begin();
+    cli_write("a.csv", "WKT\n\"LINESTRING (0 0,4 0,4 4,0 0)\"\n");
+    snprintf(command, sizeof command, "run %s - -f obj --inside any", cli_path("a.csv"));
+    CHECK(strstr(cli_run(&status, command), "load lines with --border") != NULL && status == 1);
+    strcat(command, " --border");
+    const char *got = cli_run(&status, command);
+    CHECK_MSG(strstr(got, "f 1 2 3") != NULL && status == 0, "%s", got);
+    cli_finish();
+}
+
 TEST(a_polygon_in_a_table_may_have_a_hundred_thousand_corners)
 {
     enum { CORNERS = 100000 };
