@@ -56,12 +56,9 @@ const char *wkt_curved_kind(struct value v)
 
 bool wkt_is_geometry(struct value v, bool *solid)
 {
-    static const char *const kinds[] = {"POINT", "MULTIPOINT", "LINESTRING", "MULTILINESTRING",
-                                        "POLYGON", "MULTIPOLYGON", "GEOMETRYCOLLECTION",
-                                        /* not read, but a column of them is one of geometries: */
-                                        "CIRCULARSTRING", "COMPOUNDCURVE", "CURVEPOLYGON",
-                                        "MULTICURVE", "MULTISURFACE", "POLYHEDRALSURFACE",
-                                        "TRIANGLE", "TIN"};
+    static const char *const kinds[] = {
+        "POINT",        "MULTIPOINT",         "LINESTRING",        "MULTILINESTRING", "POLYGON",
+        "MULTIPOLYGON", "GEOMETRYCOLLECTION", "POLYHEDRALSURFACE", "TRIANGLE",        "TIN"};
     bool flat;
     v = wkt_without_srid(v);
     if (wkt_curved_kind(v) != NULL) {

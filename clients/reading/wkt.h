@@ -19,7 +19,7 @@ bool wkt_take_kind(struct value *v, const char *kind, bool *flat);
  * for others. Kinds: OGC 06-103r4, section 7. */
 const char *wkt_curved_kind(struct value v);
 
-/* Whether it begins as a geometry of points, lines, polygons or curves, and whether its first position has a height; false for curves. */
+/* Whether it begins as a geometry of any kind, and whether its first position has a height; false for curves. */
 bool wkt_is_geometry(struct value v, bool *solid);
 
 /* Reads the geometry POINT (x y [z ...]). Sets *values to 2 or 3. False if it is another one, or empty. */
