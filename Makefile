@@ -2,7 +2,7 @@
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"; REACTORS=4: with four reactors
-#   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg, cells.svg, cities-ireland.svg and cities-site.svg into build/
+#   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg, cells.svg, cities-ireland.svg and cities-valley.svg into build/
 #   make view       the same places on a live page in the browser; make test_web tests that page in Chromium
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include

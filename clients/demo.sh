@@ -144,11 +144,11 @@ if [ -d "$examples" ]; then
     show 3 REGIONS ireland AT -6.26 53.35 -0.13 51.51
     show 30 show ireland --geographic --width 60 --height 24
     show 1 export ireland "${svg%.svg}-ireland.svg" --geographic
-    say "A terrain with breaklines, a table with WKT: the ridge and the stream are edges, and bold among the bands of heights"
-    show 1 load site "$examples/breaklines.csv"
-    show 3 EDGES site CONSTRAINED
-    show 1 VOLUME site z LEVEL 5
-    show 1 contour site z "${svg%.svg}-site.svg" --bands --every 1
+    say "A terrain with breaklines, a table with WKT: two ridges and the stream between them are edges, so there are bends, not steps"
+    show 1 load valley "$examples/valley.csv"
+    show 22 show valley --width 76 --height 18
+    show 1 VOLUME valley z LEVEL 20
+    show 1 contour valley z "${svg%.svg}-valley.svg" --bands --every 4
 fi
 if [ -n "$cells" ]; then
     say "Voronoi cells: what is nearer to a point than to any other, as \`id corners x y ...\`; and all of them as a picture"
