@@ -30,17 +30,25 @@ static bool find_slope(const struct model *m, int field, size_t t, double *dx, d
     return isfinite(*dx) && isfinite(*dy);
 }
 
-/* Weighted by area: thin triangles may be steep. */
+static void widen(struct relief *r, double z)
+{
+    r->low = fmin(r->low, z);
+    r->high = fmax(r->high, z);
+}
+
+/* To all points, or to those of triangles inside of borders. Slopes are weighted by area: thin triangles may be steep. */
 static void fit_to_model(struct relief *r, const struct model *m, int field)
 {
     double sum = 0, areas = 0;
     r->low = HUGE_VAL;
     r->high = -HUGE_VAL;
-    for (size_t i = 0; i < m->n; i++) {
-        r->low = fmin(r->low, model_value(m, field, i));
-        r->high = fmax(r->high, model_value(m, field, i));
-    }
+    for (size_t i = 0; i < m->n && !m->regions; i++)
+        widen(r, model_value(m, field, i));
     for (size_t t = 0; t < m->triangles; t++) {
+        if (model_is_outside(m, t))
+            continue;
+        for (size_t k = 0; k < 3; k++)
+            widen(r, height(m, field, t, k));
         const double *a = corner(m, t, 0), *b = corner(m, t, 1), *c = corner(m, t, 2);
         double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]), dx, dy;
         if (!find_slope(m, field, t, &dx, &dy))

@@ -112,6 +112,13 @@ TEST(constraints_are_bold_in_pictures_of_surfaces_and_the_outside_is_pale)
     CHECK(status == 0 && count(svg, "class=\"c\"") == 1 && count(svg, "class=\"b\"") >= 1);
     svg = cli_run(&status, "export t - --colour relief -f svg");
     CHECK(status == 0 && count(svg, "class=\"o\"") == 1 && count(svg, "class=\"b\"") >= 1);
+    /* Heights outside do not matter for the colours inside. */
+    char fill[30];
+    snprintf(fill, sizeof fill, "%.20s", strstr(svg, "<path fill=\"#"));
+    cli_run_well("add t 9 9");
+    cli_run_well("fset t z 5 1000");
+    svg = cli_run(&status, "export t - --colour relief -f svg");
+    CHECK(status == 0 && strstr(svg, fill) != NULL);
     cli_finish();
 }
 
