@@ -18,6 +18,8 @@ enum { NO_COLOUR = 1 << 24 };
 
 struct screen {
     const struct grid *g;
+    const struct grid *
+        inside; /* the same cells, with values inside of borders alone; NULL: there are no borders */
     struct relief relief;
     bool all_colours;
 };
@@ -37,13 +39,20 @@ static double value_at(const struct grid *g, uint32_t column, uint32_t row)
     return row < g->rows ? g->value[(size_t)row * g->columns + column] : (double)NAN;
 }
 
+/* Three quarters of the way to white. */
+static uint32_t pale(uint32_t rgb)
+{
+    return 0xFFFFFF - ((0xFFFFFF - rgb) >> 2 & 0x3F3F3F);
+}
+
 static uint32_t colour_at(const struct screen *s, uint32_t column, uint32_t row)
 {
     double dx, dy, z = value_at(s->g, column, row);
     if (isnan(z))
         return NO_COLOUR;
     relief_slope(s->g, column, row, &dx, &dy);
-    return relief_colour(&s->relief, z, dx, dy);
+    uint32_t rgb = relief_colour(&s->relief, z, dx, dy);
+    return s->inside != NULL && isnan(value_at(s->inside, column, row)) ? pale(rgb) : rgb;
 }
 
 static void put_colour(const struct screen *s, int ground, uint32_t rgb)
@@ -141,10 +150,16 @@ int show_relief(struct delaunay_client *c, const char *set, const char *field, u
     if (r != DELAUNAY_OK)
         return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
     struct screen s = {.g = &g};
+    struct grid inside = {0};
     s.relief.style = RELIEF_BOTH;
     s.all_colours =
         terminal != NULL && (strcmp(terminal, "truecolor") == 0 || strcmp(terminal, "24bit") == 0);
-    relief_fit(&s.relief, &g);
+    request.inside = "any"; /* an error: without closed borders nothing is outside */
+    if (raster_fetch(c, set, field, &request, &inside, &fault) == DELAUNAY_OK &&
+        inside.columns == g.columns && inside.rows == g.rows && relief_fit(&s.relief, &inside))
+        s.inside = &inside;
+    else
+        relief_fit(&s.relief, &g);
     if (json_chosen())
         print_json(&s);
     else if (plain)
@@ -152,5 +167,6 @@ int show_relief(struct delaunay_client *c, const char *set, const char *field, u
     else
         print_colours(&s);
     raster_free(&g);
+    raster_free(&inside);
     return EXIT_DONE;
 }

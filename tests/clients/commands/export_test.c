@@ -110,6 +110,23 @@ TEST(show_draws_regions_in_colours_and_the_outside_pale_on_a_terminal)
     daemon_end(&d);
 }
 
+TEST(show_draws_heights_outside_borders_pale_on_a_terminal)
+{
+    char plain[20000], pale[20000], again[20000];
+    int status;
+    struct daemon d = daemon_start(NULL);
+    run(&d, &status, "ADD t FIELDS z 0 0 1 8 0 1 8 8 1 0 8 1 40 0 1 40 8 1");
+    run(&d, &status, "TRIANGULATE t");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", plain, sizeof plain);
+    run(&d, &status, "CONSTRAIN t BORDER RING 0 1 2 3");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", pale, sizeof pale);
+    CHECK_MSG(strlen(pale) > strlen(plain), "%s%s", plain, pale); /* a second colour in each line */
+    run(&d, &status, "RELEASE t ALL");
+    cli_run_on_terminal(d.port_text, "show t --width 60 --height 12", again, sizeof again);
+    CHECK_STR(again, plain);
+    daemon_end(&d);
+}
+
 TEST(export_that_is_refused_leaves_no_file)
 {
     struct daemon d = daemon_start(NULL);
