@@ -10,14 +10,12 @@ plateaus, ridges and saddles at a level, and gaps.
 
 import itertools
 import math
-import subprocess
 import sys
-import tempfile
 from collections import Counter, defaultdict
 from fractions import Fraction
 
 sys.path.insert(0, "tests/interop")
-from surfaces import Both, Daemon, Model  # noqa: E402
+from surfaces import Both, arguments, stages  # noqa: E402
 
 counted = Counter()
 
@@ -223,23 +221,11 @@ def compare_inside(connection, model):
 
 
 def main():
-    build = sys.argv[1]
-    listing = subprocess.run([build + "/tests/bench/points"], capture_output=True, text=True).stdout
-    names = sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
-    with tempfile.TemporaryDirectory() as data:
-        daemon = Daemon(build, data)
-        try:
-            connection = Both(daemon.port)
-            for model in (Model(name, n, build) for name in names for n in (8, 60)):
-                connection.ask(model.add(model.fresh[0]))
-                connection.ask(f"TRIANGULATE {model.name}")
-                compare(connection, model)
-                for _ in range(20):
-                    connection.ask(model.edit(model.rng.choice(model.fresh[1])))
-                compare(connection, model)
-                compare_inside(connection, model)
-        finally:
-            daemon.kill()
+    build, names = arguments()
+    for connection, model, edited in stages(build, names, Both):
+        compare(connection, model)
+        if edited:
+            compare_inside(connection, model)
     print(dict(counted))
     least = {"polygons": 200, "holes": 5, "polygons with exact places": 100, "requests": 20}
     for what, n in least.items():

@@ -5,13 +5,11 @@ the least angle is measured again.
 """
 
 import math
-import subprocess
 import sys
-import tempfile
 from fractions import Fraction
 
 sys.path.insert(0, "tests/interop")
-from surfaces import Daemon, Model  # noqa: E402
+from surfaces import arguments, stages  # noqa: E402
 from volumes import Asking, cross  # noqa: E402
 
 checked = 0
@@ -114,19 +112,9 @@ def compare(connection, model):
 
 
 def main():
-    build = sys.argv[1]
-    listing = subprocess.run([build + "/tests/bench/points"], capture_output=True, text=True).stdout
-    names = sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
-    with tempfile.TemporaryDirectory() as data:
-        daemon = Daemon(build, data)
-        try:
-            connection = Asking(daemon.port)
-            for model in (Model(name, n, build) for name in names for n in (8, 60)):
-                connection.ask(model.add(model.fresh[0]))
-                connection.ask(f"TRIANGULATE {model.name}")
-                compare(connection, model)
-        finally:
-            daemon.kill()
+    build, names = arguments()
+    for connection, model, _ in stages(build, names, Asking, edits=0):
+        compare(connection, model)
     print(checked, "requests")
     assert checked > 2 * len(names) - 6
 

@@ -5,13 +5,11 @@ new set, as the daemon triangulates that, and no point that is kept may be needl
 """
 
 import math
-import subprocess
 import sys
-import tempfile
 from fractions import Fraction
 
 sys.path.insert(0, "tests/interop")
-from surfaces import Daemon, Model  # noqa: E402
+from surfaces import arguments, stages  # noqa: E402
 from volumes import Asking, cross  # noqa: E402
 
 checked = 0
@@ -90,22 +88,9 @@ def compare(connection, model):
 
 
 def main():
-    build = sys.argv[1]
-    listing = subprocess.run([build + "/tests/bench/points"], capture_output=True, text=True).stdout
-    names = sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
-    with tempfile.TemporaryDirectory() as data:
-        daemon = Daemon(build, data)
-        try:
-            connection = Asking(daemon.port)
-            for model in (Model(name, n, build) for name in names for n in (8, 50)):
-                connection.ask(model.add(model.fresh[0]))
-                connection.ask(f"TRIANGULATE {model.name}")
-                compare(connection, model)
-                for _ in range(15):
-                    connection.ask(model.edit(model.rng.choice(model.fresh[1])))
-                compare(connection, model)
-        finally:
-            daemon.kill()
+    build, names = arguments()
+    for connection, model, _ in stages(build, names, Asking, most=50, edits=15):
+        compare(connection, model)
     print(checked, "requests")
     assert checked == 16 * len(names)
 

@@ -14,7 +14,7 @@ import tempfile
 from fractions import Fraction
 
 sys.path.insert(0, "tests/interop")
-from surfaces import Daemon, Model  # noqa: E402
+from surfaces import arguments, stages  # noqa: E402
 from weights import Connection  # noqa: E402
 
 LEAST = Fraction(1, 2**142)  # of coordinates
@@ -193,23 +193,14 @@ def compare_planes(connection, scratch):
 
 
 def main():
-    build = sys.argv[1]
-    listing = subprocess.run([build + "/tests/bench/points"], capture_output=True, text=True).stdout
-    names = sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
-    with tempfile.TemporaryDirectory() as data:
-        daemon = Daemon(build, data)
-        try:
-            connection = Connection(daemon.port)
-            compare_planes(connection, data)
-            for model in (Model(name, n, build) for name in names for n in (8, 60)):
-                connection.ask(model.add(model.fresh[0]))
-                connection.ask(f"TRIANGULATE {model.name}")
-                compare(connection, model)
-                for _ in range(20):
-                    connection.ask(model.edit(model.rng.choice(model.fresh[1])))
-                compare(connection, model)
-        finally:
-            daemon.kill()
+    build, names = arguments()
+    planes = False
+    for connection, model, _ in stages(build, names, Connection):
+        if not planes:
+            with tempfile.TemporaryDirectory() as files:
+                compare_planes(connection, files)
+            planes = True
+        compare(connection, model)
     print(checked, "requests")
     assert checked == 24 + 12 * len(names)
 

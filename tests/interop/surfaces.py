@@ -400,10 +400,34 @@ def change(connection, model, round):
         connection.ask(model.edit(model.rng.choice(fresh)))
 
 
-def main():
+def arguments():
+    """The build directory, and the families that are named, or all."""
     build = sys.argv[1]
     listing = subprocess.run([build + "/tests/bench/points"], capture_output=True, text=True).stdout
-    names = sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
+    return build, sys.argv[2:] or [line.split()[0] for line in listing.splitlines()]
+
+
+def stages(build, names, connect, most=60, edits=20):
+    """For a small and a larger set of each family, in a new daemon: (connection, model, False) when it is triangulated, and
+    (connection, model, True) after that many edits, unless that is 0."""
+    with tempfile.TemporaryDirectory() as data:
+        daemon = Daemon(build, data)
+        try:
+            connection = connect(daemon.port)
+            for model in (Model(name, n, build) for name in names for n in (8, most)):
+                connection.ask(model.add(model.fresh[0]))
+                connection.ask(f"TRIANGULATE {model.name}")
+                yield connection, model, False
+                for _ in range(edits):
+                    connection.ask(model.edit(model.rng.choice(model.fresh[1])))
+                if edits > 0:
+                    yield connection, model, True
+        finally:
+            daemon.kill()
+
+
+def main():
+    build, names = arguments()
     models = [Model(name, n, build) for name in names for n in (8, 120)]
     with tempfile.TemporaryDirectory() as data:
         daemon = Daemon(build, data)
