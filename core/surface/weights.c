@@ -14,7 +14,7 @@
  * 4. The area of the cell is at least 2^-392: the area of the disc with half the distance to the nearest neighbour. */
 #include "core/surface/weights.h"
 
-#include "core/exact/bignum.h"
+#include "core/exact/big_values.h"
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
 #include "core/query/query.h"
@@ -64,30 +64,6 @@ static struct dt_big big_difference(double a, double b)
     return r;
 }
 
-static struct dt_big big_plus(struct dt_big a, struct dt_big b)
-{
-    dt_big_add(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_minus(struct dt_big a, struct dt_big b)
-{
-    dt_big_subtract(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_times(struct dt_big a, struct dt_big b)
-{
-    dt_big_multiply(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_over(struct dt_big a, struct dt_big b)
-{
-    dt_big_divide(&a, &b, &a);
-    return a;
-}
-
 static double big_rough(struct dt_big a)
 {
     return dt_big_to_double(&a);
@@ -96,10 +72,10 @@ static double big_rough(struct dt_big a)
 #define NUMBER struct dt_big
 #define F(name) name##_big
 #define DIFFERENCE(a, b) big_difference(a, b)
-#define PLUS(a, b) big_plus(a, b)
-#define MINUS(a, b) big_minus(a, b)
-#define TIMES(a, b) big_times(a, b)
-#define OVER(a, b) big_over(a, b)
+#define PLUS(a, b) dt_big_plus(a, b)
+#define MINUS(a, b) dt_big_minus(a, b)
+#define TIMES(a, b) dt_big_times(a, b)
+#define OVER(a, b) dt_big_over(a, b)
 #define ROUGH(a) big_rough(a)
 #define UNIT 0.0
 #include "core/surface/weights_formula.h"

@@ -13,7 +13,7 @@
  * more than 2^-2200 of S^2 or S^2 H. */
 #include "core/triangle/clip.h"
 
-#include "core/exact/bignum.h"
+#include "core/exact/big_values.h"
 #include "core/exact/double2.h"
 
 #include <math.h>
@@ -42,37 +42,13 @@ static struct dt_big big_difference(double a, double b)
     return x;
 }
 
-static struct dt_big big_plus(struct dt_big a, struct dt_big b)
-{
-    dt_big_add(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_minus(struct dt_big a, struct dt_big b)
-{
-    dt_big_subtract(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_times(struct dt_big a, struct dt_big b)
-{
-    dt_big_multiply(&a, &b, &a);
-    return a;
-}
-
-static struct dt_big big_over(struct dt_big a, struct dt_big b)
-{
-    dt_big_divide(&a, &b, &a);
-    return a;
-}
-
 #define NUMBER struct dt_big
 #define F(name) name##_big
 #define DIFFERENCE(a, b) big_difference(a, b)
-#define PLUS(a, b) big_plus(a, b)
-#define MINUS(a, b) big_minus(a, b)
-#define TIMES(a, b) big_times(a, b)
-#define OVER(a, b) big_over(a, b)
+#define PLUS(a, b) dt_big_plus(a, b)
+#define MINUS(a, b) dt_big_minus(a, b)
+#define TIMES(a, b) dt_big_times(a, b)
+#define OVER(a, b) dt_big_over(a, b)
 #define SIGN(a) ((a).sign)
 #define ZERO ((struct dt_big){0})
 #include "core/triangle/clip_formula.h"
