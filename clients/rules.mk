@@ -18,7 +18,7 @@ LINE_EDITING ?= $(if $(call can_link,editline/readline.h,-ledit),edit,$(if $(cal
 EDIT_DEFINE   = $(if $(filter edit,$(CHOSEN_EDITING)),-DHAVE_EDITLINE,$(if $(filter readline,$(CHOSEN_EDITING)),-DHAVE_READLINE))
 # Determined once, and only when something that needs it is compiled or linked.
 CHOSEN_EDITING = $(eval CHOSEN_EDITING := $(LINE_EDITING))$(CHOSEN_EDITING)
-$(O)/clients/cli/edit.o: COMPILE += $(EDIT_DEFINE)
+$(O)/clients/cli/line_editor.o: COMPILE += $(EDIT_DEFINE)
 $(O)/delaunay $(O)/tests/clients_tests: LDLIBS += $(if $(CHOSEN_EDITING),-l$(CHOSEN_EDITING))
 
 LIBRARIES := delaunay delaunay-core

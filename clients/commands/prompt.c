@@ -7,7 +7,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "clients/cli/edit.h"
+#include "clients/cli/line_editor.h"
 #include "clients/cli/message.h"
 #include "clients/cli/subcommand.h"
 #include "clients/commands/dispatch.h"
@@ -105,8 +105,8 @@ int command_prompt(struct delaunay_client *c)
     int status = EXIT_DONE, outcome;
     char *line;
     if (terminal)
-        edit_begin(c);
-    while (!ended && (line = terminal ? edit_line("delaunay> ") : read_line()) != NULL) {
+        line_editor_begin(c);
+    while (!ended && (line = terminal ? line_editor_read("delaunay> ") : read_line()) != NULL) {
         char *first = line + strspn(line, " \t");
         bool leaves = is_first_word(first, "exit"); /* QUIT is a request, too */
         ended = leaves || is_first_word(first, "quit");
@@ -115,12 +115,12 @@ int command_prompt(struct delaunay_client *c)
             status = outcome != EXIT_DONE ? outcome : status;
             ended |= outcome == EXIT_NO_CONNECTION && !terminal;
         }
-        edit_free(line);
+        line_editor_free(line);
         fflush(stdout);
     }
     if (terminal) {
         putchar('\n');
-        edit_end();
+        line_editor_end();
     }
     return status;
 }

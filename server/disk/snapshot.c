@@ -395,7 +395,7 @@ static void on_free(struct waiter *w)
     struct snapshot_source *s =
         (struct snapshot_source *)(void *)((char *)w - offsetof(struct snapshot_source, waiter));
     pin(s, s->set);
-    wait_served(w);
+    queue_served(w);
     if (--s->snapshot->waiting == 0)
         start(s->snapshot);
 }
@@ -420,7 +420,7 @@ static void enrol(struct dataset *set, void *ctx)
     }
     s->set = set;
     s->waiter.wake = on_free;
-    wait_enter(&set->queue, &s->waiter);
+    queue_enter(&set->queue, &s->waiter);
     snap->waiting++;
 }
 
@@ -471,7 +471,7 @@ int snapshot_end(struct snapshot *snap, struct registry *sets)
         pthread_join(snap->thread, NULL);
     int error = snap->done ? snap->error : ECANCELED;
     for (size_t i = snap->released; i < snap->n; i++) {
-        wait_served(&snap->source[i].waiter);
+        queue_served(&snap->source[i].waiter);
         if (snap->source[i].version != NULL)
             unpin(sets, &snap->source[i]);
     }

@@ -32,7 +32,7 @@ static void forget_next(struct apply *p)
 
 void apply_clear(struct apply *p)
 {
-    wait_served(&p->waiter);
+    queue_served(&p->waiter);
     assembly_clear(&p->load);
     forget_next(p);
     buf_free(&p->out);
@@ -63,7 +63,7 @@ static struct answer answer_of(struct apply *p)
     return (struct answer){.out = &p->out,
                            .owner = APPLY_OWNER,
                            .role = ROLE_WRITE,
-                           .turn = wait_turn(&p->waiter),
+                           .turn = queue_turn(&p->waiter),
                            .of_leader = true};
 }
 
@@ -73,7 +73,7 @@ static enum applied outcome(struct apply *p, const struct answer *a)
     switch (a->next) {
     case ANSWER_WAIT:
         p->waiter.writes = a->wait_writes;
-        wait_enter(a->wait, &p->waiter);
+        queue_enter(a->wait, &p->waiter);
         return APPLY_WAIT;
     case ANSWER_WORK:
         return APPLY_JOB;
@@ -93,7 +93,7 @@ void apply_job_done(struct apply *p, struct job *j)
 {
     struct answer a = answer_of(p);
     job_finish(p->server, j, &a);
-    wait_served(&p->waiter);
+    queue_served(&p->waiter);
     p->job = outcome(p, &a);
     p->resume(p);
 }
@@ -227,9 +227,9 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
     enum applied how = p->next != NULL ? APPLY_DONE : read_record(p, r);
     if (how != APPLY_DONE || p->next == NULL)
         return how;
-    if (set != NULL && !dataset_admits(set, true, wait_turn(&p->waiter))) {
+    if (set != NULL && !dataset_admits(set, true, queue_turn(&p->waiter))) {
         p->waiter.writes = true;
-        wait_enter(&set->queue, &p->waiter);
+        queue_enter(&set->queue, &p->waiter);
         return APPLY_WAIT;
     }
     if (set != NULL && set->temporary) { /* of a client of this daemon: the leader's has the name */
@@ -238,6 +238,6 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
     }
     how = carry_out(p, set);
     if (how != APPLY_WAIT)
-        wait_served(&p->waiter);
+        queue_served(&p->waiter);
     return how;
 }

@@ -56,7 +56,7 @@ static void follow(struct server *s, struct answer *a, const char *host, unsigne
                    bool confirmed)
 {
     char why[200], address[ROLE_TEXT];
-    struct wait_queue *queue;
+    struct request_queue *queue;
     role_write_address(address, host, port);
     switch (follower_examine(s, host, port, &queue, why, sizeof why)) {
     case FOLLOW_ASKED:

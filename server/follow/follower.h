@@ -29,7 +29,7 @@ void follower_job_done(struct server *s, struct job *j);
  * within some seconds can be followed: it may do so later. */
 enum follow_target { FOLLOW_POSSIBLE, FOLLOW_ASKED, FOLLOW_IMPOSSIBLE, FOLLOW_ITSELF };
 enum follow_target follower_examine(struct server *s, const char *host, unsigned port,
-                                    struct wait_queue **queue, char *why, size_t size);
+                                    struct request_queue **queue, char *why, size_t size);
 
 /* Follows that daemon from now on; `confirmed`: even if it has to give up its own history. NULL, or why not. */
 const char *follower_follow(struct server *s, const char *host, unsigned port, bool confirmed);

@@ -18,7 +18,7 @@ struct follower {
     struct link *link;             /* owns; NULL: there is none */
     struct announcement *announce; /* owns; NULL: the former leader has been informed */
     struct announcement *question; /* owns; who the daemon is that is to be followed; NULL: none */
-    struct wait_queue asking;      /* of the FOLLOW that waits for the answer */
+    struct request_queue asking;   /* of the FOLLOW that waits for the answer */
     uint64_t identity;             /* random: of this process */
     struct apply apply;
     struct remembered_role role;

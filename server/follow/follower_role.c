@@ -265,7 +265,7 @@ void follower_stop(struct server *s)
 void follower_hear(struct follower *f)
 {
     if (f->question != NULL && f->question->state != ANNOUNCE_TRYING)
-        wait_wake_all(&f->asking);
+        queue_wake_all(&f->asking);
 }
 
 static bool is_asked(const struct announcement *q, const char *host, unsigned port)
@@ -293,7 +293,7 @@ static enum follow_target judge(const struct follower *f, const struct inquired 
 }
 
 enum follow_target follower_examine(struct server *s, const char *host, unsigned port,
-                                    struct wait_queue **queue, char *why, size_t size)
+                                    struct request_queue **queue, char *why, size_t size)
 {
     struct follower *f = s->follower;
     char token[DIAL_TOKEN];

@@ -17,11 +17,11 @@ struct leader {
     struct server *server;
     struct loop *loop;
     struct list followers;
-    uint64_t durable;        /* what the threads know */
-    unsigned least;          /* followers without which replies wait */
-    struct wait_queue queue; /* of WAIT */
-    struct timer timer;      /* the next one of these that ends */
-    int64_t timer_ms;        /* when; 0: none */
+    uint64_t durable;           /* what the threads know */
+    unsigned least;             /* followers without which replies wait */
+    struct request_queue queue; /* of WAIT */
+    struct timer timer;         /* the next one of these that ends */
+    int64_t timer_ms;           /* when; 0: none */
     int64_t
         missing_ms; /* since when there have been fewer than --min-followers; 0: there are enough */
 };
@@ -114,10 +114,10 @@ static void on_timer(struct timer *t)
 {
     struct leader *l = (struct leader *)((char *)t - offsetof(struct leader, timer));
     l->timer_ms = 0;
-    wait_wake_all(&l->queue);
+    queue_wake_all(&l->queue);
 }
 
-struct wait_queue *leader_queue(struct server *s, int64_t at_ms)
+struct request_queue *leader_queue(struct server *s, int64_t at_ms)
 {
     struct leader *l = s->leader;
     if (l->timer_ms == 0 || at_ms < l->timer_ms) {
@@ -173,7 +173,7 @@ static void on_event(struct source *source, uint32_t events)
     remove_ended(l->server);
     save_for_followers(l->server);
     release(l->server);
-    wait_wake_all(&l->queue);
+    queue_wake_all(&l->queue);
 }
 
 /* ---- the life of followers ---- */

@@ -28,7 +28,7 @@ unsigned leader_count(const struct server *s, uint64_t lsn);
 
 /* The queue of requests that wait for followers (WAIT): they are tried again when a follower has more on its disk, and at
  * at_ms. */
-struct wait_queue *leader_queue(struct server *s, int64_t at_ms);
+struct request_queue *leader_queue(struct server *s, int64_t at_ms);
 
 /* Calls visit for each follower. */
 void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),

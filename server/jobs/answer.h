@@ -7,7 +7,7 @@
 #include "core/delaunay_constraints.h"
 #include "proto/reply.h"
 #include "server/ops/auth.h"
-#include "server/sets/wait.h"
+#include "server/sets/queue.h"
 
 struct stream;
 struct job;
@@ -50,8 +50,8 @@ struct answer {
     bool busy;         /* out of memory because of other requests */
     bool of_leader;    /* a change of the leader: limits of this daemon on counts do not hold */
     struct load *body; /* borrows: the complete body of the request; NULL: none, or not yet */
-    const struct wait_queue *turn; /* the queue that has called the request; NULL: none */
-    bool refused;                  /* there is an ERR line (answer_err), of this code */
+    const struct request_queue *turn; /* the queue that has called the request; NULL: none */
+    bool refused;                     /* there is an ERR line (answer_err), of this code */
     enum reply_code code;
     uint64_t count; /* what the reply counts (answer_count) */
     bool closes;    /* the connection is closed after the reply */
@@ -62,7 +62,7 @@ struct answer {
     union {
         struct stream *stream; /* ANSWER_STREAM: moves to the caller */
         struct job *job;       /* ANSWER_WORK, WAIT_JOB: borrows */
-        struct wait_queue
+        struct request_queue
             *wait;         /* WAIT_QUEUE: borrows; to be entered before anything else happens */
         int64_t wait_ms;   /* WAIT_TIME */
         struct load *load; /* ANSWER_BODY: moves to the caller */
@@ -118,7 +118,7 @@ bool answer_shares(const struct answer *a);
 bool world_alone(struct answer *a);
 
 /* The request waits in the queue. */
-static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
+static inline void answer_wait(struct answer *a, struct request_queue *q, bool writes)
 {
     if (!world_alone(a))
         return;

@@ -379,7 +379,7 @@ void durable_turn_end(struct server *s)
         durable_keep_log(s); /* the setting may be another one */
     reservation_set(&s->queued, log_queued(d->log));
     if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
-        wait_call(&s->log);
+        queue_call(&s->log);
 }
 
 void durable_push(struct task *t)
@@ -449,7 +449,7 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
                    full ? "; DEL and DROP are possible" : "");
         return false;
     }
-    if (!is_behind(s) && wait_is_first(&s->log, a->turn))
+    if (!is_behind(s) && queue_is_first(&s->log, a->turn))
         return true;
     answer_wait(a, &s->log, false);
     return false;

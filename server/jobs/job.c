@@ -448,7 +448,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (reserved)
         server_memory_freed(s);
     if (set != NULL) {
-        wait_call(&set->queue);
+        queue_call(&set->queue);
         drop_unborn(s, set);
     }
 }

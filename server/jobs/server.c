@@ -25,7 +25,7 @@ struct request_counts server_requests(const struct server *s)
 
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)
 {
-    bool first = wait_is_first(&s->memory, a->turn);
+    bool first = queue_is_first(&s->memory, a->turn);
     if (first && reservation_resize(r, bytes)) {
         server_limit_pages(s);
         return true;
@@ -49,7 +49,7 @@ void server_refuse(const struct server *s, struct answer *a, size_t bytes)
 void server_memory_freed(struct server *s)
 {
     server_limit_pages(s);
-    wait_call(&s->memory);
+    queue_call(&s->memory);
 }
 
 size_t server_pages_limit(const struct server *s, size_t large)

@@ -48,9 +48,9 @@ struct server {
     struct reactor *reactor; /* owns `reactors` */
     unsigned reactors;
     struct budget budget;
-    struct wait_queue memory;  /* of requests that wait for the memory of a job */
-    struct wait_queue log;     /* of changes that wait because the log's queue is full */
-    struct reservation queued; /* bytes in that queue */
+    struct request_queue memory; /* of requests that wait for the memory of a job */
+    struct request_queue log;    /* of changes that wait because the log's queue is full */
+    struct reservation queued;   /* bytes in that queue */
     struct registry sets;
     struct list temporary;   /* sets whose connections have ended, to be dropped (dataset.fellow) */
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */

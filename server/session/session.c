@@ -49,7 +49,7 @@ static bool is_late(const struct session *s)
 static void end_turn(struct session *s)
 {
     if (s->waiter.called && s->held == 0 && s->load == NULL)
-        wait_served(&s->waiter);
+        queue_served(&s->waiter);
 }
 
 /* Answers with ERR TIMEOUT. */
@@ -242,7 +242,7 @@ static bool step(struct session *s)
     if (s->state == SESSION_WAITING || s->state == SESSION_WORKING)
         return false;
     if (conn_full(&s->conn)) { /* gives up its turn: the client may not read for long */
-        wait_served(&s->waiter);
+        queue_served(&s->waiter);
         conn_yield(&s->conn);
         return false;
     }
@@ -297,7 +297,7 @@ static void on_room(struct conn *c)
 static void on_closed(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    wait_served(&s->waiter);
+    queue_served(&s->waiter);
     timer_clear(&s->later);
     timer_clear(&s->deadline);
     timer_clear(&s->awaited_timer);
@@ -395,7 +395,7 @@ void session_not_saved(struct hold *h)
     struct conn *c = &s->conn;
     buf_rewind(&c->out, conn_sendable(c));
     hold_clear(h);
-    wait_served(&s->waiter);
+    queue_served(&s->waiter);
     struct answer a;
     session_answer(s, &a);
     if ((s->server->held.failing & HOLD_DISK) != 0)

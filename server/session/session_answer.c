@@ -96,7 +96,7 @@ static void begin_waiting(struct session *s, const struct answer *a)
     } else if (a->wait_for == WAIT_QUEUE) {
         s->state = SESSION_WAITING;
         s->waiter.writes = a->wait_writes;
-        wait_enter(a->wait, &s->waiter);
+        queue_enter(a->wait, &s->waiter);
     } else if (a->wait_for == WAIT_TIME) {
         s->state = SESSION_WAITING;
         loop_at(s->conn.loop, &s->later, a->wait_ms);
@@ -135,7 +135,7 @@ static void end_request(struct session *s, const struct answer *a)
         hold_reply(s, a);
     if (!s->waiter.called || a->next == ANSWER_WORK ||
         a->next == ANSWER_BODY) /* else see end_turn */
-        wait_served(&s->waiter);
+        queue_served(&s->waiter);
     session_consume(s);
     if (s->load != NULL && a->next != ANSWER_BODY) {
         load_free(s->server, s->load);
@@ -175,7 +175,7 @@ bool session_refuse(struct session *s, enum reply_code code, const char *why)
     session_answer(s, &a);
     answer_err(&a, code, "%s", why);
     session_deliver(s, &a);
-    wait_served(&s->waiter);
+    queue_served(&s->waiter);
     conn_finish(&s->conn);
     return false;
 }

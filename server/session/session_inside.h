@@ -24,7 +24,7 @@ static inline void session_answer(struct session *s, struct answer *a)
     a->multi = s->multi;
     a->since_ns = s->pause.began_ns;
     a->command = s->command;
-    a->turn = wait_turn(&s->waiter);
+    a->turn = queue_turn(&s->waiter);
     a->waited = s->waited;
     a->timed_out = s->timed_out;
 }

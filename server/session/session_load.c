@@ -152,7 +152,7 @@ static void enter_world(struct session *s)
                   (s->command->flags & CMD_SHARES) != 0;
     if (shares)
         loop_share(s->conn.loop);
-    if (!shares || !wait_is_first(&s->server->memory, NULL))
+    if (!shares || !queue_is_first(&s->server->memory, NULL))
         loop_alone(s->conn.loop);
 }
 

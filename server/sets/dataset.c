@@ -90,14 +90,14 @@ bool version_is_stale(const struct version *v)
 
 /* ---- waiting ---- */
 
-bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn)
+bool dataset_admits(const struct dataset *set, bool writes, const struct request_queue *turn)
 {
     if (!writes)
         return !set->exclusive;
-    return set->writer == NULL && wait_is_first(&set->queue, turn);
+    return set->writer == NULL && queue_is_first(&set->queue, turn);
 }
 
-static bool admits_waiter(const struct wait_queue *q, const struct waiter *w)
+static bool admits_waiter(const struct request_queue *q, const struct waiter *w)
 {
     const struct dataset *set =
         (const struct dataset *)((const char *)q - offsetof(struct dataset, queue));
@@ -236,7 +236,7 @@ void registry_drop(struct registry *r, struct dataset *set)
     while (*at != set)
         at = &(*at)->next;
     *at = set->next;
-    wait_wake_all(&set->queue);
+    queue_wake_all(&set->queue);
     free_set(r, set);
 }
 
@@ -287,7 +287,7 @@ static void replace_contents(struct registry *r, struct dataset *set, struct dat
     }
     registry_set_version(r, set, by->version);
     set->triangulated = by->triangulated;
-    wait_wake_all(&set->queue);
+    queue_wake_all(&set->queue);
     free(by);
 }
 

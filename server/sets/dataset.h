@@ -13,7 +13,7 @@
  * do not wait for them.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
- * are in a queue (wait.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
+ * are in a queue (queue.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
  * must not wait at the gate for as long as such an edit takes, and the edit counts only when a reactor has ended the job. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
@@ -21,7 +21,7 @@
 #include "core/delaunay.h"
 #include "proto/request.h"
 #include "server/sets/budget.h"
-#include "server/sets/wait.h"
+#include "server/sets/queue.h"
 #include "server/system/gate.h"
 
 struct version {
@@ -56,13 +56,13 @@ struct dataset {
     struct dataset_result triangulation, proof; /* the last TRIANGULATE and CHECK */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
-    bool triangulated;       /* the log has a TRIANGULATE of it (with --data) */
-    bool loading;            /* it was read from disk and is not triangulated yet */
-    bool temporary;          /* dropped when its connection ends, and never on disk */
-    int64_t expires_ms;      /* when it is dropped, in milliseconds since 1970; 0: never */
-    struct list_link fellow; /* of a temporary set: in the list of its connection's */
-    struct wait_queue queue; /* of requests that wait for it */
-    struct watched *watched; /* borrows; who watches it (server/watch); NULL: nobody */
+    bool triangulated;          /* the log has a TRIANGULATE of it (with --data) */
+    bool loading;               /* it was read from disk and is not triangulated yet */
+    bool temporary;             /* dropped when its connection ends, and never on disk */
+    int64_t expires_ms;         /* when it is dropped, in milliseconds since 1970; 0: never */
+    struct list_link fellow;    /* of a temporary set: in the list of its connection's */
+    struct request_queue queue; /* of requests that wait for it */
+    struct watched *watched;    /* borrows; who watches it (server/watch); NULL: nobody */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -147,7 +147,7 @@ void version_end_view(struct registry *r, struct version *v, struct dt_view *vie
 bool version_is_stale(const struct version *v);
 
 /* Whether a request may use the set now; turn: the queue that has called the request, NULL: none. */
-bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn);
+bool dataset_admits(const struct dataset *set, bool writes, const struct request_queue *turn);
 
 /* Makes v the current version; the caller's reference moves to the set. */
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v);

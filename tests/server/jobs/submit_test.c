@@ -51,7 +51,7 @@ static void drop_t(struct waiter *w)
 {
     struct bench *b = (struct bench *)(void *)((char *)w - offsetof(struct bench, dropper));
     struct request *q = &b->l.server.reactor->request;
-    struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = wait_turn(w)};
+    struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = queue_turn(w)};
     CHECK(request_split(q, "DROP t", 6));
     command_run(&b->l.server, q, &a);
     CHECK(a.next == ANSWER_DONE && set_t(b) == NULL);
@@ -95,10 +95,10 @@ TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
     set->exclusive = true; /* as if a worker edited it */
     b.dropper.wake = drop_t;
     b.dropper.writes = true;
-    wait_enter(&set->queue, &b.dropper);
+    queue_enter(&set->queue, &b.dropper);
     CHECK(strncmp(local_ask(&b.l, "SNAPSHOT\n"), "OK 0 lsn=2", 10) == 0);
     set->exclusive = false;
-    wait_call(&set->queue);
+    queue_call(&set->queue);
     await_snapshot(&b);
     local_stop(&b.l);
     recover(&b, &dir, &r);

@@ -27,7 +27,7 @@ static void note_call(struct waiter *w)
 static void line_up(struct waiter *w, bool writes)
 {
     w->writes = writes;
-    wait_enter(&set->queue, w);
+    queue_enter(&set->queue, w);
 }
 
 static void begin(void)
@@ -59,7 +59,7 @@ static void edit_ends(void)
 {
     set->writer = NULL;
     set->exclusive = false;
-    wait_call(&set->queue);
+    queue_call(&set->queue);
 }
 
 TEST(waiters_for_a_set_are_called_in_order_and_once_each)
@@ -72,7 +72,7 @@ TEST(waiters_for_a_set_are_called_in_order_and_once_each)
         edit_ends();
         CHECK(called_n == i + 1 && order[i] == i && dataset_admits(set, true, &set->queue));
         edit_begins(true);
-        wait_served(&in_line[i].waiter);
+        queue_served(&in_line[i].waiter);
     }
     for (unsigned i = 0; i < MANY; i++)
         CHECK(in_line[i].calls == 1 && in_line[i].waiter.queue == NULL);
@@ -90,9 +90,9 @@ TEST(request_that_changes_a_set_does_not_overtake_waiting_ones)
     CHECK(!dataset_admits(set, true, NULL) && dataset_admits(set, false, NULL));
     line_up(&in_line[1].waiter, true);
     CHECK(in_line[1].calls == 0);
-    wait_served(&in_line[0].waiter);
+    queue_served(&in_line[0].waiter);
     CHECK(in_line[1].calls == 1);
-    wait_served(&in_line[1].waiter);
+    queue_served(&in_line[1].waiter);
     CHECK(dataset_admits(set, true, NULL));
     registry_clear(&sets);
 }
@@ -105,15 +105,15 @@ TEST(waiting_readers_continue_beside_a_job_that_lets_the_set_be_read)
     line_up(&in_line[1].waiter, false);
     line_up(&in_line[2].waiter, false);
     edit_begins(false); /* the edit ends, and a maintenance job begins at once */
-    wait_call(&set->queue);
+    queue_call(&set->queue);
     CHECK(called_n == 1 && order[0] == 1);
-    wait_served(&in_line[1].waiter);
+    queue_served(&in_line[1].waiter);
     CHECK(called_n == 2 && order[1] == 2);
-    wait_served(&in_line[2].waiter);
+    queue_served(&in_line[2].waiter);
     CHECK(called_n == 2);
     edit_ends();
     CHECK(called_n == 3 && order[2] == 0);
-    wait_served(&in_line[0].waiter);
+    queue_served(&in_line[0].waiter);
     registry_clear(&sets);
 }
 
@@ -129,9 +129,9 @@ TEST(waiter_that_is_called_and_must_wait_again_keeps_its_place)
     CHECK(called_n == 1);
     edit_ends();
     CHECK(called_n == 2 && order[1] == 0);
-    wait_served(&in_line[0].waiter);
+    queue_served(&in_line[0].waiter);
     CHECK(called_n == 3 && order[2] == 1);
-    wait_served(&in_line[1].waiter);
+    queue_served(&in_line[1].waiter);
     registry_clear(&sets);
 }
 
@@ -141,11 +141,11 @@ TEST(waiter_that_leaves_when_it_is_called_passes_its_turn_on)
     edit_begins(true);
     for (unsigned i = 0; i < 3; i++)
         line_up(&in_line[i].waiter, true);
-    wait_served(&in_line[1].waiter); /* from the middle of the queue */
+    queue_served(&in_line[1].waiter); /* from the middle of the queue */
     edit_ends();
-    wait_served(&in_line[0].waiter); /* its client has disconnected */
+    queue_served(&in_line[0].waiter); /* its client has disconnected */
     CHECK(called_n == 2 && order[1] == 2 && in_line[1].calls == 0);
-    wait_served(&in_line[2].waiter);
+    queue_served(&in_line[2].waiter);
     registry_clear(&sets);
 }
 
@@ -166,21 +166,21 @@ TEST(waiters_for_a_set_that_is_dropped_are_all_woken)
 
 TEST(waiter_that_enters_another_queue_passes_its_turn_on)
 {
-    struct wait_queue log = {0};
+    struct request_queue log = {0};
     begin();
     edit_begins(true);
     line_up(&in_line[0].waiter, true);
     line_up(&in_line[1].waiter, true);
     edit_ends();
-    CHECK(wait_turn(&in_line[0].waiter) == &set->queue);
-    wait_enter(&log, &in_line[0].waiter); /* it needs something else first */
-    CHECK(called_n == 2 && order[1] == 1 && wait_turn(&in_line[0].waiter) == NULL);
-    wait_call(&log);
-    CHECK(called_n == 3 && order[2] == 0 && wait_is_first(&log, &log) &&
-          !wait_is_first(&log, NULL));
-    wait_served(&in_line[0].waiter);
-    wait_served(&in_line[1].waiter);
-    CHECK(wait_is_first(&log, NULL));
+    CHECK(queue_turn(&in_line[0].waiter) == &set->queue);
+    queue_enter(&log, &in_line[0].waiter); /* it needs something else first */
+    CHECK(called_n == 2 && order[1] == 1 && queue_turn(&in_line[0].waiter) == NULL);
+    queue_call(&log);
+    CHECK(called_n == 3 && order[2] == 0 && queue_is_first(&log, &log) &&
+          !queue_is_first(&log, NULL));
+    queue_served(&in_line[0].waiter);
+    queue_served(&in_line[1].waiter);
+    CHECK(queue_is_first(&log, NULL));
     registry_clear(&sets);
 }
 
@@ -189,11 +189,11 @@ TEST(waiting_readers_are_not_called_while_the_set_is_edited)
     begin();
     edit_begins(true);
     line_up(&in_line[0].waiter, false);
-    wait_call(&set->queue); /* as when a request leaves the queue */
+    queue_call(&set->queue); /* as when a request leaves the queue */
     CHECK(called_n == 0);
     edit_ends();
     CHECK(called_n == 1);
-    wait_served(&in_line[0].waiter);
+    queue_served(&in_line[0].waiter);
     registry_clear(&sets);
 }
 
@@ -204,11 +204,11 @@ TEST(one_waiter_is_called_at_a_time)
     line_up(&in_line[0].waiter, false);
     line_up(&in_line[1].waiter, false);
     edit_ends();
-    wait_call(&set->queue);
+    queue_call(&set->queue);
     CHECK(called_n == 1);
-    wait_served(&in_line[0].waiter);
-    wait_call(&set->queue);
+    queue_served(&in_line[0].waiter);
+    queue_call(&set->queue);
     CHECK(called_n == 2);
-    wait_served(&in_line[1].waiter);
+    queue_served(&in_line[1].waiter);
     registry_clear(&sets);
 }

@@ -1,6 +1,6 @@
-/* edit.c - see edit.h. The Makefile defines HAVE_EDITLINE or HAVE_READLINE, whose interfaces are the same as far as
+/* line_editor.c - see edit.h. The Makefile defines HAVE_EDITLINE or HAVE_READLINE, whose interfaces are the same as far as
  * they are used here. */
-#include "clients/cli/edit.h"
+#include "clients/cli/line_editor.h"
 
 #include <errno.h>
 #include <setjmp.h>
@@ -94,7 +94,7 @@ static char **complete(const char *text, int start, int end)
 
 /* ---- lines ---- */
 
-void edit_begin(struct delaunay_client *c)
+void line_editor_begin(struct delaunay_client *c)
 {
     const char *home = getenv("HOME");
     prompt.c = c;
@@ -109,7 +109,7 @@ void edit_begin(struct delaunay_client *c)
         prompt.path[0] = '\0';
 }
 
-void edit_end(void)
+void line_editor_end(void)
 {
     mode_t mask = umask(0077);
     if (prompt.path[0] != '\0')
@@ -140,7 +140,7 @@ static void leave_line(int signal)
 }
 
 /* An empty line if ^C was pressed. */
-char *edit_line(const char *text)
+char *line_editor_read(const char *text)
 {
     struct sigaction mine = {.sa_handler = leave_line}, before;
     char *line;
@@ -161,12 +161,12 @@ char *edit_line(const char *text)
 
 #else
 
-void edit_begin(struct delaunay_client *c)
+void line_editor_begin(struct delaunay_client *c)
 {
     (void)c;
 }
 
-void edit_end(void)
+void line_editor_end(void)
 {
 }
 
@@ -176,7 +176,7 @@ static void interrupt(int signal)
 }
 
 /* The terminal discards what was typed when ^C is pressed; read() then ends early. */
-char *edit_line(const char *text)
+char *line_editor_read(const char *text)
 {
     struct sigaction mine = {.sa_handler = interrupt}, before;
     char *line = NULL;
@@ -202,7 +202,7 @@ char *edit_line(const char *text)
 
 #endif
 
-void edit_free(char *line)
+void line_editor_free(char *line)
 {
     free(line);
 }

@@ -1,14 +1,14 @@
-/* wait.c - see wait.h. */
-#include "server/sets/wait.h"
+/* queue.c - see queue.h. */
+#include "server/sets/queue.h"
 
-void wait_enter(struct wait_queue *q, struct waiter *w)
+void queue_enter(struct request_queue *q, struct waiter *w)
 {
     bool front = w->called && w->queue == q;
     if (front) {
         q->called = NULL;
         w->called = false;
     } else {
-        wait_served(w);
+        queue_served(w);
     }
     w->queue = q;
     if (front)
@@ -17,9 +17,9 @@ void wait_enter(struct wait_queue *q, struct waiter *w)
         list_append(&q->waiting, &w->link);
 }
 
-void wait_served(struct waiter *w)
+void queue_served(struct waiter *w)
 {
-    struct wait_queue *q = w->queue;
+    struct request_queue *q = w->queue;
     if (q == NULL)
         return;
     w->queue = NULL;
@@ -29,10 +29,10 @@ void wait_served(struct waiter *w)
     }
     w->called = false;
     q->called = NULL;
-    wait_call(q);
+    queue_call(q);
 }
 
-void wait_call(struct wait_queue *q)
+void queue_call(struct request_queue *q)
 {
     struct waiter *w = q->called == NULL ? list_first(&q->waiting) : NULL;
     while (w != NULL && q->admits != NULL && !q->admits(q, w))
@@ -45,7 +45,7 @@ void wait_call(struct wait_queue *q)
     w->wake(w);
 }
 
-void wait_wake_all(struct wait_queue *q)
+void queue_wake_all(struct request_queue *q)
 {
     struct waiter *w = q->called;
     if (w != NULL) {
