@@ -6,6 +6,7 @@
 #include "core/contours/bands.h"
 
 #include "core/exact/predicates.h"
+#include "core/memory/sort.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,16 +93,18 @@ static int compare_polygons(const void *p, const void *q)
 }
 
 /* Finds the outer loop of n that belong together, and lets it be the first. */
-static void find_outer(struct dt_band_loop *loop, size_t n)
+static void find_outer(struct dt_band_loop *loop, size_t n, struct dt_stop *stop)
 {
     struct dt_band_loop *outer = loop;
-    for (struct dt_band_loop *k = loop; k < loop + n; k++) {
-        k->area = dt_polygon_area(k->p, k->n);
-        k->hole = true;
-        outer = k->area > outer->area ? k : outer;
-    }
+    struct dt_piece p = dt_pieces(0, (uint32_t)n);
+    while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
+        for (struct dt_band_loop *k = loop + p.a; k < loop + p.b; k++) {
+            k->area = dt_polygon_area(k->p, k->n);
+            k->hole = true;
+            outer = k->area > outer->area ? k : outer;
+        }
     outer->hole = false;
-    qsort(loop, n, sizeof *loop, compare_loops);
+    dt_sort_items(loop, n, sizeof *loop, compare_loops, stop);
 }
 
 static size_t count_together(const struct dt_band_loop *loop, const struct dt_band_loop *end)
@@ -118,15 +121,15 @@ static size_t find_polygons(struct dt_bands *b, struct polygon *out, struct dt_s
 {
     struct dt_band_loop *end = b->loop + b->loops;
     size_t polygons = 0, n;
-    qsort(b->loop, b->loops, sizeof *b->loop, compare_loops);
+    dt_sort_items(b->loop, b->loops, sizeof *b->loop, compare_loops, stop);
     for (struct dt_band_loop *k = b->loop; k < end && !dt_stopped(stop); k += n) {
         n = count_together(k, end);
         if (n > 1)
-            find_outer(k, n);
+            find_outer(k, n, stop);
         if (k->n >= 3)
             out[polygons++] = (struct polygon){k, end};
     }
-    qsort(out, polygons, sizeof *out, compare_polygons);
+    dt_sort_items(out, polygons, sizeof *out, compare_polygons, stop);
     return polygons;
 }
 
@@ -147,7 +150,7 @@ enum dt_status dt_bands_sort(struct dt_bands *b, struct dt_stop *stop)
     b->ring = malloc(b->loops * sizeof *b->ring + 1);
     enum dt_status s = polygon == NULL || b->ring == NULL ? DT_NOMEM : turn_all(b, stop);
     size_t n = s == DT_OK ? find_polygons(b, polygon, stop) : 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && dt_stop_status(stop) == DT_OK; i++) {
         size_t loops = count_together(polygon[i].loop, polygon[i].end);
         for (size_t k = 0; k < loops; k++)
             put_ring(b, polygon[i].loop + k, (uint32_t)i);

@@ -1,5 +1,5 @@
-/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; small numbers of ids by qsort, which cannot
- * poll. */
+/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; other items by merging [sec. 5.2.4]; few of them by qsort,
+ * which cannot poll. */
 #include "core/memory/sort.h"
 
 #include <stdlib.h>
@@ -122,6 +122,70 @@ void dt_sort_keys(uint64_t *key, size_t n)
         }
     if (from != key)
         memcpy(key, from, n * sizeof *key);
+    dt_array_free(other);
+}
+
+/* ---- items ---- */
+
+struct items {
+    size_t size; /* of one */
+    int (*compare)(const void *, const void *);
+    struct dt_stop *stop;
+};
+
+/* Merges the runs a .. b and b .. end into `to`. */
+static void merge_runs(const struct items *s, const char *a, const char *b, const char *end,
+                       char *to)
+{
+    const char *middle = b;
+    for (size_t i = 1; a < middle && b < end; i++, to += s->size) {
+        const char **least = s->compare(b, a) < 0 ? &b : &a;
+        memcpy(to, *least, s->size);
+        *least += s->size;
+        if (i % FEW == 0 && dt_stopped(s->stop))
+            return;
+    }
+    memcpy(to, a, (size_t)(middle - a));
+    memcpy(to + (middle - a), b, (size_t)(end - b));
+}
+
+static size_t lesser(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Doubles the runs of `run` bytes, into `to`. */
+static void double_runs(const struct items *s, const char *from, size_t bytes, size_t run, char *to)
+{
+    for (size_t i = 0; i < bytes && !dt_stopped(s->stop); i += 2 * run)
+        merge_runs(s, from + i, from + lesser(i + run, bytes), from + lesser(i + 2 * run, bytes),
+                   to + i);
+}
+
+void dt_sort_items(void *items, size_t n, size_t size, int (*compare)(const void *, const void *),
+                   struct dt_stop *stop)
+{
+    const struct items s = {size, compare, stop};
+    if (dt_stopped(
+            stop)) /* after another call that was stopped, items may not be fit to be compared */
+        return;
+    char *other = n < FEW ? NULL : dt_array_new(n, size), *from = items, *to = other;
+    if (other == NULL) {
+        if (n > 1)
+            qsort(items, n, size, compare);
+        return;
+    }
+    const size_t bytes = n * size;
+    for (size_t i = 0; i < n && !dt_stopped(stop); i += FEW)
+        qsort(from + i * size, lesser(FEW, n - i), size, compare);
+    for (size_t run = FEW * size; run < bytes && !dt_stopped(stop); run *= 2) {
+        double_runs(&s, from, bytes, run, to);
+        char *swap = from;
+        from = to;
+        to = swap;
+    }
+    if (from != items)
+        dt_copy(items, from, n, size, stop);
     dt_array_free(other);
 }
 

@@ -1,4 +1,4 @@
-/* sort.h - ids in ascending order; numbers for samples and pivots. */
+/* sort.h - ids, keys and other items in ascending order; numbers for samples and pivots. */
 #ifndef DT_SORT_H
 #define DT_SORT_H
 
@@ -13,6 +13,11 @@ size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt
 
 /* Sorts n keys. Cost: O(n), and 8 bytes for each meanwhile; without that memory O(n log n). */
 void dt_sort_keys(uint64_t *key, size_t n);
+
+/* Sorts n items of `size` bytes, as qsort does; equal ones keep their order. If it is stopped, some may be missing; stop may be
+ * NULL. Cost: O(n log n), and the bytes of all items meanwhile; without that memory, or for few items, no poll. */
+void dt_sort_items(void *items, size_t n, size_t size, int (*compare)(const void *, const void *),
+                   struct dt_stop *stop);
 
 /* Whether id is one of n ascending ids. Cost: O(log n). */
 bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id);

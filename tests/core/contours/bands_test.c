@@ -1,6 +1,7 @@
 /* bands_test.c - bands: simple rings, holes in their outer rings, and the area of the surface between the levels. */
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
+#include "tests/core/polls.h"
 #include "tests/core/sets.h"
 #include "tests/core/surface/values.h"
 #include "tests/test.h"
@@ -515,5 +516,43 @@ TEST(bands_end_when_they_are_cancelled)
     CHECK(dt_bands_memory(r.b) > 0);
     CHECK(dt_bands_end(r.b, &opt, &r.ring, &r.n) == DT_CANCELLED && r.n == 0);
     dt_bands_free(r.b);
+    dt_free(t);
+}
+
+/* A lattice of peaks: one polygon with a hole for each of them, and a polygon within each hole. */
+TEST(bands_with_many_holes_poll_while_they_are_sorted)
+{
+    enum { PEAKS = 150, SIDE = 2 * PEAKS + 1 };
+    static struct dt_point p[SIDE * SIDE];
+    static double z[SIDE * SIDE];
+    static const double level[] = {-1, 0.5, 2};
+    atomic_bool cancel = false;
+    struct dt_options opt = {.cancel = &cancel};
+    enum dt_status s = DT_OK;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        p[i] = (struct dt_point){i % SIDE, i / SIDE};
+        z[i] = i % SIDE % 2 == 1 && i / SIDE % 2 == 1;
+    }
+    struct dt *t = set_with(p, z, SIDE * SIDE);
+    uint64_t polls = 0;
+    for (uint64_t n = 0; n <= polls; n += n == 0 ? 1 : polls / 9 + 1) {
+        struct rings r = {0};
+        bool done = false;
+        CHECK(dt_bands_begin(t, NULL, dt_field_find(t, "z", 1), level, 3, HUGE_VAL, &r.b) == DT_OK);
+        while (!done)
+            CHECK(dt_bands_read(t, r.b, &done) == DT_OK);
+        polls_begin();
+        polls_cancel_at(n);
+        s = dt_bands_end(r.b, &opt, &r.ring, &r.n);
+        polls_end();
+        CHECK(s == (n == 0 ? DT_OK : DT_CANCELLED));
+        if (n == 0) {
+            polls = polls_count();
+            CHECK_MSG(polls_longest_ms() < 20, "%g ms", polls_longest_ms());
+            CHECK(r.n == 1 + 2 * PEAKS * PEAKS);
+        }
+        dt_bands_free(r.b);
+    }
+    polls_cancel_at(0);
     dt_free(t);
 }

@@ -5,6 +5,7 @@
 #include "core/memory/arena.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
+#include "tests/core/polls.h"
 #include "tests/test.h"
 
 TEST(arrays_keep_their_items_while_they_grow_from_small_to_large)
@@ -44,6 +45,72 @@ TEST(room_grows_by_half_and_stops_at_the_limit)
     CHECK(dt_array_room(100, 101, 1000) == 150 && dt_array_room(100, 400, 1000) == 400);
     CHECK(dt_array_room(0, 1, 1000) == 16 && dt_array_room(900, 901, 1000) == 1000);
 }
+
+/* ---- sorting ---- */
+
+/* Sorted by the key alone. */
+struct item {
+    uint32_t key, number;
+    char more[3];
+};
+
+static int compare_items(const void *a, const void *b)
+{
+    uint32_t x = ((const struct item *)a)->key, y = ((const struct item *)b)->key;
+    return (x > y) - (x < y);
+}
+
+static void fill_items(struct item *v, size_t n, uint32_t keys)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = (struct item){test_below(keys), (uint32_t)i, {1, 2, (char)i}};
+}
+
+TEST(sorted_items_are_all_there_and_equal_ones_keep_their_order)
+{
+    static const size_t sizes[] = {0, 1, 2, 999, 1000, 1001, 2000, 2001, 3999, 16001, 100000};
+    static struct item v[100000];
+    for (size_t k = 0; k < 2 * sizeof sizes / sizeof *sizes; k++) {
+        size_t n = sizes[k / 2];
+        fill_items(v, n, k % 2 == 0 ? 7 : UINT32_MAX);
+        uint64_t sum = 0, squares = 0;
+        dt_sort_items(v, n, sizeof *v, compare_items, NULL);
+        for (size_t i = 0; i < n; i++) {
+            CHECK(i == 0 || v[i - 1].key < v[i].key ||
+                  (v[i - 1].key == v[i].key && v[i - 1].number < v[i].number));
+            CHECK(v[i].more[0] == 1 && v[i].more[1] == 2 && v[i].more[2] == (char)v[i].number);
+            sum += v[i].number;
+            squares += (uint64_t)v[i].number * v[i].number;
+        }
+        CHECK(n == 0 || (sum == (uint64_t)n * (n - 1) / 2 &&
+                         squares == (uint64_t)n * (n - 1) * (2 * n - 1) / 6));
+    }
+}
+
+TEST(sorting_of_many_items_polls_its_flag)
+{
+    enum { N = 300000 };
+    static struct item v[N];
+    atomic_bool cancel = false;
+    struct dt_stop stop = {.cancel = &cancel, .left = UINT64_MAX};
+    fill_items(v, N, UINT32_MAX);
+    polls_begin();
+    dt_sort_items(v, N, sizeof *v, compare_items, &stop);
+    polls_end();
+    CHECK_MSG(polls_longest_ms() < 20, "%g ms", polls_longest_ms());
+    uint64_t polls = polls_count();
+    CHECK(polls > N / 1000);
+    for (uint64_t n = 1; n <= polls; n += polls / 7 + 1) {
+        fill_items(v, N, UINT32_MAX);
+        stop = (struct dt_stop){.cancel = &cancel, .left = UINT64_MAX};
+        polls_cancel_at(n);
+        dt_sort_items(v, N, sizeof *v, compare_items, &stop);
+        CHECK(dt_stop_status(&stop) == DT_CANCELLED);
+    }
+    polls_cancel_at(0);
+}
+
+/* ---- arenas ---- */
 
 /* Takes arrays of random sizes, writes to all of their bytes and gives them back in stack order. */
 static void use_arena(struct dt_arena *a, unsigned depth)
