@@ -46,8 +46,8 @@ static __int128 square(const long p[2], const long q[2])
 TEST(limits_that_triangles_of_integers_just_meet_are_met)
 {
     for (int i = 0; i < 200000; i++) {
-        const long size = i % 2 == 0 ? 4 : 1 << 20;
-        long v[3][2], c = i % 3 + 1;
+        const long size = i % 3 == 0 ? 4 : i % 3 == 1 ? 1 << 20 : 1 << 29;
+        long v[3][2], c = i % 7 % 3 + 1;
         struct dt_point p[3];
         for (int k = 0; k < 3; k++) {
             v[k][0] = below(size), v[k][1] = below(size);
@@ -61,9 +61,10 @@ TEST(limits_that_triangles_of_integers_just_meet_are_met)
         }
         __int128 cross = (__int128)(v[1][0] - v[0][0]) * (v[2][1] - v[0][1]) -
                          (__int128)(v[1][1] - v[0][1]) * (v[2][0] - v[0][0]);
-        if (cross <= 0)
+        if (cross <= 0 || (i % 4 == 0 && (__int128)(double)cross != cross))
             continue;
-        long area = i % 4 == 0 ? (long)cross : below(size * size) + 1, length = below(size) + 1;
+        long area = i % 4 == 0 ? (long)cross : (long)(double)(below(size * size) + 1),
+             length = below(size) + 1;
         struct dt_wanted w = wanted(c == 1   ? 59.999999999999993
                                     : c == 2 ? 45
                                              : 30,

@@ -271,6 +271,32 @@ TEST(every_constraint_over_a_divided_edge_is_replaced_by_its_parts)
     dt_free(t);
 }
 
+/* Two borders of number 7 lie on one another where the first one is not divided: there they are none. */
+TEST(a_part_that_would_be_a_border_twice_becomes_a_line)
+{
+    struct dt_point p[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}, {1, 0}};
+    struct dt *t = set_of(p, 5, 0);
+    struct dt_constraint c[] = {{0, 1, true, 7}, {0, 4, true, 7}}, row[20];
+    struct dt_quality q = {.length = 8, .number = DT_NONE, .most = 100};
+    struct dt_refined r;
+    size_t sevens = 0, lines = 0;
+    ring(t, 0, 4, 8);
+    declare(t, c, 2);
+    refine(t, &q, &r);
+    CHECK(r.change.split == 5 && r.change.n_added < 20);
+    for (size_t i = 0; i < r.change.n_added; i++) {
+        row[sevens] = r.change.added[i];
+        lines += !row[sevens].border;
+        sevens += row[sevens].number == 7;
+    }
+    CHECK(sevens == 3 && lines == 1);
+    CHECK(row[0].a == 0 && row[0].b == 4 && !row[0].border);
+    CHECK(row[1].border && row[2].border && row[1].b == row[2].b && row[1].a + row[2].a == 5);
+    CHECK(dt_constraints_count(t) == 12);
+    dt_split_clear(&r.change);
+    dt_free(t);
+}
+
 TEST(with_a_tolerance_points_keep_their_distance)
 {
     struct dt_point p[] = {{0, 0}, {8, 0}, {8, 1}, {0, 1}, {4, 0.4}};
