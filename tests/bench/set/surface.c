@@ -4,6 +4,7 @@
  *                           the program built from cgal_surface.cpp
  *
  * Both programs draw the same points and places from the same seeds (live_plan.h). A figure is the least of ROUNDS runs. */
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/pool.h"
@@ -29,6 +30,8 @@ static const char *const name[SURFACE_KINDS] = {
     [SURFACE_CONTOURS] = "contours of 20 levels, per point of the set",
     [SURFACE_BANDS] = "bands between 20 levels, per point of the set",
     [SURFACE_VOLUME] = "the volume above a level, per point of the set",
+    [SURFACE_VOLUME_BOX] = "the same in a box of a quarter of them",
+    [SURFACE_VOLUME_INSIDE] = "the same inside a border around a quarter of them",
     [SURFACE_PROFILE] = "a profile from side to side, each",
 };
 
@@ -178,18 +181,44 @@ static void bands(struct surface *s)
     s->ns[SURFACE_BANDS] = live_ns(start, s->plan.n);
 }
 
-static void volume(struct surface *s)
+static const struct dt_point quarter_lo = {0.25, 0.25}, quarter_hi = {0.75, 0.75};
+
+static void volume(struct surface *s, int kind)
 {
     double start = measure_cpu();
     struct dt_volume *v;
     struct dt_volumes sums;
     must(dt_volume_begin(s->set, NULL, dt_field_find(s->set, "z", 1), NULL, 0.25, &v) == DT_OK);
+    if (kind == SURFACE_VOLUME_BOX)
+        dt_volume_clip(v, quarter_lo, quarter_hi);
+    if (kind == SURFACE_VOLUME_INSIDE)
+        must(dt_volume_inside(v, s->set, DT_NONE) == DT_OK);
     for (bool done = false; !done;)
         must(dt_volume_read(s->set, v, &done) == DT_OK);
     dt_volume_end(v, &sums);
     dt_volume_free(v);
-    must(sums.area > 0 && sums.area < 1);
-    s->ns[SURFACE_VOLUME] = live_ns(start, s->plan.n);
+    must(sums.area > 0.2 && sums.area < (kind == SURFACE_VOLUME ? 1 : 0.3));
+    s->ns[kind] = live_ns(start, s->plan.n);
+}
+
+/* The border is declared for this measurement alone. */
+static void volume_inside(struct surface *s)
+{
+    const struct dt_point corner[] = {
+        quarter_lo, {quarter_hi.x, quarter_lo.y}, quarter_hi, {quarter_lo.x, quarter_hi.y}};
+    struct dt_constraint c[4];
+    struct dt_ids found = {0};
+    size_t n, gone;
+    uint32_t missing;
+    for (int k = 0; k < 4; k++)
+        must(dt_nearest(s->set, corner[k], 1, &found) == DT_OK && found.n == (size_t)k + 1);
+    for (int k = 0; k < 4; k++)
+        c[k] = (struct dt_constraint){found.v[k], found.v[(k + 1) % 4], true, 0};
+    must(dt_constrain(s->set, c, 4, NULL, &n, &missing) == DT_OK);
+    must(dt_survey(s->set, NULL) == DT_OK);
+    volume(s, SURFACE_VOLUME_INSIDE);
+    must(dt_release(s->set, c, 4, NULL, &n, &gone) == DT_OK && n == 4);
+    free(found.v);
 }
 
 static void profiles(struct surface *s)
@@ -255,7 +284,8 @@ static void measure(struct surface *s)
     all_cells(s);
     contours(s);
     bands(s);
-    volume(s);
+    volume(s, SURFACE_VOLUME);
+    volume(s, SURFACE_VOLUME_BOX);
     profiles(s);
 }
 
@@ -294,6 +324,10 @@ int main(int argc, char **argv)
         keep_least(ours, s.ns);
         measure_peer(argc > 3 ? argv[3] : NULL, &s.plan, peer);
         keep_least(least, peer);
+    }
+    for (int round = 0; round < ROUNDS; round++) { /* last: after an edit heights are read by id */
+        volume_inside(&s);
+        keep_least(ours, s.ns);
     }
     printf("Surfaces, %zu uniform points, %zu cells or places, ns each, one thread.\n\n", s.plan.n,
            s.plan.k);

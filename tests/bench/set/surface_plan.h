@@ -17,7 +17,9 @@ enum surface_kind {
     SURFACE_CONTOURS,
     SURFACE_BANDS,
     SURFACE_VOLUME,
-    SURFACE_PROFILE, /* from side to side of the unit square */
+    SURFACE_VOLUME_BOX,    /* of the middle quarter */
+    SURFACE_VOLUME_INSIDE, /* a border around about that */
+    SURFACE_PROFILE,       /* from side to side of the unit square */
     SURFACE_KINDS
 };
 
