@@ -205,6 +205,39 @@ TEST(profiles_of_unfinished_sets_and_of_few_steps)
     dt_free(t);
 }
 
+/* Of a hull of many edges, from far outside in all directions: each place takes at most a step for each edge of the hull. */
+TEST(a_profile_from_far_outside_takes_at_most_a_step_for_each_edge_of_the_hull)
+{
+    enum { CORNERS = 3000, ROUNDS = 40, OF_PLACES = 100 };
+    static struct dt_point p[CORNERS];
+    static double z[CORNERS];
+    static struct dt_profile_row row[CORNERS];
+    unsigned long_ones = 0;
+    for (int i = 0; i < CORNERS; i++)
+        p[i] = (struct dt_point){cos(6.283185307 * i / CORNERS), sin(6.283185307 * i / CORNERS)};
+    struct dt *t = set_with(p, z, CORNERS);
+    struct dt_surface s = surface_in(t, DT_LINEAR);
+    for (int i = 0; i < ROUNDS; i++) {
+        double turn = 0.7 * i, aim = turn + (i % 2 == 0 ? 1.5705 : -1.5705);
+        struct dt_point way[] = {{1e9 * cos(turn), 1e9 * sin(turn)}, {cos(aim), sin(aim)}};
+        struct dt_profile *f;
+        enum dt_status status[2];
+        size_t n;
+        for (int few = 0; few < 2; few++) {
+            struct dt_options opt = {.steps = few ? OF_PLACES : CORNERS + OF_PLACES};
+            CHECK(dt_profile_begin(t, &s, way, 2, &opt, &f) == DT_OK);
+            status[few] = dt_profile_read(f, row, CORNERS, &n);
+            CHECK(n <= 30);
+            dt_profile_free(f);
+        }
+        CHECK(status[0] == DT_OK && (status[1] == DT_OK || status[1] == DT_TOOLONG));
+        long_ones += status[1] == DT_TOOLONG;
+    }
+    CHECK_MSG(long_ones > ROUNDS / 4, "%u", long_ones);
+    dt_surface_end(&s);
+    dt_free(t);
+}
+
 /* ---- beside all edges and vertices ---- */
 
 struct fraction {
