@@ -220,7 +220,7 @@ FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-reco
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
 $(FUZZERS): %: %.o $(CORE) $(PROTO) $(filter-out $(O)/server/main.o,$(SERVER)) $(O)/clients/lib/mirror_copy.o $(O)/clients/lib/mirror_constraints.o \
-  $(patsubst %.c,$(O)/%.o,$(wildcard clients/files/*.c clients/lines/*.c clients/points/*.c clients/reading/*.c))
+  $(patsubst %.c,$(O)/%.o,$(wildcard clients/files/*.c clients/grids/*.c clients/lines/*.c clients/points/*.c clients/reading/*.c))
 	$(COMPILE) -fsanitize=fuzzer -o $@ $^ $(LDLIBS)
 
 fuzz:

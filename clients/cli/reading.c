@@ -48,7 +48,7 @@ int reading_option(struct reading *r, int option, char **argv, bool *known)
     else if (option == READING_FORMAT && !source_read_form(optarg, s))
         return options_wrong(
             argv[0],
-            "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las, poly, obj",
+            "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las, poly, obj, asc",
             optarg);
     else if (option == READING_COLUMNS && !wish_columns(&s->table.wish, optarg))
         return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",

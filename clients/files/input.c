@@ -2,19 +2,18 @@
  * does not consume them. */
 #include "clients/files/input.h"
 
+#include "clients/files/program.h"
+#include "clients/files/raster_file.h"
 #include "clients/files/zip_file.h"
+#include "clients/grids/asc_grid.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { PEEK = 64 };
 
@@ -53,21 +52,8 @@ static size_t peek(int fd, char *to)
 /* Starts the program with fd as its input, and replaces fd by its output. */
 static bool convert(struct input *in, const char *const *argument)
 {
-    int pipes[2], failed;
-    char *words[8] = {NULL};
-    posix_spawn_file_actions_t actions;
-    for (size_t i = 0; argument[i] != NULL; i++)
-        memcpy(&words[i], &argument[i], sizeof words[i]);
-    if (pipe2(pipes, O_CLOEXEC) != 0)
-        return false;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, in->fd, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, pipes[1], STDOUT_FILENO);
-    failed = posix_spawnp(&in->child, words[0], &actions, NULL, words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(pipes[1]);
+    int out, failed = program_start(&in->child, argument, in->fd, &out);
     if (failed != 0) {
-        close(pipes[0]);
         in->child = 0;
         errno = failed;
         return false;
@@ -75,7 +61,7 @@ static bool convert(struct input *in, const char *const *argument)
     if (!in->standard)
         close(in->fd);
     in->standard = false;
-    in->fd = pipes[0];
+    in->fd = out;
     return true;
 }
 
@@ -140,6 +126,8 @@ static size_t look(struct input *in, char *head)
     size_t n = peek(in->fd, head);
     in->first = first_character(head, n);
     in->las = n >= 4 && memcmp(head, "LASF", 4) == 0;
+    in->grid = asc_begins(head, n);
+    in->raster = raster_begins(head, n);
     return n;
 }
 
@@ -162,10 +150,12 @@ bool input_open(struct input *in, const char *path, char *why, size_t room)
         return ok;
     }
     size_t n = look(in, head);
+    in->raster |= !in->standard && !in->grid && raster_is_name(path);
     if (n >= 4 && memcmp(head, "PK\3\4", 4) == 0) {
         if (!open_member(in, why, room))
             return false;
         n = look(in, head);
+        in->raster |= !in->grid && raster_is_name(in->member);
     }
     for (size_t i = 0; i < sizeof converters / sizeof converters[0]; i++) {
         if (n < converters[i].len || memcmp(head, converters[i].magic, converters[i].len) != 0)
@@ -186,13 +176,11 @@ bool input_open(struct input *in, const char *path, char *why, size_t room)
 
 bool input_close(struct input *in, bool all, char *why, size_t room)
 {
-    int status = 0;
     if (!in->standard)
         close(in->fd);
     if (in->child == 0)
         return true;
-    while (waitpid(in->child, &status, 0) < 0 && errno == EINTR)
-        continue;
+    int status = program_end(in->child);
     if (status != 0 && all)
         snprintf(why, room, "%s could not read all of it%s", in->program,
                  strcmp(in->program, "ogr2ogr") == 0

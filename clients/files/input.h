@@ -14,7 +14,9 @@ struct input {
     pid_t child;         /* the program that converts, 0 if none does */
     const char *program; /* its name */
     char first;          /* the first non-blank character, 0 if unknown */
-    bool las;            /* it begins as LAS and LAZ do */
+    bool las;            /* it begins as LAS and LAZ do, */
+    bool grid;           /* as an ASCII grid does */
+    bool raster;         /* it begins, or its name ends, as rasters do that GDAL reads */
     char member[256];    /* the name of the file in an archive, "" if it is none */
     uint64_t size;       /* bytes to read, 0 if unknown */
 };

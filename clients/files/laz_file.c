@@ -3,39 +3,16 @@
 #include "clients/files/laz_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "clients/files/las_file.h"
+#include "clients/files/program.h"
 #include "proto/number.h"
 
-extern char **environ;
-
 enum { USUAL_PLACES = 9 };
-
-/* Starts the program; *out gets its output. Returns an errno. */
-static int start(pid_t *pid, char *const *words, int *out)
-{
-    int pipes[2];
-    posix_spawn_file_actions_t actions;
-    if (pipe2(pipes, O_CLOEXEC) != 0)
-        return errno;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, pipes[1], STDOUT_FILENO);
-    int failed = posix_spawnp(pid, words[0], &actions, NULL, words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(pipes[1]);
-    if (failed != 0)
-        close(pipes[0]);
-    else
-        *out = pipes[0];
-    return failed;
-}
 
 /* pdal [pdal.org/stages/writers.text.html], then las2txt. Returns an errno; *name gets the program's. */
 static int start_any(const char *path, const struct las_header *h, pid_t *pid, int *out,
@@ -46,24 +23,23 @@ static int start_any(const char *path, const struct las_header *h, pid_t *pid, i
     /* a path that begins with '-' is no option */
     snprintf(in, sizeof in, "%s%s", path[0] == '-' ? "./" : "", path);
     snprintf(order, sizeof order, "--writers.text.order=X:%d,Y:%d,Z:%d", places, places, places);
-    char *pdal[] = {(char[]){"pdal"},
-                    (char[]){"translate"},
-                    (char[]){"--writer"},
-                    (char[]){"writers.text"},
-                    order,
-                    (char[]){"--writers.text.keep_unspecified=false"},
-                    (char[]){"--writers.text.write_header=false"},
-                    in,
-                    (char[]){"STDOUT"},
-                    NULL};
-    char *las2txt[] = {(char[]){"las2txt"}, (char[]){"-i"},     in,
-                       (char[]){"-stdout"}, (char[]){"-parse"}, (char[]){"xyz"},
-                       (char[]){"-sep"},    (char[]){"comma"},  NULL};
+    const char *pdal[] = {"pdal",
+                          "translate",
+                          "--writer",
+                          "writers.text",
+                          order,
+                          "--writers.text.keep_unspecified=false",
+                          "--writers.text.write_header=false",
+                          in,
+                          "STDOUT",
+                          NULL};
+    const char *las2txt[] = {"las2txt", "-i",   in,      "-stdout", "-parse",
+                             "xyz",     "-sep", "comma", NULL};
     *name = "pdal";
-    int failed = start(pid, pdal, out);
+    int failed = program_start(pid, pdal, -1, out);
     if (failed == ENOENT) {
         *name = "las2txt";
-        failed = start(pid, las2txt, out);
+        failed = program_start(pid, las2txt, -1, out);
     }
     return failed;
 }
@@ -111,7 +87,7 @@ bool laz_file_read(struct points_file *f, const char *path, int fd, struct table
     unsigned char bytes[LAS_HEADER];
     struct las_header h;
     const char *name = NULL;
-    int out = -1, status = 0;
+    int out = -1;
     pid_t pid;
     ssize_t n = pread(fd, bytes, sizeof bytes, 0);
     const char *fault = las_read_header(&h, bytes, n > 0 ? (size_t)n : 0);
@@ -125,8 +101,7 @@ bool laz_file_read(struct points_file *f, const char *path, int fd, struct table
     table_fields_add(t, 2, "z", 1);
     f->fields = 1;
     bool ok = read_lines(f, out);
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-        continue;
+    int status = program_end(pid);
     f->line = ok ? 0 : f->line;
     if (ok && status != 0)
         return points_file_stop(f, "%s could not read all of it", name);

@@ -11,6 +11,8 @@
 #include "clients/files/las_file.h"
 #include "clients/files/laz_file.h"
 #include "clients/files/progress.h"
+#include "clients/files/raster_file.h"
+#include "clients/grids/asc_grid.h"
 #include "clients/lines/obj_file.h"
 #include "clients/lines/poly_file.h"
 #include "clients/points/join.h"
@@ -19,27 +21,19 @@ static const struct {
     const char *name;
     enum source_form form;
     bool xyz;
-} endings[] = {{"xy", SOURCE_XY, false},
-               {"csv", SOURCE_TABLE, false},
-               {"geojson", SOURCE_GEOJSON, false},
-               {"node", SOURCE_NODE, false},
-               {"xyz", SOURCE_TABLE, true},
-               {"gpx", SOURCE_GPX, false},
-               {"las", SOURCE_LAS, false},
-               {"poly", SOURCE_POLY, false},
-               {"obj", SOURCE_OBJ, false},
-               {"ndjson", SOURCE_GEOJSON, false},
-               {"geojsonl", SOURCE_GEOJSON, false},
-               {"jsonl", SOURCE_GEOJSON, false},
-               {"pts", SOURCE_TABLE, true},
-               {"gmt", SOURCE_TABLE, false},
-               {"wkt", SOURCE_TABLE, false},
-               {"json", SOURCE_GEOJSON, false},
-               {"laz", SOURCE_LAS, false}};
+} endings[] = {{"xy", SOURCE_XY, false},           {"csv", SOURCE_TABLE, false},
+               {"geojson", SOURCE_GEOJSON, false}, {"node", SOURCE_NODE, false},
+               {"xyz", SOURCE_TABLE, true},        {"gpx", SOURCE_GPX, false},
+               {"las", SOURCE_LAS, false},         {"poly", SOURCE_POLY, false},
+               {"obj", SOURCE_OBJ, false},         {"asc", SOURCE_GRID, false},
+               {"ndjson", SOURCE_GEOJSON, false},  {"geojsonl", SOURCE_GEOJSON, false},
+               {"jsonl", SOURCE_GEOJSON, false},   {"pts", SOURCE_TABLE, true},
+               {"gmt", SOURCE_TABLE, false},       {"wkt", SOURCE_TABLE, false},
+               {"json", SOURCE_GEOJSON, false},    {"laz", SOURCE_LAS, false}};
 
 bool source_read_form(const char *name, struct source *s)
 {
-    for (size_t i = 0; i < 9; i++) /* the names of formats come first */
+    for (size_t i = 0; i < 10; i++) /* the names of formats come first */
         if (strcmp(endings[i].name, name) == 0) {
             s->form = endings[i].form;
             s->table.wish.xyz = endings[i].xyz;
@@ -70,11 +64,12 @@ static void guess_form(struct source *s, const struct input *in)
 {
     const char *ending;
     size_t len = find_ending(in->member[0] != '\0' ? in->member : s->path, &ending);
-    s->form = in->las ? SOURCE_LAS : SOURCE_TABLE;
-    if (s->table.wish.chosen || in->las)
+    s->form = in->las ? SOURCE_LAS : in->grid || in->raster ? SOURCE_GRID : SOURCE_TABLE;
+    if (s->table.wish.chosen || s->form != SOURCE_TABLE)
         return;
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
-        if (len == strlen(endings[i].name) && strncasecmp(ending, endings[i].name, len) == 0) {
+        if (len == strlen(endings[i].name) && strncasecmp(ending, endings[i].name, len) == 0 &&
+            endings[i].form != SOURCE_GRID) { /* tables have this ending, too */
             s->form = endings[i].form;
             s->table.wish.xyz = endings[i].xyz;
             return;
@@ -224,6 +219,26 @@ static bool read_obj(struct source *s, struct points_file *f, int fd)
     return ok;
 }
 
+static bool read_grid(struct source *s, struct points_file *f, const struct input *in)
+{
+    struct grid_notes notes;
+    bool piped = in->member[0] == '\0' ? in->child != 0 : strcmp(s->path, "-") == 0;
+    if (in->raster && (in->standard || piped))
+        return points_file_stop(
+            f, "a raster is read from a file of its own or a zip archive, not from a pipe");
+    bool ok = in->raster ? raster_file_read(f, s->path, in->member, &s->table.fields, &notes)
+                         : asc_file_read(f, in->fd, NULL, &s->table.fields, &notes);
+    if (!ok)
+        return false;
+    grid_describe(&notes, s->table.using, sizeof s->table.using);
+    s->geographic = notes.frame.geographic;
+    if (notes.empty > 0)
+        report_add(&f->report, NOTE_SKIPPED, "%ju cell%s without a value (%.17g) %s left out",
+                   (uintmax_t)notes.empty, notes.empty == 1 ? "" : "s", notes.nodata,
+                   notes.empty == 1 ? "is" : "are");
+    return true;
+}
+
 static bool is_table(const struct source *s)
 {
     return s->form == SOURCE_TABLE || s->form == SOURCE_NODE || s->form == SOURCE_XY;
@@ -249,6 +264,8 @@ static bool read_points(struct source *s, struct points_file *f, const struct in
         return read_poly(s, f, in->fd);
     if (s->form == SOURCE_OBJ)
         return read_obj(s, f, in->fd);
+    if (s->form == SOURCE_GRID)
+        return read_grid(s, f, in);
     progress_start(&r.bar, "reading");
     bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);
@@ -289,7 +306,7 @@ bool source_is_geographic(const struct source *s, const struct points_file *f)
 {
     const struct plan *p = &s->table.plan;
     bool named = is_table(s) ? p->pair == PAIR_LON_LAT && p->headed
-                             : s->form == SOURCE_GEOJSON || s->form == SOURCE_GPX;
+                             : s->form == SOURCE_GEOJSON || s->form == SOURCE_GPX || s->geographic;
     struct range x = survey_range(f, 0), y = survey_range(f, 1);
     return named && x.least >= -360 && x.greatest <= 360 && y.least >= -90 && y.greatest <= 90;
 }

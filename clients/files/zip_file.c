@@ -178,7 +178,8 @@ static bool has_points(const struct entry *e)
 {
     static const char *const endings[] = {".csv",   ".tsv",     ".txt",  ".xyz",    ".xy",
                                           ".pts",   ".geojson", ".json", ".ndjson", ".geojsonl",
-                                          ".jsonl", ".gpx",     ".node", ".las"};
+                                          ".jsonl", ".gpx",     ".node", ".las",    ".asc",
+                                          ".tif",   ".tiff",    ".hgt",  ".dem"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         size_t n = strlen(endings[i]);
         if (e->name_len > n &&

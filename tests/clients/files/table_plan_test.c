@@ -214,10 +214,20 @@ TEST(titles_and_rows_of_units_are_not_read_and_named)
 
 TEST(a_grid_or_a_mesh_is_no_table_of_points)
 {
-    tables_refuse(".asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n",
-                  "1: this is a grid, not a table of points");
-    tables_refuse(".grd", "DSAA\n3 2\n0 1\n0 1\n1 6\n1 2 3\n4 5 6\n", "this is a grid");
+    tables_refuse(".txt", "DSAA\n3 2\n0 1\n0 1\n1 6\n1 2 3\n4 5 6\n", "1: this is a grid");
     tables_refuse(".off", "OFF\n3 0 0\n0 0 1\n1 0 2\n1 1 3\n", "1: this is a mesh");
+}
+
+TEST(an_ascii_grid_is_recognised_by_its_header_and_points_may_have_its_ending)
+{
+    tables_expect(
+        ".asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 -9999 6\n",
+        "5 15 1; 15 15 2; 25 15 3; 5 5 4; 25 5 6", "1 cell without a value (-9999) is left out");
+    tables_expect(".txt", "NROWS 1\nNCOLS 2\nxllcenter 0\nyllcenter 0\ncellsize 10\n7 8\n",
+                  "0 0 7; 10 0 8", "using the centres of 2 x 1 cells of 10 x 10");
+    tables_expect(".asc", "0 0 5\n1 0 6\n", "0 0 5; 1 0 6", "using x=1 y=2 z=3");
+    tables_refuse(".asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 b\n",
+                  "6: row 1, column 2: not a number: \"b\"");
 }
 
 TEST(a_title_is_no_heading_and_a_heading_is_no_title)

@@ -1,0 +1,16 @@
+/* program.h - another program whose output is read: a file format that it knows becomes one that we know. */
+#ifndef CLIENTS_PROGRAM_H
+#define CLIENTS_PROGRAM_H
+
+#include <sys/types.h>
+
+enum { PROGRAM_WORDS = 15 };
+
+/* Starts word[0], searched for in $PATH, with these words, at most PROGRAM_WORDS and then NULL. Its standard input is `in`, or ours if that
+ * is -1. *out gets its output, which the caller closes. Returns 0 or an errno. */
+int program_start(pid_t *pid, const char *const *word, int in, int *out);
+
+/* Waits until it has ended. Returns 0 if it has succeeded. */
+int program_end(pid_t pid);
+
+#endif

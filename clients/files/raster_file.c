@@ -1,0 +1,87 @@
+/* raster_file.c - see raster_file.h. GDAL writes values with all digits into an ASCII grid, but its header with 12 decimal places. So where
+ * the cells lie is read from another output, a VRT. */
+#include "clients/files/raster_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "clients/files/program.h"
+#include "clients/grids/vrt_frame.h"
+
+bool raster_is_name(const char *name)
+{
+    static const char *const endings[] = {".tif", ".tiff", ".dem", ".hgt", ".img",
+                                          ".vrt", ".bil",  ".flt", ".grd"};
+    size_t n = strlen(name);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t len = strlen(endings[i]);
+        if (n > len && strcasecmp(name + n - len, endings[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool raster_begins(const char *head, size_t n)
+{
+    return n >= 4 && (memcmp(head, "II*", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
+                      memcmp(head, "II+", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
+}
+
+/* Starts gdal_translate into the format. */
+static bool start(struct points_file *f, const char *name, const char *format, pid_t *pid, int *out)
+{
+    const char *word[] = {"gdal_translate", "-q",       "-of", format,        "-ot",
+                          "Float64",        "-unscale", name,  "/vsistdout/", NULL};
+    int failed = program_start(pid, word, -1, out);
+    return failed == 0 ||
+           points_file_stop(
+               f, "to read this raster the program gdal_translate is needed (Debian: gdal-bin): %s",
+               strerror(failed));
+}
+
+/* Waits for it; `ok`: what was read is right so far. */
+static bool end(struct points_file *f, pid_t pid, int out, bool ok)
+{
+    close(out);
+    int failed = program_end(pid);
+    if (!ok || failed == 0)
+        return ok;
+    f->line = 0;
+    return points_file_stop(f, "gdal_translate could not read all of it");
+}
+
+static bool read_frame(struct points_file *f, const char *name, struct grid_frame *frame)
+{
+    char *text = NULL;
+    size_t n;
+    pid_t pid;
+    int out;
+    if (!start(f, name, "VRT", &pid, &out))
+        return false;
+    bool ok = points_file_read_all(f, out, &text, &n);
+    ok = end(f, pid, out, ok);
+    const char *fault = ok ? vrt_read_frame(text, n, frame) : NULL;
+    free(text);
+    return ok && (fault == NULL || points_file_stop(f, "%s", fault));
+}
+
+bool raster_file_read(struct points_file *f, const char *path, const char *member,
+                      struct table_fields *t, struct grid_notes *notes)
+{
+    char name[4500];
+    struct grid_frame frame;
+    pid_t pid;
+    int out;
+    *notes = (struct grid_notes){.empty = 0};
+    if (member[0] != '\0')
+        snprintf(name, sizeof name, "/vsizip/{%s}/%s", path, member);
+    else /* a path that begins with '-' is no option */
+        snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
+    if (!read_frame(f, name, &frame) || !start(f, name, "AAIGrid", &pid, &out))
+        return false;
+    bool ok = asc_file_read(f, out, &frame, t, notes);
+    return end(f, pid, out, ok);
+}
