@@ -21,10 +21,10 @@ const struct subcommand subcommands[] = {
      "                           as export's\n"
      "      --geographic         as export's; usual where the headings are those of degrees\n"
      "      --planar             x and y alike, whatever the headings are\n"
-     "      --angle D, --area A, --length L, --keep, --limit N\n"
+     "      --error E, --most N, --angle D, --area A, --length L, --keep, --limit N\n"
      "                           as run's\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run --angle --area --length --keep --limit "
+     "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
      "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
@@ -35,6 +35,11 @@ const struct subcommand subcommands[] = {
      "V,\n"
      "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
      "      --inside K           as export's\n"
+     "      --error E            a light mesh: only as many points are kept as its surface needs "
+     "to "
+     "be\n"
+     "                           within E of every height (z, or --field F)\n"
+     "      --most N             at most N points are kept\n"
      "      --angle D            points are added inside borders, or inside the hull, until no "
      "angle "
      "is\n"
@@ -43,7 +48,7 @@ const struct subcommand subcommands[] = {
      "      --keep               lines and borders are not divided\n"
      "      --limit N            points that may be added (16 for each one)\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run --angle --area --length --keep --limit "
+     "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
      "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
      true, NULL},
     {"load", command_load, false, true,

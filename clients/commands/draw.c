@@ -6,13 +6,14 @@
 #include <string.h>
 
 #include "clients/cli/command.h"
+#include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/sending.h"
 #include "clients/commands/export.h"
 #include "proto/number.h"
 
-static const char set[] = "points";
+static const char all_points[] = "points", few_points[] = "light";
 
 /* ---- the mesh may be refined before it is written ---- */
 
@@ -89,7 +90,8 @@ static void report_refining(const struct delaunay_part *status)
 }
 
 /* Refines the triangulated set inside the border (`any`; NULL: the same), and says what is left. Returns the exit status. */
-static int refining_refine(struct delaunay_client *c, const struct refining *r, const char *inside)
+static int refining_refine(struct delaunay_client *c, const char *set, const struct refining *r,
+                           const char *inside)
 {
     char line[400];
     int begin = snprintf(line, sizeof line, "REFINE %s%s", set, r->keep ? " KEEP" : "");
@@ -108,11 +110,92 @@ static int refining_refine(struct delaunay_client *c, const struct refining *r, 
     return EXIT_DONE;
 }
 
+/* ---- points may be left out before ---- */
+
+enum { SIMPLIFYING_ERROR = 420, SIMPLIFYING_MOST };
+
+#define SIMPLIFYING_OPTIONS                                                                        \
+    {"error", required_argument, NULL, SIMPLIFYING_ERROR},                                         \
+    {                                                                                              \
+        "most", required_argument, NULL, SIMPLIFYING_MOST                                          \
+    }
+
+/* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
+struct simplifying {
+    const char *error, *most;
+    double reached; /* by how much the worst point is off; after simplifying_simplify */
+};
+
+/* Takes an option of simplifying. *known: it is one. */
+static int simplifying_option(struct simplifying *s, int option, char **argv, bool *known)
+{
+    double error;
+    uint32_t most;
+    *known = option == SIMPLIFYING_ERROR || option == SIMPLIFYING_MOST;
+    if (option == SIMPLIFYING_ERROR &&
+        (!proto_read_double(optarg, strlen(optarg), &error) || !(error >= 0)))
+        return options_wrong(argv[0], "--error is a height from 0 on, not %s", optarg);
+    if (option == SIMPLIFYING_MOST && (!proto_read_u32(optarg, strlen(optarg), &most) || most == 0))
+        return options_wrong(argv[0], "--most is a number of points, not %s", optarg);
+    if (option == SIMPLIFYING_ERROR)
+        s->error = optarg;
+    else if (option == SIMPLIFYING_MOST)
+        s->most = optarg;
+    return EXIT_DONE;
+}
+
+static bool simplifying_asked(const struct simplifying *s)
+{
+    return s->error != NULL || s->most != NULL;
+}
+
+static bool has_field(const struct table_fields *t, const char *field)
+{
+    for (size_t i = 0; i < t->n; i++)
+        if (strcmp(t->name[i], field) == 0)
+            return true;
+    return false;
+}
+
+/* Makes the set of few points of the set of all, which the file had, and says how many are left. Returns the exit status. */
+static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s,
+                                const struct reading *from, const char *field)
+{
+    char line[400];
+    const char *text;
+    size_t len;
+    uint64_t kept = 0;
+    if (!has_field(&from->from.table.fields, field)) {
+        message_print("--error and --most need heights, a field %s of the points: choose it with "
+                      "--columns X,Y,Z, or with --fields --field F",
+                      field);
+        return EXIT_REFUSED;
+    }
+    int begin = snprintf(line, sizeof line, "SIMPLIFY %s %.100s", all_points, field);
+    size_t n = put(line, (size_t)begin, sizeof line, "ERROR", s->error != NULL ? s->error : "0");
+    n = put(line, n, sizeof line, "POINTS", s->most);
+    n = put(line, n, sizeof line, "INTO", few_points);
+    if (n >= sizeof line)
+        return options_wrong("", "a limit has too many digits");
+    enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);
+    if (result != DELAUNAY_OK)
+        return command_outcome(c, result);
+    delaunay_key_number(delaunay_status(c), "points", &kept);
+    if (delaunay_key(delaunay_status(c), "error", &text, &len))
+        proto_read_double(text, len, &s->reached);
+    fprintf(stderr,
+            "delaunay: %" PRIu64
+            " of %zu points are kept; the worst of the others is off by %.6g\n",
+            kept, from->file.n, s->reached);
+    return EXIT_DONE;
+}
+
 /* ---- from the file to the mesh ---- */
 
 struct drawing {
     struct reading reading;
     struct export to;
+    struct simplifying simplifying;
     struct refining refining;
     bool on_terminal;
     char name[100]; /* the file's, as a title */
@@ -123,6 +206,8 @@ static int read_option(struct drawing *d, int option, char **argv)
     bool known;
     int status =
         reading_option(&d->reading, option == 'c' ? READING_COLUMNS : option, argv, &known);
+    if (!known)
+        status = simplifying_option(&d->simplifying, option, argv, &known);
     if (!known)
         status = refining_option(&d->refining, option, argv, &known);
     return known ? status : export_option(&d->to, option, argv);
@@ -138,9 +223,15 @@ static void choose_name(struct drawing *d)
             *p = '_';
 }
 
-static void put_reading(const void *ctx)
+/* What the report in JSON says of the file, and of what has been left out. */
+static void put_more(const void *ctx)
 {
-    reading_json(ctx);
+    const struct drawing *d = ctx;
+    reading_json(&d->reading);
+    if (simplifying_asked(&d->simplifying)) {
+        json_key("error");
+        printf("%.17g", d->simplifying.reached);
+    }
 }
 
 static int read_arguments(struct drawing *d, int argc, char **argv)
@@ -149,6 +240,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
         {"format", required_argument, NULL, 'f'},
         {"input-format", required_argument, NULL, READING_FORMAT},
         READING_OPTIONS,
+        SIMPLIFYING_OPTIONS,
         REFINING_OPTIONS,
         EXPORT_OPTIONS,
         {NULL, 0, NULL, 0}};
@@ -168,8 +260,8 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
     if (d->on_terminal)
         return EXIT_DONE;
     d->to.path = argv[optind + 1];
-    d->to.more = put_reading;
-    d->to.ctx = &d->reading;
+    d->to.more = put_more;
+    d->to.ctx = d;
     status = export_prepare(&d->to, argv);
     if (status == EXIT_DONE && draws && d->to.format != NULL)
         return options_wrong(argv[0],
@@ -177,19 +269,31 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
     return status;
 }
 
-static int write_result(struct delaunay_client *c, struct drawing *d)
+/* Lines are declared in a triangulation, so a set with lines has one; that of few points has none. */
+static int triangulate(struct delaunay_client *c, const struct drawing *d, const char *set)
 {
     char line[40];
-    char show[] = "show", name[] = "points", map[] = "--geographic",
-         *words[] = {show, name, d->to.picture.geographic ? map : NULL, NULL};
+    if (d->reading.file.paths.n > 0 && set == all_points)
+        return EXIT_DONE;
     snprintf(line, sizeof line, "TRIANGULATE %s", set);
-    bool done = d->reading.file.paths.n > 0; /* lines are declared in a triangulation */
-    enum delaunay_result r =
-        done ? DELAUNAY_OK : delaunay_request(c, line, command_show_comment, NULL);
-    if (r != DELAUNAY_OK)
-        return command_outcome(c, r);
-    int status =
-        refining_asked(&d->refining) ? refining_refine(c, &d->refining, d->to.inside) : EXIT_DONE;
+    enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
+    return r == DELAUNAY_OK ? EXIT_DONE : command_outcome(c, r);
+}
+
+static int write_result(struct delaunay_client *c, struct drawing *d)
+{
+    const char *set = simplifying_asked(&d->simplifying) ? few_points : all_points;
+    char show[] = "show", name[20], map[] = "--geographic",
+         *words[] = {show, name, d->to.picture.geographic ? map : NULL, NULL};
+    const char *field = d->to.field != NULL ? d->to.field : "z";
+    int status = EXIT_DONE;
+    snprintf(name, sizeof name, "%s", set);
+    if (set == few_points)
+        status = simplifying_simplify(c, &d->simplifying, &d->reading, field);
+    if (status == EXIT_DONE)
+        status = triangulate(c, d, set);
+    if (status == EXIT_DONE && refining_asked(&d->refining))
+        status = refining_refine(c, set, &d->refining, d->to.inside);
     if (status != EXIT_DONE)
         return status;
     return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)
@@ -212,7 +316,7 @@ static int carry_out(struct drawing *d)
     }
     d->to.picture.geographic |=
         !d->to.planar && source_is_geographic(&d->reading.from, &d->reading.file);
-    status = sending_send(&d->reading, own.client, set, line);
+    status = sending_send(&d->reading, own.client, all_points, line);
     if (status == EXIT_DONE)
         status = write_result(own.client, d);
     private_daemon_end(&own);

@@ -14,7 +14,7 @@ TEST(recipes_answer_what_the_readme_says)
         peer_shell(&status,
                    "R=$PWD D=$(realpath %s) DELAUNAYD=$(realpath %s) DELAUNAY_PORT=%s; "
                    "export D DELAUNAYD DELAUNAY_PORT; cd %s && cp $R/clients/examples/*.geojson "
-                   "$R/clients/examples/*.csv . && "
+                   "$R/clients/examples/*.csv $R/clients/examples/*.asc . && "
                    "awk '/^## /{on=/^## Recipes/} /^```/{code=on && /console/; next} on && code' "
                    "$R/clients/README.md > want && "
                    "delaunay() { \"$D\" \"$@\" 2>/dev/null; } && "
@@ -22,7 +22,7 @@ TEST(recipes_answer_what_the_readme_says)
                    "printf '$ %%s\\n' \"$command\"; eval \"$command\"; done > got; "
                    "grep -c '^\\$ ' want; diff want got",
                    getenv("DELAUNAY"), getenv("DELAUNAYD"), cli_daemon.port_text, cli_path("."));
-    CHECK_STR(got, "27\n");
+    CHECK_STR(got, "31\n");
     CHECK(status == 0);
     cli_finish();
 }

@@ -129,3 +129,71 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
         expect("zip -q a.zip a.tif; $D run a.zip - -f node 2> /dev/null | diff want -", "");
     finish();
 }
+
+/* A plane with a peak that is 4 above it. */
+#define MAKE_PEAK                                                                                  \
+    "printf 'ncols 5\\nnrows 5\\nxllcenter 0\\nyllcenter 0\\ncellsize 1\\n"                        \
+    "4 5 6 7 8\\n3 4 5 6 7\\n2 3 8 5 6\\n1 2 3 4 5\\n0 1 2 3 4\\n' > a.asc; "
+
+#define PEAK_NOTE(kept, off)                                                                       \
+    "delaunay: a.asc: using the centres of 5 x 5 cells of 1 x 1\n"                                 \
+    "delaunay: " kept " of 25 points are kept; the worst of the others is off by " off "\n"
+
+TEST(run_keeps_as_few_points_as_the_error_needs)
+{
+    begin();
+    expect(MAKE_PEAK "$D run a.asc - -f node --error 4",
+           PEAK_NOTE("4", "4") "4 2 1 1\n0 0 4 4 1\n1 4 4 8 1\n2 0 0 0 1\n3 4 0 4 1\n");
+    expect("$D run a.asc a.obj --error 3.99",
+           PEAK_NOTE("5", "2") "a.obj: 5 points, 4 triangles, hull of 4\n");
+    expect("$D run a.asc a.obj --error 1.99",
+           PEAK_NOTE("9", "0") "a.obj: 9 points, 12 triangles, hull of 4\n");
+    expect("$D run a.asc a.obj --most 7",
+           PEAK_NOTE("7", "2") "a.obj: 7 points, 8 triangles, hull of 4\n");
+    expect("$D run a.asc a.obj --most 7 --error 3 --json 2> /dev/null | tr , '\\n' | grep -E "
+           "'\"(points|error)'",
+           "\"points\":5\n\"points\":25\n\"error\":2}\n");
+    expect("$D draw a.asc a.svg --error 1.99",
+           PEAK_NOTE("9", "0") "a.svg: 9 points, 12 triangles, hull of 4\n");
+    finish();
+}
+
+TEST(lines_stay_in_a_light_mesh_and_it_is_refined_afterwards)
+{
+    begin();
+    expect("printf 'WKT\nPOINT Z (0 0 0)\nPOINT Z (4 0 0)\nPOINT Z (4 4 0)\nPOINT Z (0 4 0)\n"
+           "POINT Z (2 0.5 0)\n\"LINESTRING Z (1 1 0,3 3 0)\"\n' > a.csv; "
+           "$D run a.csv - -f poly --error 9 2> /dev/null",
+           "6 2 1 1\n0 0 0 0 1\n1 4 0 0 1\n2 4 4 0 1\n3 0 4 0 1\n4 1 1 0 0\n5 3 3 0 0\n1 1\n"
+           "0 4 5 0\n0\n");
+    int status;
+    const char *got = run(&status, "$D run a.csv a.obj --error 9 --angle 20");
+    CHECK_MSG(strstr(got, "6 of 7 points are kept") && strstr(got, "the least angle is ") &&
+                  status == 0,
+              "%s", got);
+    finish();
+}
+
+TEST(a_light_mesh_needs_heights_and_room_for_the_hull)
+{
+    int status;
+    begin();
+    expect("printf 'x,y,h,z\n0,0,1,1\n4,0,2,1\n0,4,7,1\n1,1,5,1\n' > a.csv; "
+           "$D run a.csv - -f ele --error 1 --field h --fields 2> /dev/null; "
+           "$D run a.csv - -f ele --error 1 2> /dev/null",
+           "3 3 0\n0 0 1 3\n1 0 3 2\n2 1 2 3\n1 3 0\n0 0 1 2\n");
+    const char *got = run(&status, "cut -d , -f 1,2 a.csv > flat.csv; $D run flat.csv - --error 1");
+    CHECK(strstr(got, "delaunay: --error and --most need heights, a field z of the points") &&
+          status == 1);
+    got = run(&status, "$D run a.csv - --most 2");
+    CHECK(strstr(got, "RANGE 3 points must stay") && status == 1);
+    static const char *const wrong[] = {"--error -1", "--error x", "--error nan", "--most 0",
+                                        "--most 2.5"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char command[100];
+        snprintf(command, sizeof command, "$D run a.csv - %s", wrong[i]);
+        run(&status, command);
+        CHECK_MSG(status == 2, "%s", wrong[i]);
+    }
+    finish();
+}
