@@ -28,6 +28,17 @@ const char *dt_field_name(const struct dt_field *f); /* ends with NUL; borrowed 
 /* Fields of a set, dropped ones included, have different numbers; copies of a set have those of the set. */
 uint32_t dt_field_number(const struct dt_field *f);
 
+/* The number of edits of points and constraints so far, failed ones included; edits of values alone do not count. A copy
+ * continues the number. So a set with the same number has the same points and constraints. */
+uint64_t dt_edits(const struct dt *t);
+
+/* The number of edits of its values so far: a field of the same dt_field_number and edits has the same values. A copy of the
+ * set continues it. */
+uint64_t dt_field_edits(const struct dt_field *f);
+
+/* The number of points that have a value. Constant. */
+uint32_t dt_field_count(const struct dt_field *f);
+
 /* The field of that name; NULL: there is none. Cost: the number of fields. */
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len);
 

@@ -105,7 +105,7 @@ static enum dt_status set_values(struct setting *s, const char *name, size_t len
     enum dt_status status = check(s, &work, missing);
     if (status != DT_OK)
         return status;
-    dt_views_edit_begin(s->t);
+    dt_views_values_begin(s->t);
     status = open_field(s, name, len, &work);
     if (status != DT_OK)
         return status;
@@ -200,7 +200,7 @@ enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len)
     struct dt_field *field = dt_fields_find(&t->fields, name, len);
     if (field == NULL)
         return DT_NOFIELD;
-    dt_views_edit_begin(t);
+    dt_views_values_begin(t);
     t->touched.values.all = t->touched.with_values;
     dt_fields_drop(&t->fields, field);
     return DT_OK;

@@ -129,6 +129,7 @@ struct dt_field *dt_field_copy(struct dt_shelf *s, const struct dt_field *c, str
     atomic_fetch_add(copy->copies, 1);
     copy->values = c->values;
     copy->number = c->number;
+    copy->edits = c->edits;
     if (reserve_blocks(s, copy, c->blocks) != DT_OK) {
         dt_field_free(s, copy);
         return NULL;
@@ -327,6 +328,7 @@ static void write_run(struct dt_field *c, struct dt_slot *slot, const struct dt_
 void dt_field_write(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids,
                     const double *v)
 {
+    c->edits++;
     for (size_t i = 0, end; i < ids->n; i = end) {
         struct dt_slot *slot = dt_field_slot(c, dt_field_id(ids, i));
         end = i + run_at(ids, i);

@@ -57,6 +57,7 @@ struct dt_field {
     uint32_t blocks;
     uint32_t values;       /* that are there */
     uint32_t number;       /* fields were made in the set before, dropped ones included */
+    uint64_t edits;        /* dt_field_edits */
     atomic_uint *copies;   /* shared by the copies of the set; 1: no page is shared */
     uint64_t born, gone;   /* views after `born`, up to `gone`, see it */
     struct dt_field *next; /* among those that are dropped */

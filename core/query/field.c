@@ -17,6 +17,16 @@ uint32_t dt_field_number(const struct dt_field *f)
     return f->number;
 }
 
+uint64_t dt_field_edits(const struct dt_field *f)
+{
+    return f->edits;
+}
+
+uint32_t dt_field_count(const struct dt_field *f)
+{
+    return f->values;
+}
+
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len)
 {
     return dt_fields_find(&t->fields, name, len);

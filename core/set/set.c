@@ -1,6 +1,8 @@
 /* set.c - creation, copies and the summary of a set, and the arrays of ids that readers fill. */
 #include "core/set/set.h"
 
+#include "core/delaunay_fields.h"
+
 #include <stdlib.h>
 
 /* ---- life ---- */
@@ -54,6 +56,7 @@ enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt,
         return status;
     }
     c->triangulated = t->triangulated;
+    c->edits = t->edits;
     *copy = c;
     return DT_OK;
 }
@@ -61,6 +64,11 @@ enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt,
 double dt_tolerance(const struct dt *t)
 {
     return t->points.tol;
+}
+
+uint64_t dt_edits(const struct dt *t)
+{
+    return t->edits;
 }
 
 /* ---- what it says of itself ---- */

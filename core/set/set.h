@@ -57,6 +57,7 @@ struct dt {
         hints; /* the uniform grid: a half edge near every place; empty until it is wanted */
     bool triangulated;         /* dt_triangulate has been called */
     bool current;              /* it is triangulated, and mesh and hints agree with points */
+    uint64_t edits;            /* dt_edits */
     struct dt_cavity scratch;  /* of edits */
     uint32_t hinted;           /* vertices that the mesh had when its hints were built */
     uint64_t steps;            /* that walks have taken since then beyond the usual ones */
@@ -94,8 +95,9 @@ static inline bool dt_lacks_grid(const struct dt *t)
 }
 
 /* To be called at the beginning of every edit: from then on it saves for views what it is about to change
- * (view_save.c). */
+ * (view_save.c). The second is for edits that change only values. */
 void dt_views_edit_begin(struct dt *t);
+void dt_views_values_begin(struct dt *t);
 
 /* To be called after each edit of a mesh, and before an edit that profits from a grid. Makes or rebuilds the grid if that
  * is due (renew.c), unless it takes more steps than are left, or the mesh is not current. */

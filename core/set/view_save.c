@@ -94,6 +94,12 @@ static bool look_after(struct dt *t)
 
 void dt_views_edit_begin(struct dt *t)
 {
+    t->edits++;
+    dt_views_values_begin(t);
+}
+
+void dt_views_values_begin(struct dt *t)
+{
     const struct dt_views *w = &t->views;
     /* Since rows were taken last the points were on one line, and are not any more, or the reverse. */
     if (t->touched.on && dt_is_live(t) &&

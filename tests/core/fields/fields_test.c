@@ -1,5 +1,6 @@
 /* fields_test.c - values of points: reads now, through views and in copies must equal a table that is written
  * beside. */
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 
 #include "tests/test.h"
@@ -289,6 +290,46 @@ static struct dt *line(uint32_t n)
     CHECK(dt_add(t, p, n, &added) == DT_OK);
     free(p);
     return t;
+}
+
+static struct dt *from_places(void)
+{
+    static const struct dt_point p[] = {{0, 0}, {4, 0}, {2, 3}, {2, 1}};
+    struct dt_added added;
+    struct dt *t = dt_new(0);
+    CHECK(t != NULL && dt_add(t, p, 4, &added) == DT_OK);
+    return t;
+}
+
+/* Edits of points and constraints, and edits of a field, are counted apart; copies go on counting. */
+TEST(edits_that_change_a_set_and_those_of_a_field_are_counted)
+{
+    struct dt *t = from_places(), *copy;
+    static const double one = 1;
+    static const uint32_t id = 1;
+    const struct dt_constraint c = {.a = 0, .b = 3};
+    uint32_t missing, deleted;
+    size_t added;
+    CHECK(dt_field_set(t, "z", 1, &id, &one, 1, NULL, &missing) == DT_OK);
+    CHECK(dt_field_set(t, "y", 1, &id, &one, 1, NULL, &missing) == DT_OK);
+    const struct dt_field *z = dt_field_find(t, "z", 1);
+    uint64_t edits = dt_edits(t), values = dt_field_edits(z);
+    CHECK(dt_field_count(z) == 1);
+    CHECK(dt_triangulate(t, NULL) == DT_OK && dt_field_drop(t, "y", 1) == DT_OK);
+    CHECK(dt_edits(t) == edits && dt_field_edits(z) == values);
+    CHECK(dt_field_set(t, "z", 1, &id, &one, 1, NULL, &missing) == DT_OK);
+    CHECK(dt_edits(t) == edits && dt_field_edits(z) > values);
+    CHECK(dt_clone(t, &copy) == DT_OK && dt_edits(copy) == edits);
+    CHECK(dt_field_edits(dt_field_find(copy, "z", 1)) == dt_field_edits(z));
+    dt_free(copy);
+    CHECK(dt_constrain(t, &c, 1, NULL, &added, &missing) == DT_OK && dt_edits(t) > edits);
+    edits = dt_edits(t);
+    CHECK(dt_move(t, 1, (struct dt_point){5, 0}) == DT_OK && dt_edits(t) > edits);
+    edits = dt_edits(t);
+    values = dt_field_edits(z);
+    CHECK(dt_delete(t, &id, 1, &deleted, &missing) == DT_OK && dt_edits(t) > edits);
+    CHECK(dt_field_edits(z) > values && dt_field_count(z) == 0);
+    dt_free(t);
 }
 
 TEST(memory_follows_the_ids_that_have_values)
