@@ -156,38 +156,41 @@ const struct command commands[] = {
      .help = "the areas of the Voronoi cells, clipped to a box", .rows = "id"},
     {"INTERPOLATE", 5, 0, SEARCHES | CMD_SHARES, cmd_interpolate,
      "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE "
-     "e] "
-     "[INSIDE [k]] [OUTSIDE nan|nearest]",
+     "e] [INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest]",
      .help = "the values of a field at places between its points", .rows = "d"},
-    {"INTERPOLATEB", 4, 12, SEARCHES, cmd_interpolateb,
+    {"INTERPOLATEB", 4, 14, SEARCHES, cmd_interpolateb,
      "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] "
-     "[INSIDE [k]] [OUTSIDE nan|nearest]",
+     "[INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest]",
      .help = "the values of a field at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
     {"GRADIENT", 5, 0, SEARCHES | CMD_SHARES, cmd_gradient,
-     "GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]]",
+     "GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]",
      .help = "by how much a field grows at places, for a unit of x and of y", .rows = "d"},
-    {"GRADIENTB", 4, 8, SEARCHES, cmd_gradientb, "GRADIENTB set field n [MAXEDGE e] [INSIDE [k]]",
+    {"GRADIENTB", 4, 10, SEARCHES, cmd_gradientb,
+     "GRADIENTB set field n [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]",
      .help = "the same at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
-    {"RASTER", 9, 22, SEARCHES, cmd_raster,
+    {"RASTER", 9, 24, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest|smooth] "
-     "[MAXEDGE e] [INSIDE [k]] [OUTSIDE nan|nearest] [CLIP other] [AS slope|aspect] [BINARY]",
+     "[MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest] [CLIP other] [AS "
+     "slope|aspect] [BINARY]",
      .help =
          "the values of a field at the centres of the cells of a box, row by row from the north",
      .rows = "d"},
     {"CONTOUR", 4, 0, QUERIES, cmd_contour,
-     "CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | CONTOUR set field "
-     "EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]",
+     "CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] | "
+     "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]",
      .help = "lines along which a field has a value, with the higher ground on their left, or the "
              "polygons between them",
      .rows = "dsid|ddisid"},
     {"PROFILE", 7, 0, SEARCHES, cmd_profile,
-     "PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [BINARY]",
+     "PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] "
+     "[BINARY]",
      .help = "a field along straight pieces from place to place: where they cross edges, too",
      .rows = "d"},
-    {"VOLUME", 3, 12, QUERIES, cmd_volume,
-     "VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [BOX x0 y0 x1 y1]",
+    {"VOLUME", 3, 14, QUERIES, cmd_volume,
+     "VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [MISSING nan|skip] [BOX x0 y0 x1 "
+     "y1]",
      .help =
          "the volumes between a field's surface and a level, 0 unless given, or another field's",
      .result = "above:d below:d area:d"},

@@ -13,6 +13,7 @@
 #include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
 #include "server/session/session.h"
+#include "server/sets/valued.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/system/outlet.h"
@@ -394,6 +395,7 @@ static void on_tick(struct loop *loop)
     follower_tick(&d.server);
     keep_tick(&d.server);
     registry_tidy(&d.server.sets);
+    valued_tidy(&d.server.sets);
     expire_tick(&d.server);
     announce_if_ready();
     notify_systemd();

@@ -45,6 +45,7 @@ static void add_memory(const struct server *s, struct facts *f)
     dt_pages_summary(s->pages, &pages);
     const struct budget *b = &s->budget;
     facts_add(f, "memory", budget_of(b, BUDGET_SETS));
+    facts_add(f, "memory_copies", budget_of(b, BUDGET_COPIES));
     facts_add(f, "memory_builds", budget_of(b, BUDGET_BUILDS));
     facts_add(f, "memory_edits", budget_of(b, BUDGET_EDITS));
     facts_add(f, "loading", budget_of(b, BUDGET_LOADS));

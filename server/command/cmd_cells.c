@@ -277,7 +277,7 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
                          enum row_form form, struct answer *a)
 {
     struct version *v = set->current;
-    if (!check_delaunay(a, set))
+    if (!check_delaunay(a, set->current))
         return;
     struct cells_job *j = job_new(sizeof *j, run_cells, end_cells);
     if (j == NULL) {
@@ -416,7 +416,7 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
     double radius = 0;
     struct version *v = set->current;
     bool light = v->sum.points <= STARS_AT_ONCE, automatic = word_is(&q->word[2], "AUTO");
-    if ((!automatic && !read_radius(a, &q->word[2], &radius)) || !check_delaunay(a, set))
+    if ((!automatic && !read_radius(a, &q->word[2], &radius)) || !check_delaunay(a, set->current))
         return;
     struct alpha_job *j = job_new(sizeof *j, run_alpha, end_alpha);
     if (j != NULL && !light)

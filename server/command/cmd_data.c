@@ -8,6 +8,7 @@
 #include "server/jobs/submit.h"
 #include "server/replies/answer_rows.h"
 #include "server/replies/listing.h"
+#include "server/sets/valued.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -94,6 +95,8 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     reply_key_u64(a->out, "edges", sum->edges);
     reply_key_u64(a->out, "hull", sum->hull);
     reply_key_u64(a->out, "memory", sum->memory);
+    if (set->valued != NULL)
+        reply_key_u64(a->out, "copies", valued_memory(set));
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
     if (sum->fields > 0)
         reply_key_u64(a->out, "fields", sum->fields);

@@ -4,6 +4,7 @@
 #include "proto/number.h"
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
+#include "server/jobs/skip.h"
 #include "server/ops/limits.h"
 #include "server/replies/clip.h"
 #include "server/replies/profile.h"
@@ -33,17 +34,34 @@ static bool read_method(const struct word *w, enum dt_interpolation *how)
 }
 
 /* Whether values can be found by this method; else the ERR line has been written. */
-static bool check_method(struct answer *a, const struct dataset *set, enum dt_interpolation how)
+static bool check_method(struct answer *a, const struct version *v, enum dt_interpolation how)
 {
-    return (how != DT_NATURAL && how != DT_LAPLACE) || check_delaunay(a, set);
+    return (how != DT_NATURAL && how != DT_LAPLACE) || check_delaunay(a, v);
 }
 
-/* Whether the surface can be computed now; else the request waits, or the ERR line has been written. */
-static bool is_ready(struct server *s, struct answer *a, struct dataset *set,
-                     const struct surface *q)
+/* Finds the source of a surface of the field, and sees to its regions. False: the request waits, or the ERR line has been written. */
+static bool find_source(struct server *s, struct answer *a, struct dataset *set,
+                        const struct dt_field *field, bool skip, struct inside inside,
+                        struct surface_source *from)
 {
-    return check_method(a, set, q->how) &&
-           (!q->inside.asked || regions_ready(s, a, set, q->inside));
+    *from = (struct surface_source){.version = set->current, .set = set};
+    if (skip && !skip_ready(s, a, set, field, &from->version))
+        return false;
+    if (from->version != set->current)
+        from->set = NULL;
+    if (!inside.asked)
+        return true;
+    return from->set != NULL ? regions_ready(s, a, set, inside)
+                             : regions_check(a, from->version->dt, inside);
+}
+
+/* Whether the surface can be computed now, from *from; else the request waits, or the ERR line has been written. */
+static bool is_ready(struct server *s, struct answer *a, struct dataset *set,
+                     const struct surface *q, struct surface_source *from)
+{
+    const struct dt_field *field = dt_field_find(set->current->dt, q->field, q->field_len);
+    return find_source(s, a, set, field, q->skip, q->inside, from) &&
+           check_method(a, from->version, q->how);
 }
 
 void cmd_weights(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -53,7 +71,7 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
     if (q->n > 4 && (!method || query.how >= DT_CLOSEST))
         answer_usage(a);
-    else if (check_method(a, set, query.how) && read_place(a, q, &query.place))
+    else if (check_method(a, set->current, query.how) && read_place(a, q, &query.place))
         query_answer(s, a, set, &query);
 }
 
@@ -69,13 +87,14 @@ enum option {
     OPTION_OUTSIDE = 64,
     OPTION_CLIP = 128,
     OPTION_BANDS = 256,
-    OPTION_AS = 512
+    OPTION_AS = 512,
+    OPTION_MISSING = 1024
 };
 
 /* The options of values at places. */
 enum {
-    VALUE_OPTIONS = OPTION_METHOD | OPTION_MAXEDGE | OPTION_INSIDE | OPTION_OUTSIDE,
-    GRADIENT_OPTIONS = OPTION_MAXEDGE | OPTION_INSIDE
+    LINEAR_OPTIONS = OPTION_MAXEDGE | OPTION_INSIDE | OPTION_MISSING,
+    VALUE_OPTIONS = LINEAR_OPTIONS | OPTION_METHOD | OPTION_OUTSIDE
 };
 
 static enum option option_of(const struct word *w)
@@ -83,11 +102,11 @@ static enum option option_of(const struct word *w)
     static const struct {
         const char *name;
         enum option option;
-    } options[] = {{"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE},
-                   {"BINARY", OPTION_BINARY},   {"EVERY", OPTION_EVERY},
-                   {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
-                   {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},
-                   {"BANDS", OPTION_BANDS},     {"AS", OPTION_AS}};
+    } options[] = {
+        {"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE}, {"BINARY", OPTION_BINARY},
+        {"EVERY", OPTION_EVERY},     {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
+        {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},       {"BANDS", OPTION_BANDS},
+        {"AS", OPTION_AS},           {"MISSING", OPTION_MISSING}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (word_is(w, options[i].name))
             return options[i].option;
@@ -116,6 +135,13 @@ static bool read_step(struct answer *a, const struct word *w, double *v)
     return *v > 0;
 }
 
+/* The value of MISSING. */
+static bool read_missing(const struct word *w, bool *skip)
+{
+    *skip = word_is(w, "skip");
+    return *skip || word_is(w, "nan");
+}
+
 /* The value of an option. */
 static bool read_option(struct answer *a, enum option option, const struct word *w,
                         struct surface *out)
@@ -135,6 +161,11 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     case OPTION_OUTSIDE:
         out->beyond = word_is(w, "nearest");
         if (out->beyond || word_is(w, "nan"))
+            return true;
+        answer_usage(a);
+        return false;
+    case OPTION_MISSING:
+        if (read_missing(w, &out->skip))
             return true;
         answer_usage(a);
         return false;
@@ -212,11 +243,12 @@ static void answer_at_places(struct server *s, struct dataset *set, const struct
                              struct answer *a, unsigned allowed, enum dt_quantity quantity)
 {
     struct surface surface;
+    struct surface_source from;
     size_t end = 3;
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, allowed, &surface) || !is_ready(s, a, set, &surface))
+        !read_options(a, q, end, allowed, &surface) || !is_ready(s, a, set, &surface, &from))
         return;
     surface.quantity = quantity;
     if (end == 3)
@@ -224,7 +256,7 @@ static void answer_at_places(struct server *s, struct dataset *set, const struct
     else if (end % 2 == 0)
         answer_err(a, ERR_SYNTAX, "odd number of coordinates");
     else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
-        surface_answer(s, a, set, &surface);
+        surface_answer(s, a, from.version, &surface);
     else
         surface_clear(&surface);
 }
@@ -234,14 +266,15 @@ static void answer_at_body(struct server *s, struct dataset *set, const struct r
                            struct answer *a, unsigned allowed, enum dt_quantity quantity)
 {
     struct surface surface;
+    struct surface_source from;
     if (!begin(a, set, q, SURFACE_PLACES, &surface) || !read_options(a, q, 4, allowed, &surface) ||
-        !is_ready(s, a, set, &surface))
+        !is_ready(s, a, set, &surface, &from))
         return;
     surface.quantity = quantity;
     surface.binary = true;
     surface.places.n = a->body->body.n;
     surface.places.p = (struct dt_point *)(void *)load_take(a->body, &surface.places.memory);
-    surface_answer(s, a, set, &surface);
+    surface_answer(s, a, from.version, &surface);
 }
 
 void cmd_interpolate(struct server *s, struct dataset *set, const struct request *q,
@@ -258,12 +291,12 @@ void cmd_interpolateb(struct server *s, struct dataset *set, const struct reques
 
 void cmd_gradient(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    answer_at_places(s, set, q, a, GRADIENT_OPTIONS, DT_GRADIENT);
+    answer_at_places(s, set, q, a, LINEAR_OPTIONS, DT_GRADIENT);
 }
 
 void cmd_gradientb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    answer_at_body(s, set, q, a, GRADIENT_OPTIONS, DT_GRADIENT);
+    answer_at_body(s, set, q, a, LINEAR_OPTIONS, DT_GRADIENT);
 }
 
 /* ---- PROFILE ---- */
@@ -271,19 +304,20 @@ void cmd_gradientb(struct server *s, struct dataset *set, const struct request *
 void cmd_profile(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
+    struct surface_source from;
     size_t end = 3;
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     if (!begin(a, set, q, SURFACE_PROFILE, &surface) ||
-        !read_options(a, q, end, OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BINARY, &surface) ||
-        !is_ready(s, a, set, &surface))
+        !read_options(a, q, end, LINEAR_OPTIONS | OPTION_BINARY, &surface) ||
+        !is_ready(s, a, set, &surface, &from))
         return;
     if (end < 7)
         answer_usage(a);
     else if (end % 2 == 0)
         answer_err(a, ERR_SYNTAX, "odd number of coordinates");
     else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
-        profile_answer(s, a, set, &surface);
+        profile_answer(s, a, &from, &surface);
     else
         surface_clear(&surface);
 }
@@ -344,15 +378,16 @@ static bool check_quantity(struct answer *a, const struct surface *q)
 void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
+    struct surface_source from;
     if (!begin(a, set, q, SURFACE_RASTER, &surface) || !read_raster(a, q, &surface.raster) ||
         !read_options(a, q, 9, VALUE_OPTIONS | OPTION_AS | OPTION_BINARY | OPTION_CLIP, &surface) ||
-        !check_quantity(a, &surface) || !is_ready(s, a, set, &surface) ||
+        !check_quantity(a, &surface) || !is_ready(s, a, set, &surface, &from) ||
         !find_clip(s, a, &surface))
         return;
     if (surface.clip != NULL)
-        clip_answer(s, a, set, &surface);
+        clip_answer(s, a, from.version, &surface);
     else
-        surface_answer(s, a, set, &surface);
+        surface_answer(s, a, from.version, &surface);
 }
 
 /* ---- CONTOUR ---- */
@@ -401,22 +436,22 @@ static bool read_levels(struct answer *a, const struct request *q, size_t end, s
 void cmd_contour(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct surface surface;
+    struct surface_source from;
     size_t end = 3;
     while (end < q->n && option_of(&q->word[end]) == 0)
         end++;
     bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
     if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
         !read_options(a, q, end,
-                      OPTION_MAXEDGE | OPTION_INSIDE | OPTION_BANDS |
-                          (every ? OPTION_EVERY | OPTION_BASE : 0),
+                      LINEAR_OPTIONS | OPTION_BANDS | (every ? OPTION_EVERY | OPTION_BASE : 0),
                       &surface))
         return;
     if ((end == 3) != every)
         answer_usage(a);
-    else if (!is_ready(s, a, set, &surface))
+    else if (!is_ready(s, a, set, &surface, &from))
         return;
     else if (every || read_levels(a, q, end, &surface))
-        contour_answer(s, a, set, &surface);
+        contour_answer(s, a, &from, &surface);
     else
         surface_clear(&surface);
 }
@@ -439,6 +474,11 @@ static bool read_volume_option(struct answer *a, const struct dataset *set, cons
         out->based = true;
         return (out->minus = find_field(a, set, &q->word[(*at)++])) != NULL;
     }
+    if (!out->skip && values >= 1 && word_is(w, "MISSING") &&
+        read_missing(&q->word[*at], &out->skip)) {
+        ++*at;
+        return true;
+    }
     if (!out->inside.asked && word_is(w, "INSIDE"))
         return read_inside(a, q, at, &out->inside);
     if (!out->clipped && values >= BOX && word_is(w, "BOX")) {
@@ -453,9 +493,14 @@ static bool read_volume_option(struct answer *a, const struct dataset *set, cons
 void cmd_volume(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct volume volume = {.field = find_field(a, set, &q->word[2])};
+    struct surface_source from;
     bool good = volume.field != NULL;
     for (size_t at = 3; good && at < q->n;)
         good = read_volume_option(a, set, q, &at, &volume);
-    if (good && (!volume.inside.asked || regions_ready(s, a, set, volume.inside)))
-        volume_answer(s, a, set, &volume);
+    if (good && volume.skip && volume.minus != NULL) {
+        answer_err(a, ERR_SYNTAX, "MISSING skip is for one field");
+        return;
+    }
+    if (good && find_source(s, a, set, volume.field, volume.skip, volume.inside, &from))
+        volume_answer(s, a, &from, &volume);
 }

@@ -47,9 +47,9 @@ static bool check_words(struct answer *a, const struct command *c, const struct 
     return words;
 }
 
-bool check_delaunay(struct answer *a, const struct dataset *set)
+bool check_delaunay(struct answer *a, const struct version *v)
 {
-    bool constrained = dt_constraints_count(set->current->dt) > 0;
+    bool constrained = dt_constraints_count(v->dt) > 0;
     if (constrained)
         answer_status(a, DT_NOTDELAUNAY);
     return !constrained;

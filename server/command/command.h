@@ -108,8 +108,8 @@ bool command_find_other(struct server *s, struct answer *a, const struct word *n
 /* The error of a request whose words are not those that its command takes. */
 void answer_usage(struct answer *a);
 
-/* Whether every edge of the set's triangulation is Delaunay; with constraints not: the ERR line has been written. */
-bool check_delaunay(struct answer *a, const struct dataset *set);
+/* Whether every edge of the version's triangulation is Delaunay; with constraints not: the ERR line has been written. */
+bool check_delaunay(struct answer *a, const struct version *v);
 
 /* Whether the asker's role lets it write; if not, the ERR line has been written. */
 bool check_write_role(struct answer *a);

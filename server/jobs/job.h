@@ -28,11 +28,13 @@ struct job {
     struct list_link link; /* in server.jobs */
     void (*run)(struct job *j);
     void (*end)(struct server *s, struct job *j, struct answer *a);
-    const char *what;      /* for the progress line; NULL: none */
-    uint64_t owner;        /* the id of the connection that gets the reply; 0: none */
-    int64_t queued_ns;     /* when it was submitted to the workers; 0: it ran at once */
-    int64_t began_ns;      /* when a worker began */
-    struct dataset *set;   /* its edits wait for the end of the job; NULL: they do not */
+    const char *what;    /* for the progress line; NULL: none */
+    uint64_t owner;      /* the id of the connection that gets the reply; 0: none */
+    int64_t queued_ns;   /* when it was submitted to the workers; 0: it ran at once */
+    int64_t began_ns;    /* when a worker began */
+    struct dataset *set; /* its edits wait for the end of the job; NULL: they do not */
+    struct request_queue *
+        waiting; /* borrows; of requests that wait for its end, beside those that wait for the set; NULL: none */
     bool changes;          /* it was submitted by job_change */
     bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
     bool continues;        /* its end has submitted another job, which answers */

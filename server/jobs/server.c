@@ -1,6 +1,8 @@
 /* server.c - see server.h. */
 #include "server/jobs/server.h"
 
+#include "server/sets/valued.h"
+
 const struct command_stats *server_stats(const struct server *s, size_t command,
                                          struct command_stats *sum)
 {
@@ -23,10 +25,17 @@ struct request_counts server_requests(const struct server *s)
     return all;
 }
 
+/* Makes room for `bytes` by what can be made again. */
+static bool make_room(struct server *s, const struct answer *a, size_t bytes)
+{
+    return !answer_shares(a) && budget_could_fit(&s->budget, bytes) && valued_release(&s->sets);
+}
+
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)
 {
     bool first = queue_is_first(&s->memory, a->turn);
-    if (first && reservation_resize(r, bytes)) {
+    if (first && (reservation_resize(r, bytes) ||
+                  (make_room(s, a, bytes) && reservation_resize(r, bytes)))) {
         server_limit_pages(s);
         return true;
     }
@@ -38,8 +47,9 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
     return false;
 }
 
-void server_refuse(const struct server *s, struct answer *a, size_t bytes)
+void server_refuse(struct server *s, struct answer *a, size_t bytes)
 {
+    s->budget.short_of = true;
     if (budget_could_fit(&s->budget, bytes))
         answer_err(a, ERR_BUSY, "not enough free memory at the moment; try again");
     else

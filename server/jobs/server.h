@@ -117,7 +117,7 @@ struct request_counts {
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes);
 
 /* Writes the error for a lack of `bytes`: BUSY if there may be memory later, else NOMEM. */
-void server_refuse(const struct server *s, struct answer *a, size_t bytes);
+void server_refuse(struct server *s, struct answer *a, size_t bytes);
 
 /* To be called after large changes of the budget: sets the limit of pages, in use and in the cache (keep.h). */
 void server_limit_pages(struct server *s);

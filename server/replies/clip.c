@@ -74,7 +74,7 @@ static bool is_light(const struct server *s, const struct dt_raster *r)
     return s->workers == NULL || (uint64_t)r->columns * r->rows <= CELLS_AT_ONCE;
 }
 
-void clip_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
 {
     struct dataset *other = q->clip;
     bool light = is_light(s, &q->raster);
@@ -91,7 +91,7 @@ void clip_answer(struct server *s, struct answer *a, struct dataset *set, struct
         return;
     }
     j->q = *q;
-    j->m = surface_moment(set, q);
+    j->m = surface_moment(v, q);
     version_pin(j->m.version);
     if (!light && (j->m.view = dt_view_begin(j->m.version->dt, true)) == NULL) {
         answer_out_of_memory(a);

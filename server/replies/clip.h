@@ -11,7 +11,7 @@
  * line has been written. */
 bool clip_ready(struct server *s, struct answer *a, struct dataset *other);
 
-/* Answers with the raster of the set, clipped by q->clip; what *q owns moves here. */
-void clip_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
+/* Answers with the raster of the version, clipped by q->clip; what *q owns moves here. */
+void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
 
 #endif

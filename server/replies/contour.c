@@ -195,11 +195,13 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
     free(j->row.v);
 }
 
-void contour_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+void contour_answer(struct server *s, struct answer *a, const struct surface_source *from,
+                    struct surface *q)
 {
-    struct version *v = set->current;
+    struct version *v = from->version;
+    struct dataset *set = from->set;
     bool light = s->workers == NULL || cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    bool blocks = q->inside.asked && !light,
+    bool blocks = q->inside.asked && !light && set != NULL,
          admitted = !blocks || dataset_admits(set, true, a->turn);
     struct contour_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
     if (j == NULL) {

@@ -14,7 +14,8 @@ _Static_assert(sizeof(struct dt_profile_row) == 4 * sizeof(double), "a row is fo
 
 struct profile_job {
     struct job job;
-    struct dataset *set; /* borrows until the job is submitted to a worker */
+    struct dataset
+        *set; /* borrows until the job is submitted to a worker; NULL: nobody edits the version */
     struct surface q;    /* owns its places */
     struct dt_ids words; /* owns: of the rows */
 };
@@ -91,14 +92,15 @@ static void answer(struct server *s, struct answer *a, struct profile_job *j)
     answer_rows(s, a, &rows, &j->words);
 }
 
-static void submit(struct server *s, struct answer *a, struct dataset *set, struct surface *q,
-                   bool light);
+static void submit(struct server *s, struct answer *a, const struct surface_source *from,
+                   struct surface *q, bool light);
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct profile_job *j = (struct profile_job *)job;
+    const struct surface_source from = {.version = job->base, .set = j->set};
     if (a != NULL && job->status == DT_TOOLONG && job->options.steps > 0)
-        submit(s, a, j->set, &j->q, false);
+        submit(s, a, &from, &j->q, false);
     else if (job_succeeded(job, a))
         answer(s, a, j);
     surface_clear(&j->q);
@@ -106,10 +108,12 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
 }
 
 /* A light job that exceeds its steps is submitted again, to a worker: edits of the set wait for its end. */
-static void submit(struct server *s, struct answer *a, struct dataset *set, struct surface *q,
-                   bool light)
+static void submit(struct server *s, struct answer *a, const struct surface_source *from,
+                   struct surface *q, bool light)
 {
-    bool alone = world_alone(a), admitted = alone && (light || dataset_admits(set, true, a->turn));
+    struct dataset *set = from->set;
+    bool alone = world_alone(a), free = light || set == NULL,
+         admitted = alone && (free || dataset_admits(set, true, a->turn));
     struct profile_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
     if (alone && !admitted)
         answer_wait(a, &set->queue, true);
@@ -124,11 +128,12 @@ static void submit(struct server *s, struct answer *a, struct dataset *set, stru
     j->set = set;
     j->q = *q;
     q->places = (struct places){0};
-    job_read(s, a, &j->job, set->current, light ? JOB_LIGHT : JOB_LONG);
+    job_read(s, a, &j->job, from->version, light ? JOB_LIGHT : JOB_LONG);
 }
 
-void profile_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+void profile_answer(struct server *s, struct answer *a, const struct surface_source *from,
+                    struct surface *q)
 {
-    submit(s, a, set, q, true);
+    submit(s, a, from, q, true);
     surface_clear(q);
 }

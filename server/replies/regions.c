@@ -13,13 +13,16 @@ enum { STEPS_PLACE = 20 }; /* that finding a place takes, about */
 
 bool regions_ready(struct server *s, struct answer *a, struct dataset *set, struct inside inside)
 {
-    if (!dt_has_borders(set->current->dt)) {
+    return upkeep_survey(s, a, set) && regions_check(a, set->current->dt, inside);
+}
+
+bool regions_check(struct answer *a, const struct dt *t, struct inside inside)
+{
+    if (!dt_has_borders(t)) {
         answer_err(a, ERR_NOREGION, "the set has no borders");
         return false;
     }
-    if (!upkeep_survey(s, a, set))
-        return false;
-    enum dt_status status = dt_region_check(set->current->dt, inside.number);
+    enum dt_status status = dt_region_check(t, inside.number);
     if (status == DT_NOREGION)
         answer_err(a, ERR_NOREGION, "there is no border of number %u", inside.number);
     else if (status == DT_OPEN)

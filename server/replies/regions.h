@@ -25,6 +25,8 @@ struct regions_query {
 /* Whether the regions of the set, which has a triangulation, are known, and the border of INSIDE is there and closed. If not, the
  * request waits for them, or the ERR line has been written. */
 bool regions_ready(struct server *s, struct answer *a, struct dataset *set, struct inside inside);
+/* The same for regions that are known. */
+bool regions_check(struct answer *a, const struct dt *t, struct inside inside);
 
 /* Answers; what q owns moves here. Edits of the set wait while a worker finds the answer. */
 void regions_answer(struct server *s, struct answer *a, struct dataset *set,

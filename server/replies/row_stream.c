@@ -188,8 +188,8 @@ static void run_copying(struct job *j)
 {
     struct copying *c = (struct copying *)j;
     const struct rows *rows = &c->stream->rows;
-    j->status = past_copy(j->base, rows->view, rows->surface.field, &j->options, j->queued_ns > 0,
-                          &j->memory, &c->past);
+    j->status = past_copy(j->base, rows->view, rows->surface.field, false, &j->options,
+                          j->queued_ns > 0, &j->memory, &c->past);
     c->bytes = j->memory.bytes;
 }
 

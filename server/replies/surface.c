@@ -19,9 +19,8 @@ void surface_clear(struct surface *q)
     q->level = NULL;
 }
 
-struct surface_moment surface_moment(struct dataset *set, const struct surface *q)
+struct surface_moment surface_moment(struct version *v, const struct surface *q)
 {
-    struct version *v = set->current;
     return (struct surface_moment){.version = v,
                                    .field = dt_field_find(v->dt, q->field, q->field_len)};
 }
@@ -63,8 +62,8 @@ void surface_answer_values(struct server *s, struct answer *a, const struct surf
     q->places = (struct places){0};
 }
 
-void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
+void surface_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
 {
-    struct surface_moment now = surface_moment(set, q);
+    struct surface_moment now = surface_moment(v, q);
     surface_answer_values(s, a, &now, q);
 }

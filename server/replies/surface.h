@@ -20,6 +20,7 @@ struct surface {
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
     bool beyond;          /* OUTSIDE nearest */
+    bool skip;            /* MISSING skip */
     enum dt_quantity quantity;
     struct places
         places; /* SURFACE_PLACES, SURFACE_PROFILE; SURFACE_RASTER: the cells that are kept */
@@ -40,18 +41,20 @@ struct surface_moment {
     const struct dt_field *field;
 };
 
-/* The surface's source in the set now. */
-struct surface_moment surface_moment(struct dataset *set, const struct surface *q);
+/* The surface in a version now. */
+struct surface_moment surface_moment(struct version *v, const struct surface *q);
 
 /* Answers with values; what *q and *m own moves here. */
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
                            struct surface *q);
 
-/* Answers, except SURFACE_CONTOUR, SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The set has the field. */
-void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
+/* Answers, except SURFACE_CONTOUR, SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The version has the
+ * field. */
+void surface_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
 
-/* Answers a SURFACE_CONTOUR; what *q owns moves here. The set has the field (contour.c). */
-void contour_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
+/* Answers a SURFACE_CONTOUR; what *q owns moves here. The source has the field (contour.c). */
+void contour_answer(struct server *s, struct answer *a, const struct surface_source *from,
+                    struct surface *q);
 
 /* Frees what it owns. */
 void surface_clear(struct surface *q);

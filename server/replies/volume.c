@@ -67,12 +67,13 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
     reply_end(a->out);
 }
 
-void volume_answer(struct server *s, struct answer *a, struct dataset *set,
+void volume_answer(struct server *s, struct answer *a, const struct surface_source *from,
                    const struct volume *volume)
 {
-    struct version *v = set->current;
+    struct version *v = from->version;
+    struct dataset *set = from->set;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    bool blocks = volume->inside.asked && !light && s->workers != NULL;
+    bool blocks = volume->inside.asked && !light && s->workers != NULL && set != NULL;
     if (blocks && !world_alone(a))
         return;
     if (blocks && !dataset_admits(set, true, a->turn)) {

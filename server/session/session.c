@@ -448,7 +448,8 @@ void session_progress(struct session *s, const struct job *j)
 void session_progress_waiting(const struct job *j)
 {
     enum { MOST = 100 };
-    const struct list *waiting = j->set != NULL ? &j->set->queue.waiting : NULL;
+    const struct request_queue *queue = j->set != NULL ? &j->set->queue : j->waiting;
+    const struct list *waiting = queue != NULL ? &queue->waiting : NULL;
     struct list_link *at = waiting != NULL ? list_first(waiting) : NULL, *next;
     for (int n = 0; at != NULL && n < MOST; n++, at = next) {
         next = list_next(waiting, at);

@@ -85,8 +85,10 @@ bool reservation_resize(struct reservation *r, size_t bytes)
     }
     size_t more = bytes - r->bytes, used = budget_used(b);
     do {
-        if (!fits(b, r->kind, used, more))
+        if (!fits(b, r->kind, used, more)) {
+            b->short_of = true;
             return false;
+        }
     } while (!atomic_compare_exchange_weak(&b->used, &used, used + more));
     note_peak(b, used + more);
     grow(r, more);

@@ -1,9 +1,9 @@
 /* budget.h - the memory budget (--max-memory): everything large reserves its bytes here before it allocates
  * them, and returns them when it is freed.
  *
- *      limit  +-----------------------------------------------------------------------+
- *             | sets | builds | edits | loads | log | replies | clients |   free      |
- *             +-----------------------------------------------------------------------+
+ *      limit  +-------------------------------------------------------------------------+
+ *             | sets | copies | builds | edits | loads | log | replies | clients | free |
+ *             +-------------------------------------------------------------------------+
  *
  * A reservation is a number of bytes of one kind, embedded in the object that uses them. A size that is
  * known before the allocation is requested (reservation_resize), and may be refused. A size that is known
@@ -26,6 +26,7 @@ struct dt_pages;
 
 enum budget_kind {
     BUDGET_SETS,    /* all versions of all sets */
+    BUDGET_COPIES,  /* copies of sets without some points, which can be made again (valued.h) */
     BUDGET_BUILDS,  /* triangulations and grids that are being built */
     BUDGET_EDITS,   /* batches that are being added, copies for edits, sets that are being freed */
     BUDGET_LOADS,   /* points that are being received */
@@ -40,6 +41,7 @@ struct budget {
     struct dt_pages *pages; /* borrows: the page cache; NULL: there is none */
     atomic_size_t used, peak;
     atomic_size_t of[BUDGET_KINDS]; /* their sum is `used` */
+    atomic_bool short_of; /* bytes were refused: copies that are not in use are to be freed */
 };
 
 /* budget NULL: it only counts. */

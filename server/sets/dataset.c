@@ -218,9 +218,16 @@ struct dataset *registry_next_expiring(struct registry *r)
 
 /* ---- the end of a set ---- */
 
+static void forget_copies(struct registry *r, struct dataset *set)
+{
+    if (set->valued != NULL)
+        r->forget(r, set);
+}
+
 static void free_set(struct registry *r, struct dataset *set)
 {
     r->sets--;
+    forget_copies(r, set);
     registry_expire(r, set, 0);
     list_remove(&set->fellow);
     version_unpin(r, set->current);
@@ -282,6 +289,7 @@ static void replace_contents(struct registry *r, struct dataset *set, struct dat
     if (same && set->version == by->version && set->triangulated == by->triangulated) {
         version_unpin(r, by->current);
     } else {
+        forget_copies(r, set);
         dataset_publish(r, set, by->current);
         set->current->lsn = lsn;
     }

@@ -63,6 +63,7 @@ struct dataset {
     struct list_link fellow;    /* of a temporary set: in the list of its connection's */
     struct request_queue queue; /* of requests that wait for it */
     struct watched *watched;    /* borrows; who watches it (server/watch); NULL: nobody */
+    struct valued *valued; /* owns a list; copies without points that lack a value (valued.h) */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -81,6 +82,9 @@ struct registry {
     uint32_t life;             /* the number of this life of the daemon (record.h) */
     _Atomic uint64_t unlogged; /* changes that are in no log */
     struct list untidy;        /* those with data that was saved for readers that have finished */
+    struct list valued;        /* copies of all sets (valued.h) */
+    /* Frees the copies of a set whose contents are about to go; NULL: there are none. */
+    void (*forget)(struct registry *r, struct dataset *set);
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;

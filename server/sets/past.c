@@ -1,15 +1,16 @@
 /* past.c - see past.h. */
 #include "server/sets/past.h"
 
-#include "core/delaunay_constraints.h"
-
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read in one visit */
 
 /* The data that is copied before there is a set. */
 struct copy {
     uint32_t n, room;
+    char name[DT_FIELD_NAME + 1]; /* of the field */
     uint32_t *id, *representative;
     struct dt_constraint_list constraints;
     struct dt_point *at;
@@ -54,6 +55,7 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
         c->representative[c->n] = row[i].representative;
         c->at[c->n++] = row[i].at;
     }
+    strcpy(c->name, dt_field_name(f));
     dt_field_values(f, view, c->id + first, c->n - first, c->value + first);
     *done = n == 0;
     return DT_OK;
@@ -88,17 +90,29 @@ static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
     return status;
 }
 
+/* Deletes the points without a value. Their ids replace the representatives, which have been read. */
+static enum dt_status skip_missing(struct copy *c, const struct dt_options *opt, struct dt *t)
+{
+    uint32_t n = 0, deleted, missing;
+    for (uint32_t i = 0; i < c->n; i++)
+        if (isnan(c->value[i]))
+            c->representative[n++] = c->id[i];
+    return dt_delete_cascade(t, c->representative, n, opt, &deleted, &missing);
+}
+
 /* Makes the set, outside of any visit. */
-static enum dt_status build(const struct copy *c, uint32_t next_id, const struct dt_options *opt,
-                            struct dt *t)
+static enum dt_status build(struct copy *c, uint32_t next_id, bool skip,
+                            const struct dt_options *opt, struct dt *t)
 {
     uint32_t missing;
     size_t added;
     enum dt_status status = dt_restore(t, c->id, c->at, c->representative, c->n, next_id, opt);
     if (status == DT_OK)
-        status = dt_field_set(t, "z", 1, c->id, c->value, c->n, opt, &missing);
+        status = dt_field_set(t, c->name, strlen(c->name), c->id, c->value, c->n, opt, &missing);
     if (status == DT_OK)
         status = dt_constrain(t, c->constraints.v, c->constraints.n, opt, &added, &missing);
+    if (status == DT_OK && skip)
+        status = skip_missing(c, opt, t);
     if (status == DT_OK)
         status = dt_triangulate(t, opt);
     return status == DT_OK ? dt_prepare(t, opt) : status;
@@ -114,8 +128,7 @@ static enum dt_status survey(struct dt *t, const struct dt_options *opt, struct 
     return dt_survey(t, opt);
 }
 
-/* The memory that the copy takes while it is made. */
-static size_t memory_at_most(const struct version *v, const struct dt_options *opt)
+size_t past_memory(const struct version *v, const struct dt_options *opt)
 {
     struct dt_summary sum;
     dt_summary(v->dt, &sum);
@@ -125,13 +138,13 @@ static size_t memory_at_most(const struct version *v, const struct dt_options *o
 }
 
 enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
-                         const struct dt_options *opt, bool visits, struct reservation *memory,
-                         struct past *out)
+                         bool skip, const struct dt_options *opt, bool visits,
+                         struct reservation *memory, struct past *out)
 {
     struct copy c = {0};
     struct dt_summary sum;
     *out = (struct past){0};
-    if (!reservation_resize(memory, memory_at_most(v, opt)))
+    if (!reservation_resize(memory, past_memory(v, opt)))
         return DT_NOMEM;
     enum dt_status status = copy_rows(v, view, f, opt, visits, &c);
     if (visits)
@@ -139,12 +152,14 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
     if (status == DT_OK && (out->dt = dt_new(dt_tolerance(v->dt))) == NULL)
         status = DT_NOMEM;
     if (status == DT_OK)
-        status = build(&c, dt_view_next_id(view), opt, out->dt);
+        status = build(&c, dt_view_next_id(view), skip, opt, out->dt);
+    if (status == DT_CROSSES)
+        dt_crossed(out->dt, &out->crossed);
     if (status == DT_OK)
         status = survey(out->dt, opt, memory);
     clear(&c);
     if (status == DT_OK) {
-        out->field = dt_field_find(out->dt, "z", 1);
+        out->field = dt_field_find(out->dt, c.name, strlen(c.name));
         dt_summary(out->dt, &sum);
         reservation_set(memory, sum.memory);
     } else {

@@ -16,6 +16,13 @@ struct inside {
     uint32_t number; /* DT_NONE: any */
 };
 
+/* The source of a surface. */
+struct surface_source {
+    struct version *version; /* borrows */
+    struct dataset *
+        set; /* borrows: edits of it must wait for jobs that read for long; NULL: nobody edits the version */
+};
+
 struct surface_rows {
     const struct dt *dt;          /* borrows; the set of the view, or a copy */
     const struct dt_view *view;   /* borrows; NULL: now, or of a copy */

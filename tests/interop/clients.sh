@@ -263,6 +263,7 @@ count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/int
 count "simplified sets in rational arithmetic on all families" "$python" tests/interop/simplify.py "$build"
 count "refined meshes in rational arithmetic on all families" "$python" tests/interop/refine.py "$build"
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
+count "missing values that are skipped, beside sets that never had these points" "$python" tests/interop/missing.py "$build"
 count "gradients and profiles in rational arithmetic on all families" "$python" tests/interop/slopes.py "$build"
 count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
 if fetch_atlas; then

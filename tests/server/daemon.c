@@ -83,6 +83,15 @@ const char *hear_line(int fd)
     return line[0] == '#' ? hear_line(fd) : line;
 }
 
+void hear_exactly(int fd, void *to, size_t n)
+{
+    for (size_t got = 0; got < n;) {
+        ssize_t more = read(fd, (char *)to + got, n - got);
+        CHECK_MSG(more > 0, "the connection ended after %zu bytes", got);
+        got += (size_t)more;
+    }
+}
+
 char *hear_all_and_comments(int fd, size_t *n)
 {
     size_t cap = 1 << 16;

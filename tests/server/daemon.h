@@ -18,6 +18,9 @@ void expect(int fd, const char *want);
 /* Reads one line that is no comment, its LF removed; the text lives until the next call. */
 const char *hear_line(int fd);
 
+/* Reads exactly n bytes. */
+void hear_exactly(int fd, void *to, size_t n);
+
 /* Reads to the end of input and leaves out comments about progress, which a client that has closed
  * its sending side may get; the caller frees it. It is NUL-terminated. */
 char *hear_all(int fd, size_t *n);

@@ -54,8 +54,9 @@ TEST(bands_end_at_missing_values_long_edges_and_borders)
 }
 
 #define USAGE                                                                                      \
-    "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | "    \
-    "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]\n"
+    "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] "      \
+    "[MISSING nan|skip] | "                                                                        \
+    "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]\n"
 
 TEST(requests_for_bands_that_cannot_be_answered)
 {

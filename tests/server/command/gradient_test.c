@@ -20,7 +20,9 @@ static int raise_peak(const struct daemon *d)
     return fd;
 }
 
-#define USAGE "ERR SYNTAX usage: GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]]\n"
+#define USAGE                                                                                      \
+    "ERR SYNTAX usage: GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]] [MISSING "        \
+    "nan|skip]\n"
 #define LINEAR "ERR SYNTAX slope and aspect are of the method linear and inside the hull\n"
 
 TEST(gradients_that_cannot_be_answered)
@@ -62,15 +64,6 @@ TEST(rasters_of_slopes_and_aspects)
     daemon_stop(&d, SIGTERM);
 }
 
-static void hear_bytes(int fd, void *to, size_t n)
-{
-    for (size_t got = 0; got < n;) {
-        ssize_t more = read(fd, (char *)to + got, n - got);
-        CHECK(more > 0);
-        got += (size_t)more;
-    }
-}
-
 TEST(gradients_of_a_body_in_both_framings)
 {
     static const double q[][2] = {{2, 1}, {3, 2}}, want[][2] = {{0, 1}, {-1, 0}};
@@ -81,16 +74,16 @@ TEST(gradients_of_a_body_in_both_framings)
     say(fd, "GRADIENTB t z 2\n");
     say_bytes(fd, q, sizeof q);
     expect(fd, "OK 0 rows=2 bytes=32\n");
-    hear_bytes(fd, got, sizeof got);
+    hear_exactly(fd, got, sizeof got);
     CHECK(memcmp(got, want, sizeof got) == 0);
     say(fd, "*7\r\n$9\r\nGRADIENTB\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n2\r\n$7\r\nMAXEDGE\r\n$"
             "1\r\n9\r\n$32\r\n");
     say_bytes(fd, q, sizeof q);
     say(fd, "\r\n");
     expect(fd, "$32\r\n");
-    hear_bytes(fd, got, sizeof got);
+    hear_exactly(fd, got, sizeof got);
     CHECK(memcmp(got, want, sizeof got) == 0);
-    hear_bytes(fd, tail, 2);
+    hear_exactly(fd, tail, 2);
     daemon_stop(&d, SIGTERM);
 }
 
@@ -112,7 +105,7 @@ TEST(gradients_of_many_places_are_those_of_each)
     say_bytes(fd, q, sizeof q);
     snprintf(text, sizeof text, "OK 0 rows=%d bytes=%d\n", PLACES, 16 * PLACES);
     expect(fd, text);
-    hear_bytes(fd, got, sizeof got);
+    hear_exactly(fd, got, sizeof got);
     for (int i = 0; i < PLACES; i++)
         CHECK(got[i][0] == i % 2 && got[i][1] == 1 - i % 2);
     daemon_stop(&d, SIGTERM);

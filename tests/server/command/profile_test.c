@@ -27,7 +27,8 @@ static void triangulate(int fd)
 }
 
 #define USAGE                                                                                      \
-    "ERR SYNTAX usage: PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] "          \
+    "ERR SYNTAX usage: PROFILE set field x0 y0 x1 y1 [x y ...] [MAXEDGE e] [INSIDE [k]] [MISSING " \
+    "nan|skip] "                                                                                   \
     "[BINARY]\n"
 
 TEST(profiles_that_cannot_be_answered)
@@ -79,15 +80,6 @@ TEST(profiles_follow_constraints_and_end_at_borders)
     daemon_stop(&d, SIGTERM);
 }
 
-static void hear_bytes(int fd, void *to, size_t n)
-{
-    for (size_t got = 0; got < n;) {
-        ssize_t more = read(fd, (char *)to + got, n - got);
-        CHECK(more > 0);
-        got += (size_t)more;
-    }
-}
-
 TEST(profiles_in_both_framings_and_in_binary)
 {
     struct daemon d = daemon_start(no_arguments);
@@ -97,7 +89,7 @@ TEST(profiles_in_both_framings_and_in_binary)
     triangulate(fd);
     say(fd, "PROFILE t z 0 1 2 1 BINARY\n");
     expect(fd, "OK 0 rows=3 bytes=96\n");
-    hear_bytes(fd, row, sizeof row);
+    hear_exactly(fd, row, sizeof row);
     CHECK(memcmp(row, want, sizeof row) == 0);
     say(fd, "*7\r\n$7\r\nPROFILE\r\n$1\r\nt\r\n$1\r\nz\r\n$2\r\n-1\r\n$1\r\n1\r\n$1\r\n1\r\n$"
             "1\r\n1\r\n");

@@ -30,15 +30,11 @@ static struct daemon start(int *fd, uint32_t n)
 }
 
 /* n bytes; the caller frees them. */
-static char *hear_bytes(int fd, size_t n)
+static char *hear_array(int fd, size_t n)
 {
     char *bytes = malloc(n + 1);
     CHECK(bytes != NULL);
-    for (size_t got = 0; got < n;) {
-        ssize_t r = read(fd, bytes + got, n - got);
-        CHECK(r > 0);
-        got += (size_t)r;
-    }
+    hear_exactly(fd, bytes, n);
     return bytes;
 }
 
@@ -52,7 +48,7 @@ static double *raster(int fd, uint32_t columns, uint32_t rows, const char *metho
     say(fd, text);
     snprintf(want, sizeof want, "OK 0 rows=%u columns=%u bytes=%zu", rows, columns, bytes);
     CHECK_STR(hear_line(fd), want);
-    return (double *)(void *)hear_bytes(fd, bytes);
+    return (double *)(void *)hear_array(fd, bytes);
 }
 
 static bool is_same(const double *a, const double *b, size_t n)
@@ -62,16 +58,19 @@ static bool is_same(const double *a, const double *b, size_t n)
 
 #define INTERPOLATE_USAGE                                                                          \
     "ERR SYNTAX usage: INTERPOLATE set field x y [x y ...] "                                       \
-    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [OUTSIDE "            \
+    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] "  \
+    "[OUTSIDE "                                                                                    \
     "nan|nearest]\n"
 #define RASTER_USAGE                                                                               \
     "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
-    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [OUTSIDE "            \
+    "[METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] "  \
+    "[OUTSIDE "                                                                                    \
     "nan|nearest] "                                                                                \
     "[CLIP other] [AS slope|aspect] [BINARY]\n"
 #define CONTOUR_USAGE                                                                              \
-    "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] | "    \
-    "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]]\n"
+    "ERR SYNTAX usage: CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] "      \
+    "[MISSING nan|skip] | "                                                                        \
+    "CONTOUR set field EVERY step [BASE b] [BANDS] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]\n"
 
 TEST(surface_requests_that_cannot_be_answered)
 {
@@ -168,7 +167,7 @@ TEST(raster_is_completed_for_a_client_that_sends_nothing_more)
     say(other, "RASTER t z 0 0 1 1 600 600 BINARY\n");
     CHECK(shutdown(other, SHUT_WR) == 0);
     CHECK(strncmp(hear_line(other), "OK 0 rows=600", 13) == 0);
-    double *got = (double *)(void *)hear_bytes(other, 8 * SIDE * SIDE);
+    double *got = (double *)(void *)hear_array(other, 8 * SIDE * SIDE);
     CHECK(is_same(got, want, SIDE * SIDE));
     char more;
     CHECK(read(other, &more, 1) == 0);
@@ -247,7 +246,7 @@ static double *interpolate(int fd, const double *xy, size_t n, const char *metho
     say_bytes(fd, xy, 16 * n);
     snprintf(want, sizeof want, "OK 0 rows=%zu bytes=%zu", n, 8 * n);
     CHECK_STR(hear_line(fd), want);
-    return (double *)(void *)hear_bytes(fd, 8 * n);
+    return (double *)(void *)hear_array(fd, 8 * n);
 }
 
 TEST(places_in_binary_have_the_values_of_a_raster)
@@ -359,7 +358,7 @@ TEST_TIMEOUT(raster_is_of_one_state_while_points_move, 60)
             CHECK(strncmp(hear_line(other), "OK", 2) == 0);
         }
         CHECK(strncmp(hear_line(fd), "OK 0 rows=", 10) == 0);
-        double *got = (double *)(void *)hear_bytes(fd, 8 * SIDE * SIDE);
+        double *got = (double *)(void *)hear_array(fd, 8 * SIDE * SIDE);
         CHECK(is_same(got, here, SIDE * SIDE) || is_same(got, there, SIDE * SIDE));
         free(got);
     }

@@ -25,7 +25,8 @@ static void triangulate(int fd)
 }
 
 #define USAGE                                                                                      \
-    "ERR SYNTAX usage: VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [BOX x0 y0 x1 y1]\n"
+    "ERR SYNTAX usage: VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [MISSING nan|skip] "  \
+    "[BOX x0 y0 x1 y1]\n"
 
 TEST(volumes_that_cannot_be_answered)
 {
