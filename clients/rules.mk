@@ -29,7 +29,7 @@ lib: $(LIB_FILES:%=$(O)/lib/%) $(HEADERS:%=$(O)/include/%) $(LIBRARIES:%=$(O)/li
 
 # The public headers of each library are installed as one; both begin with the version.
 CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_fields.h core/delaunay_constraints.h core/delaunay_surface.h \
-                core/delaunay_thinning.h core/delaunay_arrays.h
+                core/delaunay_thinning.h core/delaunay_arrays.h core/delaunay_tiles.h
 CLIENT_HEADERS := proto/version.h clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
 $(O)/include/delaunay_client.h: $(CLIENT_HEADERS)
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
@@ -110,7 +110,7 @@ npm: all
 
 WASM_CC      ?= clang-14
 WASM_SOURCES := clients/js/wasm/doors.c core/memory/plain/pages.c \
-                $(filter-out core/memory/pages.c core/arrays/%,$(wildcard core/*/*.c))
+                $(filter-out core/memory/pages.c core/arrays/% core/tiles/%,$(wildcard core/*/*.c))
 WASM_SMALL   := $(filter $(addprefix core/constraints/,constraints.c crossings.c declared.c history.c regions.c survey.c survey_one.c) core/shelling/% core/set/view% core/set/images.c core/set/check.c core/exact/bignum.c \
                   core/edit/constrain.c core/edit/polygon.c core/edit/judged.c core/edit/remove_fixed.c core/edit/demand.c core/edit/restore.c \
                   core/triangle/% core/contours/levels.c core/exact/degrees.c core/exact/sum.c core/surface/alpha.c core/surface/outside.c core/surface/smooth.c core/surface/weights.c core/fields/column.c core/edit/edit.c core/points/aliases.c core/query/sweep.c core/query/nearest_fixed.c,$(WASM_SOURCES))

@@ -1,5 +1,5 @@
 /* delaunay.h - the core's public header: a set of points of the plane and its Delaunay triangulation. delaunay_surface.h,
- * delaunay_fields.h, delaunay_constraints.h, delaunay_thinning.h and delaunay_arrays.h are its further parts.
+ * delaunay_fields.h, delaunay_constraints.h, delaunay_thinning.h, delaunay_arrays.h and delaunay_tiles.h are its further parts.
  *
  * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used twice. A point within the
  * set's coincidence tolerance of an earlier one becomes an alias of it (its representative); only representatives are vertices of

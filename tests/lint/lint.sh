@@ -13,7 +13,7 @@ trap 'rm -f "$found"' EXIT
 
 # The rooms of a folder, from the bottom up: a file may include files of its own room and of rooms before it.
 declare -A rooms=(
-    [core]='exact control memory fields points mesh constraints grid set divide shelling query cells triangle contours surface edit meshing thinning arrays'
+    [core]='exact control memory fields points mesh constraints grid set divide shelling query cells triangle contours surface edit meshing thinning arrays tiles'
     [clients]='lib reading points lines grids files meshes surfaces pictures cli commands'
     [server]='system ops sets changes disk jobs bodies replies clients command watch follow redis repair session'
 )
@@ -59,7 +59,7 @@ room_order() { # FOLDER REGEX
 
 include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
-    room_order core "\"core/delaunay(_surface|_fields|_constraints|_thinning|_arrays)?\.h\"|<($pure|sys/mman|errno|fenv|pthread)\.h>|<atomic>" # the last one for C++ that includes core/delaunay.h
+    room_order core "\"core/delaunay(_surface|_fields|_constraints|_thinning|_arrays|_tiles)?\.h\"|<($pure|sys/mman|errno|fenv|pthread)\.h>|<atomic>" # the last one for C++ that includes core/delaunay.h
     may_include proto "\"proto/(records/)?[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
     room_order server "\"(core/delaunay(_surface|_fields|_constraints|_thinning)?|proto/(records/)?[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
     room_order clients "\"proto/(records/)?[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"

@@ -1,6 +1,6 @@
 """Finds libdelaunay-core, the geometry as a C library, and declares what the package calls. Loading waits for the first call.
 
-Calls through ctypes release the GIL. Each function is described in core/delaunay_arrays.h.
+Calls through ctypes release the GIL. Each function is described in core/delaunay_arrays.h or core/delaunay_tiles.h.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next on
 LINEAR, NATURAL, LAPLACE, _, SMOOTH = range(5)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
-_NOMEM, _TOOBIG, _RANGE, NOPOINT, NOEDGE, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 13, 16  # enum dt_status
+_NOMEM, _TOOBIG, RANGE, NOPOINT, NOEDGE, CORRUPT, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 10, 13, 16  # enum dt_status
 
 
 _NOREGION, _OPEN = 18, 19
@@ -98,8 +98,23 @@ _FUNCTIONS = {
     "dt_arrays_within": [c_void_p, c_void_p, c_void_p, c_size_t, c_uint, POINTER(Ids), c_void_p],
     "dt_arrays_free": [c_void_p],
     "dt_arrays_release": [c_void_p],
+    "dt_tile_new": [c_void_p, c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],
+    "dt_tile_counts": [c_void_p, c_void_p],
+    "dt_tile_box": [c_void_p, c_void_p],
+    "dt_tile_insert": [c_void_p, c_void_p, c_void_p, c_size_t],
+    "dt_tile_open": [c_void_p, c_void_p, c_size_t, c_size_t, c_void_p, POINTER(Ids)],
+    "dt_tile_points": [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p],
+    "dt_tile_triangles": [c_void_p, c_bool, c_void_p, POINTER(c_size_t)],
+    "dt_tile_size": [c_void_p],
+    "dt_tile_write": [c_void_p, c_void_p],
+    "dt_tile_read": [c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],
+    "dt_tile_free": [c_void_p],
 }
-_NO_STATUS = frozenset(["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_split_clear"])
+_NO_STATUS = frozenset(
+    ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_split_clear", "dt_tile_counts", "dt_tile_write",
+     "dt_tile_free"]
+)
+_OTHERS = {"dt_tile_box": c_bool, "dt_tile_size": c_size_t}  # which return neither a status nor nothing
 
 _loaded: Any = None
 pages: Optional[int] = None  # the keeper of pages of all triangulations
@@ -135,7 +150,7 @@ def library() -> Any:
             for name, arguments in _FUNCTIONS.items():
                 function = getattr(opened, name)
                 function.argtypes = arguments
-                function.restype = None if name in _NO_STATUS else c_int
+                function.restype = None if name in _NO_STATUS else _OTHERS.get(name, c_int)
         except AttributeError:
             raise ImportError(
                 "%s is of another version of delaunayd, it lacks %s: `make lib` or `pip install` again" % (opened._name, name)
@@ -153,7 +168,7 @@ def check(status: int, what: str) -> None:
         return
     if status == _NOMEM:
         raise MemoryError(what)
-    if status == _RANGE:
+    if status == RANGE:
         raise ValueError(what + ": magnitudes other than 0 are at least 2^-142 and at most 2^201")
     if status == _TOOBIG:
         raise ValueError(what + ": there are too many")
@@ -169,6 +184,6 @@ def check(status: int, what: str) -> None:
 
 
 __all__ = [
-    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "Refined",
-    "Region", "SMOOTH", "Split", "byref", "check", "library",
+    "COINCIDENT", "CORRUPT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "RANGE",
+    "Refined", "Region", "SMOOTH", "Split", "byref", "check", "library",
 ]

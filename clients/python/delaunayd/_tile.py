@@ -1,0 +1,186 @@
+"""A tile of a triangulation of more points than one process holds: struct dt_tile of core/delaunay_tiles.h, which has the method and
+its proof. `delaunayd.dask` distributes the tiles."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+import zlib
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import _library
+from ._library import byref, check
+
+if TYPE_CHECKING:
+    from ._types import Floats, NDArray
+
+_HEAD = struct.Struct("<8sQL")  # of a file: what it is, how many bytes follow, their CRC-32
+_MAGIC = b"ddtile01"
+_REFUSED = "a point of another tile contradicts this tile: coincident points must be in one tile, and an id has one place"
+
+
+class Counts(NamedTuple):
+    """own: own points, coincident ones included; coincident: those that another own point represents; foreign: points of other tiles;
+    triangles: of own and foreign points together."""
+
+    own: int
+    foreign: int
+    coincident: int
+    triangles: int
+
+
+def _points(xy: Any) -> Floats:
+    points = np.ascontiguousarray(xy, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError("points have the shape (n, 2), not %s" % (points.shape,))
+    return points
+
+
+def _ids(ids: Any, n: int) -> NDArray[Any]:
+    numbers = np.asarray(ids)
+    if numbers.shape != (n,) or (n > 0 and numbers.dtype.kind not in "ui"):
+        raise ValueError("ids are %d integers" % n)
+    if numbers.dtype.kind == "i" and n > 0 and numbers.min() < 0:
+        raise ValueError("ids are not negative")
+    return np.ascontiguousarray(numbers, dtype=np.uint64)
+
+
+def _check_points(points: Floats, status: int, otherwise: str) -> None:
+    if status == _library.RANGE:
+        size = np.abs(points)
+        bad = ~((size == 0) | ((size >= 2.0**-142) & (size <= 2.0**201))).all(axis=1)
+        if not bad.any():
+            raise ValueError(otherwise)
+        check(status, "point %d is %s" % (bad.argmax(), points[bad.argmax()]))
+    check(status, "%d points" % len(points))
+
+
+class Tile:
+    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points`, `triangles` and `save` needs
+    exclusive access to the tile."""
+
+    _handle: Any = None
+
+    def __init__(self, xy: Any, ids: Any, workers: int = 1):
+        points = _points(xy)
+        numbers = _ids(ids, len(points))
+        self._library = _library.library()
+        handle = ctypes.c_void_p()
+        status = self._library.dt_tile_new(
+            points.ctypes.data, numbers.ctypes.data, len(points), _library.pages, workers, byref(handle)
+        )
+        _check_points(points, status, "ids must ascend")
+        self._handle = handle
+
+    def __del__(self) -> None:
+        if self._handle is not None:
+            self._library.dt_tile_free(self._handle)
+            self._handle = None
+
+    @property
+    def counts(self) -> Counts:
+        words = (ctypes.c_uint64 * 4)()
+        self._library.dt_tile_counts(self._handle, words)
+        return Counts(*words)
+
+    @property
+    def box(self) -> Optional[Tuple[float, float, float, float]]:
+        """x0, y0, x1, y1 of the own points; None if there are none."""
+        corners = (ctypes.c_double * 4)()
+        if not self._library.dt_tile_box(self._handle, corners):
+            return None
+        return corners[0], corners[1], corners[2], corners[3]
+
+    def insert(self, xy: Any, ids: Any) -> None:
+        """Inserts points of other tiles; points that it has already are ignored."""
+        points = _points(xy)
+        numbers = _ids(ids, len(points))
+        status = self._library.dt_tile_insert(self._handle, points.ctypes.data, numbers.ctypes.data, len(points))
+        _check_points(points, status, _REFUSED)
+
+    def open(self, boxes: Any, me: int) -> Tuple[NDArray[Any], NDArray[Any]]:
+        """What other tiles need that was not returned before: offsets, of t + 1 numbers, and vertices. Those for tile k are
+        vertices[offsets[k] : offsets[k + 1]]. boxes: of all t tiles, of shape (t, 4), nan for an empty tile; me: the number
+        of this one. Nothing is left to be sent when all tiles return no vertices."""
+        corners = np.ascontiguousarray(boxes, dtype=np.float64)
+        if corners.ndim != 2 or corners.shape[1] != 4:
+            raise ValueError("boxes have the shape (t, 4), not %s" % (corners.shape,))
+        tiles = len(corners)
+        if not 0 <= me < tiles:
+            raise ValueError("there is no tile %d of %d" % (me, tiles))
+        offsets, found = np.zeros(tiles + 1, dtype=np.int64), _library.Ids()
+        status = self._library.dt_tile_open(
+            self._handle, corners.ctypes.data, tiles, me, offsets.ctypes.data, byref(found)
+        )
+        try:
+            if status == _library.RANGE:
+                raise ValueError("a box is not x0 <= x1, y0 <= y1 of points, nor nan")
+            check(status, "%d tiles" % tiles)
+            vertices = np.empty(found.n, dtype=np.uint32)
+            if found.n > 0:
+                ctypes.memmove(vertices.ctypes.data, found.v, vertices.nbytes)
+        finally:
+            self._library.dt_arrays_release(found.v)
+        return offsets, vertices
+
+    def points(self, vertices: Any) -> Tuple[Floats, NDArray[Any]]:
+        """The places, of shape (k, 2), and the global ids of vertices that `open` returned."""
+        rows = np.ascontiguousarray(vertices, dtype=np.uint32)
+        xy, ids = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.uint64)
+        status = self._library.dt_tile_points(
+            self._handle, rows.ctypes.data, len(rows), xy.ctypes.data, ids.ctypes.data
+        )
+        check(status, "a vertex")
+        return xy, ids
+
+    def triangles(self, dtype: Any) -> NDArray[Any]:
+        """The triangles that this tile outputs, of shape (m, 3): global ids, counterclockwise from the smallest one, rows
+        ascending. dtype: uint32 or uint64."""
+        kind = np.dtype(dtype)
+        if kind not in (np.dtype(np.uint32), np.dtype(np.uint64)):
+            raise ValueError("triangles are uint32 or uint64, not %s" % kind)
+        out, rows = np.empty((self.counts.triangles, 3), dtype=kind), ctypes.c_size_t()
+        status = self._library.dt_tile_triangles(self._handle, kind.itemsize == 8, out.ctypes.data, byref(rows))
+        if status == _library.RANGE:
+            raise ValueError("an id does not fit uint32")
+        check(status, "triangles")
+        return out[: rows.value]
+
+    def save(self, path: Any) -> None:
+        """Writes a file that `load` reads. A file of that name is replaced when the new one is complete."""
+        body = np.empty(self._library.dt_tile_size(self._handle), dtype=np.uint8)
+        self._library.dt_tile_write(self._handle, body.ctypes.data)
+        name = os.fspath(path)
+        try:
+            with open(name + ".part", "wb") as file:
+                file.write(_HEAD.pack(_MAGIC, len(body), zlib.crc32(body.data)))
+                file.write(body.data)
+            os.replace(name + ".part", name)
+        except BaseException:
+            if os.path.exists(name + ".part"):
+                os.unlink(name + ".part")
+            raise
+
+    @classmethod
+    def load(cls, path: Any, workers: int = 1) -> Tile:
+        """The tile of a file. Raises ValueError if the file is damaged."""
+        name = os.fspath(path)
+        with open(name, "rb") as file:
+            head = file.read(_HEAD.size)
+            body = np.fromfile(file, dtype=np.uint8)
+        if len(head) < _HEAD.size or _HEAD.unpack(head) != (_MAGIC, len(body), zlib.crc32(body.data)):
+            raise ValueError("%s is not a tile, or is damaged" % name)
+        made, library, handle = cls.__new__(cls), _library.library(), ctypes.c_void_p()
+        made._library = library
+        status = library.dt_tile_read(body.ctypes.data, len(body), _library.pages, workers, byref(handle))
+        if status == _library.CORRUPT:
+            raise ValueError("%s is not a tile, or is of another version" % name)
+        check(status, name)
+        made._handle = handle
+        return made
+
+
+__all__ = ["Counts", "Tile"]

@@ -1,0 +1,107 @@
+/* delaunay_tiles.h - a part of the core's public header: triangulations of more points than one machine or one set
+ * holds, computed tile by tile, for programs in any language. As in delaunay_arrays.h, every function computes with the
+ * floating-point environment in which programs start.
+ *
+ * The points are divided into tiles. A tile has its own points and, later, foreign points: own points of other tiles. Every point has
+ * a global id. The caller repeats rounds. In a round every tile that has received something is asked for its own points that
+ * other tiles need (dt_tile_open), and these are inserted there (dt_tile_insert). When no tile has anything to send, each tile
+ * outputs the triangles whose smallest global id is its own. Together these are the triangles of all points, each of them once. The
+ * method is that of L. Caraffa, M. Bredif, B. Vallet, "Tile & Merge: Distributed Delaunay Triangulations for Cloud Computing", 2019.
+ *
+ * Terms. The box of a tile is the bounding box of its own points. A face is a triangle or a ghost: a ghost stands for the outside of
+ * a hull edge. A face is judged if one of its corners is the tile's own. A face meets a box if a point of the box might conflict
+ * with the face: the closed disc of a triangle contains a point of the box; a point of the box is strictly beyond the hull edge
+ * of a ghost, or is on that edge. Among points on one line each edge has two ghosts, and an end of the line meets every box, as does
+ * a single point. Tests of faces and boxes may report too much, never too little.
+ *
+ * The rule. If a judged face of tile I meets the box of tile J, then the own corners of that face are sent to J, once.
+ *
+ * Why the result is right when nothing is left to be sent:
+ *
+ * 1. Let S(I) be the points of tile I, own and foreign, and DT(X) the triangulation of the set X. Ties are broken by coordinates alone,
+ *    so DT(X) depends on X alone, and an edge of DT(all) whose ends are in X is an edge of DT(X).
+ * 2. Claim: if v is an own point of I, and the edge vu is in DT(all), then u is in S(I).
+ * 3. Suppose that u is not in S(I). Then u is an own point of another tile J.
+ * 4. The edge vu is in DT(S(I) + u), by step 1. So u conflicts with a face of DT(S(I)) that has the corner v; or all of S(I) is on one line with
+ *    u, and v is its end next to u; or S(I) is v alone. In each case a judged face at v meets the box of J, which contains u.
+ * 5. So v has been sent to J: v is in S(J). By step 1 the edge vu is in DT(S(J)).
+ * 6. A face at the edge vu in DT(S(J)) is judged, because u is J's own. It meets the box of I, which contains v: v is a
+ *    corner. So u has been sent to I. That contradicts step 3, and proves the claim.
+ * 7. So S(I) contains v and all its neighbours in DT(all). The star of v in DT(S(I)) is then its star in DT(all).
+ * 8. A triangle of DT(all) is in the star of its corner with the smallest id. The owner of this corner, and no other tile, outputs it.
+ *
+ * Faces without own corners need not be judged, and foreign corners need not be sent: steps 4 to 6 do not use them.
+ *
+ * Coincident points must be in one tile; the one with the smallest id represents them. Boxes need not be disjoint. If they are, most
+ * triangles are recognised at once: their circles are inside the tile's own box. */
+#ifndef DT_DELAUNAY_TILES_H
+#define DT_DELAUNAY_TILES_H
+
+#include "core/delaunay.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct dt_tile;
+
+/* A tile of n own points p[n] with the global ids id[n], strictly ascending; n may be 0. pages, a keeper, may be NULL. workers: as in
+ * delaunay_arrays.h. A local id is the row of an own point. DT_RANGE: a coordinate or the order of ids; DT_TOOBIG, DT_NOMEM. The
+ * caller owns *out. Cost: that of dt_triangulate. Memory: about 110 bytes a point. */
+enum dt_status dt_tile_new(const struct dt_point *p, const uint64_t *id, size_t n,
+                           struct dt_pages *pages, unsigned workers, struct dt_tile **out);
+void dt_tile_free(struct dt_tile *tile); /* NULL: nothing */
+
+/* own: points, coincident ones included; foreign: points inserted; coincident: own points that are represented by others; triangles: those
+ * of own and foreign points together, an upper limit of those that the tile outputs. */
+struct dt_tile_counts {
+    uint64_t own, foreign, coincident, triangles;
+};
+void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out); /* cost: constant */
+
+/* The box of the own points: x0, y0, x1, y1. False: there are none, and the box is unchanged. Cost: constant. */
+bool dt_tile_box(const struct dt_tile *tile, double box[4]);
+
+/* Inserts n foreign points p[n] with the global ids id[n], in any order. Points that the tile has already are ignored. DT_RANGE: a
+ * coordinate; or a point coincides with a point of another id, or an own id arrives from outside. DT_TOOBIG, DT_NOMEM. An error
+ * changes nothing. Cost: that of dt_add_many. */
+enum dt_status dt_tile_insert(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
+                              size_t n);
+
+/* What other tiles need of this one, and has not been returned before: local ids vertex->v[offset[k]] to vertex->v[offset[k + 1] - 1], ascending, are
+ * for tile k. box[4 tiles]: the boxes of all tiles, x0, y0, x1, y1, nan for a tile without own points; they must be the same in every
+ * call. me < tiles: the number of this tile. offset has room for tiles + 1. *vertex: start with {0}; the caller releases vertex->v
+ * by free or dt_arrays_release. Later calls look at the faces that insertions have made since. DT_RANGE: a box. DT_NOMEM: nothing
+ * counts as returned. Cost: linear in the triangles at the first call, in the points inserted at later ones; and O(log tiles) for
+ * each face near the border and each pair. */
+enum dt_status dt_tile_open(struct dt_tile *tile, const double *box, size_t tiles, size_t me,
+                            int64_t *offset, struct dt_ids *vertex);
+
+/* The places and global ids of n local ids. DT_NOPOINT: there is no such local id. */
+enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex, size_t n,
+                              struct dt_point *p, uint64_t *id);
+
+/* The triangles that this tile outputs: global ids, counterclockwise from the smallest one, rows ascending. triangle has room for
+ * 3 numbers for each of dt_tile_counts.triangles rows, uint64_t if `wide`, otherwise uint32_t. *rows: how many were written; what is
+ * behind them is undefined. DT_RANGE: an id does not fit. DT_NOMEM. Cost: linear; 36 bytes for each triangle, meanwhile. */
+enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *triangle,
+                                 size_t *rows);
+
+/* ---- a tile as bytes, so that it can wait on disk ----
+ *
+ * The bytes have the points, the ids and what has been sent: 24 bytes a point, and 8 for each point sent. The triangulation is not
+ * among them, because it is rebuilt in less time than most disks need for its 70 bytes a point. The order of bytes is the machine's. */
+
+size_t dt_tile_size(const struct dt_tile *tile);              /* cost: constant */
+void dt_tile_write(const struct dt_tile *tile, uint8_t *out); /* dt_tile_size bytes */
+
+/* A tile from bytes, which need no alignment. DT_CORRUPT: they are not what dt_tile_write writes. A checksum is the caller's. The rest: as
+ * of dt_tile_new. */
+enum dt_status dt_tile_read(const uint8_t *bytes, size_t size, struct dt_pages *pages,
+                            unsigned workers, struct dt_tile **out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

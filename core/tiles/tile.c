@@ -1,0 +1,223 @@
+/* tile.c - the life of a tile, and how foreign points arrive. */
+#include "core/tiles/tile.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/arrays/workers.h"
+#include "core/memory/memory.h"
+
+void dt_tile_free(struct dt_tile *tile)
+{
+    if (tile == NULL)
+        return;
+    dt_pairs_clear(&tile->sent);
+    dt_array_free(tile->id);
+    dt_free(tile->t);
+    free(tile);
+}
+
+void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out)
+{
+    struct dt_summary sum;
+    dt_summary(tile->t, &sum);
+    *out = (struct dt_tile_counts){tile->own, tile->points - tile->own, tile->coincident,
+                                   sum.triangles};
+}
+
+bool dt_tile_box(const struct dt_tile *tile, double box[4])
+{
+    if (tile->own == 0)
+        return false;
+    const struct dt_box *b = &tile->box;
+    memcpy(box, (double[]){b->lo.x, b->lo.y, b->hi.x, b->hi.y}, 4 * sizeof *box);
+    return true;
+}
+
+/* ---- own points ---- */
+
+static bool is_ascending(const uint64_t *id, size_t n)
+{
+    size_t i = 1;
+    while (i < n && id[i - 1] < id[i])
+        i++;
+    return i >= n;
+}
+
+static enum dt_status reserve_ids(struct dt_tile *tile, size_t n)
+{
+    size_t room = dt_array_room(tile->room, n, DT_MAX_POINTS);
+    if (n <= tile->room)
+        return DT_OK;
+    if (n > DT_MAX_POINTS)
+        return DT_TOOBIG;
+    uint64_t *id = dt_array_grow(tile->id, tile->points, room, sizeof *id);
+    if (id == NULL)
+        return DT_NOMEM;
+    tile->id = id;
+    tile->room = room;
+    return DT_OK;
+}
+
+/* -0 is 0. */
+static struct dt_box box_of(const struct dt_point *p, uint32_t n)
+{
+    struct dt_box b = dt_box_of(p, n);
+    return (struct dt_box){{b.lo.x + 0.0, b.lo.y + 0.0}, {b.hi.x + 0.0, b.hi.y + 0.0}};
+}
+
+static enum dt_status begin(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
+                            size_t n, const struct dt_options *opt)
+{
+    struct dt_added added;
+    enum dt_status s = is_ascending(id, n) ? reserve_ids(tile, n) : DT_RANGE;
+    if (s == DT_OK)
+        s = dt_add_many(tile->t, p, n, opt, &added);
+    if (s != DT_OK)
+        return s;
+    if (n > 0) {
+        memcpy(tile->id, id, n * sizeof *id);
+        tile->box = box_of(p, (uint32_t)n);
+    }
+    tile->own = tile->points = (uint32_t)n;
+    tile->coincident = added.coincident;
+    return dt_triangulate(tile->t, opt);
+}
+
+enum dt_status dt_tile_new(const struct dt_point *p, const uint64_t *id, size_t n,
+                           struct dt_pages *pages, unsigned workers, struct dt_tile **out)
+{
+    struct dt_workers w;
+    fenv_t caller = dt_call_begin();
+    struct dt_tile *tile = calloc(1, sizeof *tile);
+    enum dt_status s = DT_NOMEM;
+    dt_workers_init(&w, workers);
+    if (tile != NULL)
+        tile->t = dt_new_in(0, pages);
+    if (tile != NULL && tile->t != NULL)
+        s = begin(tile, p, id, n, &(struct dt_options){.pool = &w.pool});
+    if (s != DT_OK) {
+        dt_tile_free(tile);
+        tile = NULL;
+    }
+    *out = tile;
+    dt_call_end(&caller);
+    return s;
+}
+
+/* ---- foreign points ---- */
+
+/* A batch of foreign points: their local ids follow those that exist. */
+struct arrivals {
+    struct dt_point *p; /* owns `room` */
+    uint64_t *id;       /* owns `room` */
+    size_t n;
+};
+
+/* Adds the batch to the set, where it becomes local ids. */
+static enum dt_status add(struct dt_tile *tile, const struct arrivals *a, struct dt_added *added)
+{
+    enum dt_status s = reserve_ids(tile, tile->points + a->n);
+    if (s == DT_OK)
+        s = dt_add_many(tile->t, a->p, a->n, NULL, added);
+    if (s == DT_OK)
+        memcpy(tile->id + tile->points, a->id, a->n * sizeof *a->id);
+    return s;
+}
+
+/* Takes points out of the batch, which was added, that the tile had already, or that are twice in the batch. DT_RANGE: two ids are
+ * at one place. */
+static enum dt_status drop_known(const struct dt_tile *tile, struct arrivals *a)
+{
+    size_t kept = 0;
+    for (uint32_t i = 0; i < a->n; i++) {
+        uint32_t local = tile->points + i, first;
+        dt_representative(tile->t, local, &first);
+        if (first != local && tile->id[first] != tile->id[local])
+            return DT_RANGE;
+        if (first != local)
+            continue;
+        a->p[kept] = a->p[i];
+        a->id[kept++] = a->id[i];
+    }
+    a->n = kept;
+    return DT_OK;
+}
+
+/* If points are not new, the batch is taken back, and what is new is added. */
+static enum dt_status add_new(struct dt_tile *tile, struct arrivals *a)
+{
+    struct dt_added added;
+    enum dt_status s = add(tile, a, &added);
+    if (s == DT_OK && added.coincident > 0) {
+        uint32_t all = (uint32_t)a->n;
+        s = drop_known(tile, a);
+        dt_take_back(tile->t, all);
+        if (s == DT_OK)
+            s = a->n == 0 ? DT_OK : add(tile, a, &added);
+    }
+    if (s == DT_OK)
+        tile->points += (uint32_t)a->n;
+    return s;
+}
+
+/* Whether one of the points has an own id and another place. */
+static bool contradicts(const struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
+                        size_t n)
+{
+    for (size_t i = 0; i < n && tile->own > 0; i++) {
+        uint32_t lo = 0, hi = tile->own;
+        while (hi - lo > 1) {
+            uint32_t mid = lo + (hi - lo) / 2;
+            if (tile->id[mid] <= id[i])
+                lo = mid;
+            else
+                hi = mid;
+        }
+        struct dt_point at;
+        if (tile->id[lo] == id[i] &&
+            (dt_get(tile->t, lo, &at) != DT_OK || at.x != p[i].x || at.y != p[i].y))
+            return true;
+    }
+    return false;
+}
+
+static enum dt_status insert(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
+                             size_t n)
+{
+    struct arrivals a = {dt_array_new(n, sizeof *a.p), dt_array_new(n, sizeof *a.id), n};
+    enum dt_status s = a.p == NULL || a.id == NULL ? DT_NOMEM : DT_OK;
+    if (s == DT_OK && contradicts(tile, p, id, n))
+        s = DT_RANGE;
+    if (s == DT_OK) {
+        memcpy(a.p, p, n * sizeof *p);
+        memcpy(a.id, id, n * sizeof *id);
+        s = add_new(tile, &a);
+    }
+    dt_array_free(a.p);
+    dt_array_free(a.id);
+    enum dt_status current = dt_refresh(tile->t, NULL);
+    return s == DT_OK ? current : s;
+}
+
+enum dt_status dt_tile_insert(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
+                              size_t n)
+{
+    if (n == 0)
+        return DT_OK;
+    fenv_t caller = dt_call_begin();
+    enum dt_status s = insert(tile, p, id, n);
+    dt_call_end(&caller);
+    return s;
+}
+
+enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex, size_t n,
+                              struct dt_point *p, uint64_t *id)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (vertex[i] >= tile->points || dt_get(tile->t, vertex[i], &p[i]) != DT_OK)
+            return DT_NOPOINT;
+        id[i] = tile->id[vertex[i]];
+    }
+    return DT_OK;
+}
