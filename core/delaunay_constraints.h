@@ -196,6 +196,49 @@ enum dt_status dt_plan_refine(struct dt *t, const struct dt_quality *q,
 /* An upper bound of the bytes that a plan with `points` new points touches at its peak beyond dt_summary.memory. */
 size_t dt_refine_memory(const struct dt *t, size_t points);
 
+/* ---- the shape of triangles ----
+ *
+ *     dt_measure_begin(t, view, &m);
+ *     do
+ *         dt_measure_read(t, m, &done);         under the caller's lock
+ *     while (!done);
+ *     dt_measure_end(m, &shapes);               which needs the set no more
+ *     dt_measure_free(m);
+ *
+ * The least angle of each triangle falls into a bin of 5 degrees. It is below the upper end of a bin if its squared cosine is larger
+ * than the double nearest to that of the end; decisions are exact, and those of dt_plan_refine. */
+enum { DT_ANGLE_BIN = 5, DT_ANGLE_BINS = 12 };
+
+struct dt_shapes {
+    size_t triangles;
+    size_t count[DT_ANGLE_BINS]; /* by their least angles: 0 to 5 degrees, ..., 55 to 60 */
+    double area;                 /* of them all: the exact one, rounded once */
+    double least,
+        largest; /* angles in degrees, rounded once; nan without triangles, as the next two */
+    double shortest, longest; /* edges, within 2^-51 of the length */
+};
+
+struct dt_measure;
+
+/* The view must be one that reads rings, begun since the last edit, and open until the last dt_measure_read. Without a view (NULL) the
+ * set must not change until the last one. DT_UNTRIANGULATED, DT_NOMEM. */
+enum dt_status dt_measure_begin(const struct dt *t, const struct dt_view *view,
+                                struct dt_measure **out);
+
+/* Before the first dt_measure_read: only triangles inside the border of the number count, or inside any if that is DT_NONE. Then the
+ * set must not be edited until all are read: DT_UNSURVEYED. Errors of dt_region_check. */
+enum dt_status dt_measure_inside(struct dt_measure *m, const struct dt *t, uint32_t number);
+
+/* Reads some thousands of triangles more; again from the first one on if the set of the view was edited. Cost: linear. */
+enum dt_status dt_measure_read(const struct dt *t, struct dt_measure *m, bool *done);
+
+/* Bytes that it has. */
+size_t dt_measure_memory(const struct dt_measure *m);
+
+void dt_measure_end(struct dt_measure *m, struct dt_shapes *out);
+
+void dt_measure_free(struct dt_measure *m); /* NULL: nothing */
+
 /* ---- regions ----
  *
  * Take a way from a place to infinity that meets no vertex. The place is inside the border of number k if the way crosses the

@@ -26,7 +26,7 @@ static struct dt_double2 cosine_of_twice(double degrees)
     return sum;
 }
 
-static double cosine2(double degrees)
+double dt_cosine2(double degrees)
 {
     struct dt_double2 twice = cosine_of_twice(degrees);
     struct dt_double2 sum = dt_double2_add((struct dt_double2){1, 0}, twice);
@@ -43,7 +43,7 @@ void dt_wanted_of(const struct dt_quality *q, struct dt_wanted *out)
     if (q->length > 0)
         out->length = q->length;
     if (q->angle > 0) {
-        out->cosine2 = cosine2(q->angle);
+        out->cosine2 = dt_cosine2(q->angle);
         double c = sqrt(out->cosine2);
         out->off =
             nearer * sqrt((1 + c) / (1 - c)) / 2; /* half of the cotangent of half the angle */
@@ -118,7 +118,7 @@ static bool is_sharp_exactly(double cosine, struct dt_point p, struct dt_point q
 
 /* ---- the same, by doubles where they decide ---- */
 
-static bool is_sharp(double cosine, const struct dt_shape *s)
+bool dt_is_sharp(double cosine, const struct dt_shape *s)
 {
     double dot = (s->p.x - s->r.x) * (s->q.x - s->r.x) + (s->p.y - s->r.y) * (s->q.y - s->r.y);
     double left = dot * dot, right = cosine * s->qr * s->rp;
@@ -154,55 +154,11 @@ bool dt_is_long(const struct dt_wanted *w, struct dt_point a, struct dt_point b)
 
 unsigned dt_shape_breaks(const struct dt_wanted *w, const struct dt_shape *s)
 {
-    unsigned bits = is_sharp(w->cosine2, s) ? DT_SHARP : 0;
+    unsigned bits = dt_is_sharp(w->cosine2, s) ? DT_SHARP : 0;
     if (w->area < HUGE_VAL && is_large(w->area, s))
         bits |= DT_LARGE;
     if (w->length < HUGE_VAL &&
         (dt_is_long(w, s->p, s->q) || dt_is_long(w, s->q, s->r) || dt_is_long(w, s->r, s->p)))
         bits |= DT_LONG;
     return bits;
-}
-
-/* ---- angles ---- */
-
-double dt_shape_tangent(const struct dt_shape *s)
-{
-    struct dt_double2 ux = dt_double2_difference(s->p.x, s->r.x);
-    struct dt_double2 uy = dt_double2_difference(s->p.y, s->r.y);
-    struct dt_double2 vx = dt_double2_difference(s->q.x, s->r.x);
-    struct dt_double2 vy = dt_double2_difference(s->q.y, s->r.y);
-    struct dt_double2 cross =
-        dt_double2_add(dt_double2_multiply(ux, vy), dt_double2_negate(dt_double2_multiply(uy, vx)));
-    struct dt_double2 dot =
-        dt_double2_add(dt_double2_multiply(ux, vx), dt_double2_multiply(uy, vy));
-    double t = cross.hi / dot.hi;
-    return t > 0 ? t : 0;
-}
-
-static struct dt_double2 root(struct dt_double2 v)
-{
-    double first = sqrt(v.hi), p, rest;
-    dt_two_product(first, first, &p, &rest);
-    struct dt_double2 error = dt_double2_add(v, (struct dt_double2){-p, -rest});
-    return dt_double2_add((struct dt_double2){first, 0},
-                          (struct dt_double2){error.hi / (2 * first), 0});
-}
-
-/* atan t = 2 atan(t / (1 + sqrt(1 + t^2))), four times; then its series. */
-double dt_degrees(double tangent)
-{
-    enum { HALVINGS = 4, TERMS = 14 }; /* t is below 0.07 then, and 0.07^28 / 29 below 2^-110 */
-    const struct dt_double2 pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53}, one = {1, 0};
-    struct dt_double2 t = {tangent, 0}, sum = {0, 0};
-    for (int i = 0; i < HALVINGS; i++) {
-        struct dt_double2 square = dt_double2_add(one, dt_double2_multiply(t, t));
-        t = dt_double2_divide(t, dt_double2_add(one, root(square)));
-    }
-    struct dt_double2 square = dt_double2_negate(dt_double2_multiply(t, t));
-    for (int k = TERMS; k >= 0; k--) {
-        struct dt_double2 term = dt_double2_divide(one, (struct dt_double2){2 * k + 1, 0});
-        sum = dt_double2_add(term, dt_double2_multiply(square, sum));
-    }
-    sum = dt_double2_multiply(dt_double2_multiply(t, sum), (struct dt_double2){180 << HALVINGS, 0});
-    return dt_double2_divide(sum, pi).hi;
 }

@@ -23,6 +23,9 @@ struct dt_wanted {
 
 void dt_wanted_of(const struct dt_quality *q, struct dt_wanted *out);
 
+/* The double nearest to cos^2 of an angle in degrees, 0 to 60. */
+double dt_cosine2(double degrees);
+
 /* What is wrong with a triangle, as bits. */
 enum { DT_SHARP = 1, DT_LARGE = 2, DT_LONG = 4 };
 
@@ -49,6 +52,9 @@ static inline void dt_shape_of(struct dt_point a, struct dt_point b, struct dt_p
     s->cross = (s->q.x - s->p.x) * (s->r.y - s->p.y) - (s->q.y - s->p.y) * (s->r.x - s->p.x);
 }
 
+/* Whether some angle is too small for this C; C above 1: none is. Exact. */
+bool dt_is_sharp(double cosine2, const struct dt_shape *s);
+
 /* Which limits the triangle breaks. Exact. */
 unsigned dt_shape_breaks(const struct dt_wanted *w, const struct dt_shape *s);
 
@@ -61,12 +67,5 @@ static inline bool dt_encroaches(struct dt_point a, struct dt_point b, struct dt
 {
     return (a.x - q.x) * (b.x - q.x) + (a.y - q.y) * (b.y - q.y) < 0;
 }
-
-/* The tangent of the least angle. */
-double dt_shape_tangent(const struct dt_shape *s);
-
-/* atan of it in degrees, 0 <= tangent <= 2; equal bytes everywhere, since it takes sums, products, quotients and square roots
- * alone. The nearest double, unless the angle is within 2^-90 of the middle of two, relatively. */
-double dt_degrees(double tangent);
 
 #endif

@@ -10,6 +10,7 @@
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
+#include "core/meshing/angles.h"
 #include "core/meshing/refiner.h"
 #include "core/query/query.h"
 
@@ -386,17 +387,16 @@ static void measure(const struct plan *s, struct dt_refined *out)
 {
     const struct dt_mesh *m = &s->r.t->mesh;
     const struct dt_point *xy = s->r.t->points.xy;
-    double least = HUGE_VAL;
+    struct dt_angles angles = {0};
     for (uint32_t h = 0; h < 8 * m->tri_end; h += 8) {
         struct dt_shape shape;
         if (dt_is_dead(m, h) || dt_is_ghost(m, h) || !dt_encloses(&s->r.in, dt_face(m, h)))
             continue;
         dt_shape_of(xy[m->half[h]], xy[m->half[h + 1]], xy[m->half[h + 2]], &shape);
         out->unrefined += dt_shape_breaks(&s->r.wanted, &shape) != 0;
-        double t = dt_shape_tangent(&shape);
-        least = t < least ? t : least;
+        dt_angles_add(&angles, &shape);
     }
-    out->angle = least < HUGE_VAL ? dt_degrees(least) : (double)NAN;
+    out->angle = angles.any ? dt_degrees(angles.least) : (double)NAN;
 }
 
 /* ---- all of it ---- */

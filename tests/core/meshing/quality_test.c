@@ -100,15 +100,3 @@ TEST(limits_may_be_as_large_and_as_small_as_coordinates)
     w = wanted(45.1, tiny * tiny / 2 * (1 - 0x1p-53), tiny * 1.4);
     CHECK(dt_shape_breaks(&w, &s) == (DT_SHARP | DT_LARGE | DT_LONG));
 }
-
-TEST(degrees_are_those_of_the_library)
-{
-    CHECK(dt_degrees(0) == 0 && dt_degrees(1) == 45);
-    CHECK(dt_degrees(0.5) == 26.565051177077989 &&
-          dt_degrees(0x1p-1000) == 0x1p-1000 * 57.295779513082323);
-    for (int i = 0; i < 100000; i++) {
-        double t = ldexp((double)(test_random() >> 11), -53) * (i % 2 == 0 ? 2 : 1e-6);
-        double want = atan(t) * (180 / 3.14159265358979323846);
-        CHECK(fabs(dt_degrees(t) - want) <= want * 0x1p-50);
-    }
-}

@@ -6,7 +6,7 @@
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
-#include "core/meshing/quality.h"
+#include "core/meshing/angles.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
@@ -41,7 +41,7 @@ static size_t recount(const struct dt *t, const struct dt_quality *q, double *an
 {
     struct dt_ids v = {0};
     struct dt_wanted w;
-    double least = HUGE_VAL;
+    struct dt_angles angles = {0};
     size_t broken = 0;
     dt_wanted_of(q, &w);
     CHECK(dt_inside(t, q->number, DT_TRIANGLES, false, NULL, &v) == DT_OK);
@@ -52,9 +52,9 @@ static size_t recount(const struct dt *t, const struct dt_quality *q, double *an
             CHECK(dt_get(t, v.v[i + k], &p[k]) == DT_OK);
         dt_shape_of(p[0], p[1], p[2], &s);
         broken += dt_shape_breaks(&w, &s) != 0;
-        least = fmin(least, dt_degrees(dt_shape_tangent(&s)));
+        dt_angles_add(&angles, &s);
     }
-    *angle = v.n == 0 ? (double)NAN : least;
+    *angle = v.n == 0 ? (double)NAN : dt_degrees(angles.least);
     free(v.v);
     return broken;
 }

@@ -1,0 +1,177 @@
+/* measure.c - the distribution of the triangles' angles, as of the moment of a view; see core/delaunay_constraints.h.
+ *
+ * Nothing depends on the order of the triangles: counts, extremes, and an area that is an exact sum. So triangles are read as they lie
+ * in memory. If an edit changes the mesh, reading begins again with the table of the view. The area is summed up along the edges of
+ * what counts; of the table, along all edges, where those between two triangles cancel out. */
+#include "core/exact/sum.h"
+#include "core/mesh/fixed.h"
+#include "core/meshing/angles.h"
+#include "core/query/query.h"
+#include "core/set/set.h"
+#include "core/set/view_rows.h"
+
+#include <stdlib.h>
+
+enum {
+    PIECE = 1024,  /* triangles of the table */
+    RECORDS = 8192 /* triangles as they lie in memory */
+};
+
+struct dt_measure {
+    const struct dt_view *view; /* borrows */
+    bool inside;
+    struct dt_enclosure enclosure; /* of what is inside */
+    bool tabled;                   /* triangles are read from the table */
+    uint32_t record;               /* the next one of the mesh */
+    struct dt_cursor cursor;
+    double cosine2[DT_ANGLE_BINS]; /* of the lower end of each bin */
+    struct dt_shapes out;          /* but for area and angles; squares of lengths */
+    struct dt_sum area;            /* twice */
+    struct dt_angles angles;
+    uint32_t triangle[3 * PIECE];
+};
+
+void dt_measure_free(struct dt_measure *m)
+{
+    free(m);
+}
+
+size_t dt_measure_memory(const struct dt_measure *m)
+{
+    return sizeof *m;
+}
+
+static void begin_to_count(struct dt_measure *m)
+{
+    m->out = (struct dt_shapes){.shortest = HUGE_VAL};
+    m->area = (struct dt_sum){0};
+    m->angles = (struct dt_angles){0};
+}
+
+enum dt_status dt_measure_begin(const struct dt *t, const struct dt_view *view,
+                                struct dt_measure **out)
+{
+    *out = NULL;
+    enum dt_status s = dt_view_readable(t, view, true);
+    if (s != DT_OK)
+        return s;
+    struct dt_measure *m = calloc(1, sizeof *m);
+    if (m == NULL)
+        return DT_NOMEM;
+    m->view = view;
+    for (int k = 0; k < DT_ANGLE_BINS; k++)
+        m->cosine2[k] = dt_cosine2(k * DT_ANGLE_BIN);
+    begin_to_count(m);
+    s = dt_table_begin(t, view, DT_TRIANGLES, false, &m->cursor);
+    if (s == DT_OK)
+        *out = m;
+    else
+        free(m);
+    return s;
+}
+
+enum dt_status dt_measure_inside(struct dt_measure *m, const struct dt *t, uint32_t number)
+{
+    if (dt_view_if_changed(t, m->view) != NULL)
+        return DT_UNSURVEYED;
+    m->inside = true;
+    return dt_enclosure_of(t, number, &m->enclosure);
+}
+
+/* ---- triangles ---- */
+
+/* The bin of the least angle. Doubles pass the bins that are certainly too low; then it is decided exactly. */
+static int bin_of(const struct dt_measure *m, const struct dt_shape *s)
+{
+    const double sure = 1 - 0x1p-30;
+    double dot = (s->p.x - s->r.x) * (s->q.x - s->r.x) + (s->p.y - s->r.y) * (s->q.y - s->r.y);
+    double square = dot * dot, sides = s->qr * s->rp * sure;
+    int bin = 0;
+    while (bin + 1 < DT_ANGLE_BINS && square < m->cosine2[bin + 1] * sides)
+        bin++;
+    while (bin + 1 < DT_ANGLE_BINS && !dt_is_sharp(m->cosine2[bin + 1], s))
+        bin++;
+    return bin;
+}
+
+static void add_triangle(struct dt_measure *m, const struct dt_point p[3])
+{
+    struct dt_shape s;
+    dt_shape_of(p[0], p[1], p[2], &s);
+    double longest = s.qr > s.rp ? s.qr : s.rp;
+    m->out.triangles++;
+    m->out.count[bin_of(m, &s)]++;
+    m->out.shortest = s.pq < m->out.shortest ? s.pq : m->out.shortest;
+    m->out.longest = longest > m->out.longest ? longest : m->out.longest;
+    dt_angles_add(&m->angles, &s);
+}
+
+static bool counts(const struct dt_measure *m, const struct dt_mesh *mesh, uint32_t h)
+{
+    return !dt_is_ghost(mesh, h) &&
+           (!m->inside || dt_encloses(&m->enclosure, dt_face(mesh, dt_base(h))));
+}
+
+static void read_mesh(const struct dt *t, struct dt_measure *m, bool *done)
+{
+    const struct dt_mesh *mesh = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    uint32_t end = mesh->tri_end - m->record < RECORDS ? mesh->tri_end : m->record + RECORDS;
+    for (; m->record < end; m->record++) {
+        uint32_t h = 8 * m->record;
+        if (dt_is_dead(mesh, h) || !counts(m, mesh, h))
+            continue;
+        const uint32_t *v = mesh->half + h;
+        const struct dt_point p[] = {xy[v[0]], xy[v[1]], xy[v[2]], xy[v[0]]};
+        add_triangle(m, p);
+        for (uint32_t k = 0; k < 3; k++)
+            if (!counts(m, mesh, dt_twin(mesh, h + k)))
+                dt_sum_cross(&m->area, p[k], p[k + 1]);
+    }
+    *done = m->record == mesh->tri_end;
+}
+
+static enum dt_status read_table(const struct dt *t, struct dt_measure *m, bool *done)
+{
+    size_t rows, words;
+    enum dt_status s = dt_table_read(t, &m->cursor, m->triangle, 3 * PIECE, PIECE, &rows, &words);
+    if (s == DT_TOOLONG) /* the next call goes on */
+        return DT_OK;
+    for (size_t at = 0; s == DT_OK && at < words; at += 3) {
+        struct dt_point p[4];
+        for (size_t k = 0; k < 3; k++)
+            p[k] = dt_view_place(t, m->view, m->triangle[at + k]);
+        p[3] = p[0];
+        add_triangle(m, p);
+        for (size_t k = 0; k < 3; k++)
+            dt_sum_cross(&m->area, p[k], p[k + 1]);
+    }
+    *done = s == DT_OK && rows == 0;
+    return s;
+}
+
+enum dt_status dt_measure_read(const struct dt *t, struct dt_measure *m, bool *done)
+{
+    enum dt_status s = dt_view_readable(t, m->view, true);
+    *done = false;
+    if (s == DT_OK && !m->tabled && dt_view_if_changed(t, m->view) != NULL) {
+        m->tabled = true;
+        begin_to_count(m);
+    }
+    if (s == DT_OK && m->tabled)
+        return m->inside ? DT_UNSURVEYED : read_table(t, m, done);
+    if (s == DT_OK)
+        read_mesh(t, m, done);
+    return s;
+}
+
+void dt_measure_end(struct dt_measure *m, struct dt_shapes *out)
+{
+    bool any = m->angles.any;
+    *out = m->out;
+    out->area = dt_sum_half(&m->area);
+    out->least = any ? dt_degrees(m->angles.least) : (double)NAN;
+    out->largest = any ? dt_degrees(m->angles.largest) : (double)NAN;
+    out->shortest = any ? sqrt(m->out.shortest) : (double)NAN;
+    out->longest = any ? sqrt(m->out.longest) : (double)NAN;
+}
