@@ -100,12 +100,20 @@ void reply_key_u64(struct buf *out, const char *key, uint64_t value)
     buf_commit(out, len + 2 + write_u64(to + len + 1, value));
 }
 
+static char *write_value(char *to, double value)
+{
+    if (value == value)
+        return to + proto_write_double(to, value);
+    memcpy(to, "nan", 3);
+    return to + 3;
+}
+
 void reply_key_double(struct buf *out, const char *key, double value)
 {
     append_key(out, key);
     char *to = buf_reserve(out, DOUBLE_ROOM);
     if (to != NULL)
-        buf_commit(out, proto_write_double(to, value));
+        buf_commit(out, (size_t)(write_value(to, value) - to));
 }
 
 void reply_key_text(struct buf *out, const char *key, const char *value)
@@ -201,14 +209,6 @@ void reply_row_point(struct buf *out, uint32_t id, double x, double y)
     char *to = write_point(row, id, x, y);
     *to++ = '\n';
     buf_commit(out, (size_t)(to - row));
-}
-
-static char *write_value(char *to, double value)
-{
-    if (value == value)
-        return to + proto_write_double(to, value);
-    memcpy(to, "nan", 3);
-    return to + 3;
 }
 
 void reply_row_value(struct buf *out, uint32_t id, double value)

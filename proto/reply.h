@@ -51,7 +51,7 @@ const char *reply_code_name(enum reply_code code);
 /* The status line: reply_ok begins it with the number of rows, keys extend it, reply_end ends it. */
 void reply_ok(struct buf *out, uint64_t rows);
 void reply_key_u64(struct buf *out, const char *key, uint64_t value);
-void reply_key_double(struct buf *out, const char *key, double value);
+void reply_key_double(struct buf *out, const char *key, double value); /* may be nan */
 void reply_key_doubles(struct buf *out, const char *key, const double *v,
                        size_t n); /* with commas */
 void reply_key_text(struct buf *out, const char *key, const char *value);

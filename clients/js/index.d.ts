@@ -291,6 +291,10 @@ export class Client {
     options?: { ids?: Iterable<number>; number?: number } & RequestOptions,
   ): Promise<{ ends: Uint32Array; border: Uint8Array; number: Uint32Array }>;
   regions(set: string, options?: RequestOptions): Promise<{ triangles: number; area: number; borders: Map<number, Region> }>;
+  quality(
+    set: string,
+    options?: { inside?: Inside } & RequestOptions,
+  ): Promise<{ triangles: number; area: number; angle: number; largest: number; shortest: number; longest: number; counts: number[] }>;
   regionsAt(set: string, places: Points, options?: RequestOptions): Promise<number[][]>;
   regionsAt<P>(set: string, places: Iterable<P>, options: Accessors<P> & RequestOptions): Promise<number[][]>;
   /** fields: for each name the values of each path. */

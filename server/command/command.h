@@ -204,6 +204,7 @@ change_reader read_values_to_set, read_existing_field;                     /* cm
 command_handler cmd_triangulate, cmd_check, cmd_digest;                    /* cmd_build.c */
 command_handler cmd_constraints, cmd_constrainb;                           /* cmd_constraint.c */
 command_handler cmd_regions;                                               /* cmd_region.c */
+command_handler cmd_quality;                                               /* cmd_quality.c */
 change_reader read_constraints, read_releases;                             /* cmd_constraint.c */
 change_reader read_refinement;                                             /* cmd_mesh.c */
 

@@ -245,10 +245,7 @@ static void answer_drawing(struct answer *a, const struct change *c)
     if (d->asked)
         reply_key_double(a->out, "deviation", d->deviation);
     if (d->refines) {
-        if (isnan(d->angle))
-            reply_key_text(a->out, "angle", "nan");
-        else
-            reply_key_double(a->out, "angle", d->angle);
+        reply_key_double(a->out, "angle", d->angle);
         reply_key_u64(a->out, "unrefined", d->unrefined);
         reply_key_u64(a->out, "hull", d->hull);
     }

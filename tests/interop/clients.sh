@@ -265,6 +265,7 @@ count "refined meshes in rational arithmetic on all families" "$python" tests/in
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
 count "missing values that are skipped, beside sets that never had these points" "$python" tests/interop/missing.py "$build"
 count "gradients and profiles in rational arithmetic on all families" "$python" tests/interop/slopes.py "$build"
+count "angles in rational arithmetic on all families" "$python" tests/interop/angles.py "$build"
 count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
 if fetch_atlas; then
     count "outlines of countries and counties in process beside shapely" "$python" tests/interop/outlines.py \

@@ -105,7 +105,7 @@ def searches(points):
     yield from surfaces(points, random.Random(4))
     for table in ("LISTS", "TRIANGLES", "EDGES", "POINTS", "VORONOI"):
         yield f"{table} t BINARY"
-    yield from ("HULL t", "COINCIDENT t", "CHECK t")
+    yield from ("HULL t", "COINCIDENT t", "CHECK t", "QUALITY t")
     for i in range(SEARCHES):
         (ax, ay), (bx, by) = rng.choice(points), rng.choice(points)
         at = f"{number(ax)} {number(ay)}" if i % 3 == 0 else f"{number(ax / 2 + bx / 2)} {number(ay / 2 + by / 2)}"

@@ -88,6 +88,14 @@ class Constraints extends Table {
     return { triangles: Number(keys.inside), area: Number(keys.area), borders };
   }
 
+  /** The angles of all triangles, or of those inside borders: {triangles, area, angle, largest, shortest, longest, counts}; counts[i] triangles
+   * have a least angle from 5 i to 5 (i + 1) degrees. */
+  async quality(set, { inside, timeout } = {}) {
+    const { keys, rows } = await this.request(line('QUALITY', checkSet(set), ...option('INSIDE', inside)), { timeout });
+    const sizes = ['triangles', 'area', 'angle', 'largest', 'shortest', 'longest'].map((key) => [key, Number(keys[key])]);
+    return { ...Object.fromEntries(sizes), counts: rows.map((row) => Number(row.split(' ')[2])) };
+  }
+
   /** For each place the numbers of the borders that contain it, ascending; a place on the edge of a region belongs to it. */
   async regionsAt(set, places, { getX, getY, ...options } = {}) {
     const flat = pairs(places, getX, getY);

@@ -134,6 +134,19 @@ describe('a client', () => {
     await assert.rejects(client.refine('m', { angle: 60 }), /60/);
   });
 
+  test('the angles of all triangles, and of those inside a border', async () => {
+    await client.load('q', [[0, 0], [4, 0], [4, 4], [0, 4], [3, 1]]);
+    await client.triangulate('q');
+    const { counts, ...sizes } = await client.quality('q');
+    assert.deepEqual(sizes, {
+      triangles: 4, area: 16, angle: 18.43494882292201, largest: 116.56505117707799, shortest: Math.SQRT2, longest: 4.242640687119285,
+    });
+    assert.deepEqual(counts, [0, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0, 0]);
+    await client.constrainPath('q', [0, 4, 3], { closed: true, border: true, number: 2 });
+    assert.equal((await client.quality('q', { inside: 2 })).angle, 45);
+    await assert.rejects(client.quality('q', { inside: 3 }), { code: 'NOREGION' });
+  });
+
   test('regions, and nothing outside of a border', async () => {
     await loadParcels();
     const { triangles, area, borders } = await client.regions('t');

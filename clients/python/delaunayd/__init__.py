@@ -9,20 +9,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
-    from ._constraints import Constraints, Region, Regions
+    from ._constraints import Constraints, Quality, Region, Regions
     from ._protocol import Band, Cells, Contour, Field
     from .client import Client, ConnectionLost, Located, Neighbour, Pipeline, Refused, Reply
     from .mirror import Change, Constraint, Mirror
 
 __all__ = [
     "Band", "Cells", "Change", "Client", "ConnectionLost", "Constraint", "Constraints", "Contour", "Field", "Located", "Mirror", "Neighbour",
-    "Pipeline", "Refused", "Region", "Regions", "Reply"
+    "Pipeline", "Quality", "Refused", "Region", "Regions", "Reply"
 ]
 __version__ = "0.1.0"
 
 _HOMES = {
     "Band": "_protocol", "Cells": "_protocol", "Change": "mirror", "Constraint": "mirror", "Constraints": "_constraints", "Contour": "_protocol", "Field": "_protocol",
-    "Mirror": "mirror", "Region": "_constraints", "Regions": "_constraints"
+    "Mirror": "mirror", "Quality": "_constraints", "Region": "_constraints", "Regions": "_constraints"
 }
 
 

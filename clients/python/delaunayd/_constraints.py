@@ -38,6 +38,20 @@ class Regions(NamedTuple):
     borders: Dict[int, Region]
 
 
+class Quality(NamedTuple):
+    """The shapes of triangles: their number and area, the least and the largest angle in degrees, the lengths of the shortest and the
+    longest edge, and how many triangles have which least angle: counts[i] from 5 i to 5 (i + 1) degrees. Without triangles, angles and
+    lengths are nan."""
+
+    triangles: int
+    area: float
+    angle: float
+    largest: float
+    shortest: float
+    longest: float
+    counts: Tuple[int, ...]
+
+
 class ConstraintCommands(Table):
     """The commands about constraints and regions. `border`: parts of borders instead of lines; `number`: of the line or polygon that
     a constraint belongs to, 0 at first."""
@@ -111,6 +125,10 @@ class ConstraintCommands(Table):
         """What the borders of a set enclose."""
         return self._ask(_regions, "REGIONS", set_name(name))
 
+    def quality(self, name: str, inside: Inside = None) -> Quality:
+        """The angles of the triangles: of all, of those inside any border, or inside that of a number."""
+        return self._ask(_quality, "QUALITY", set_name(name), *option("INSIDE", inside))
+
     def regions_at(self, name: str, places: Any) -> List[Tuple[int, ...]]:
         """The numbers of the borders that contain each place of shape (n, 2), ascending; a place on the edge of a region belongs to it."""
         data, n = protocol.pairs(places)
@@ -169,6 +187,12 @@ def _regions(reply: Reply) -> Regions:
     for number, state, triangles, area in map(str.split, reply.rows):
         borders[int(number)] = Region(state == "closed", int(triangles), float(area))
     return Regions(int(reply.keys["inside"]), float(reply.keys["area"]), borders)
+
+
+def _quality(reply: Reply) -> Quality:
+    area, angle, largest, shortest, longest = (float(reply.keys[key]) for key in Quality._fields[1:-1])
+    counts = tuple(int(row.split()[2]) for row in reply.rows)
+    return Quality(int(reply.keys["triangles"]), area, angle, largest, shortest, longest, counts)
 
 
 def _regions_of_places(replies: Sequence[Reply]) -> List[Tuple[int, ...]]:

@@ -100,6 +100,21 @@ class Constraining(WithDaemon):
         self.assertEqual(c.get_field("t", "z", [4]), [2])
         self.assertEqual(set(c.constraints("t").number), {3})
 
+    def test_the_angles_of_triangles(self):
+        c = self.client
+        c.load("t", [(0, 0), (4, 0), (4, 4), (0, 4), (3, 1)])
+        c.triangulate("t")
+        found = c.quality("t")
+        self.assertEqual((found.triangles, found.area, found.longest), (4, 16, 18**0.5))
+        self.assertEqual(found.counts, (0, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0, 0))
+        self.assertAlmostEqual(found.angle, 18.43494882292201, 12)
+        c.constrain_path("t", [0, 4, 3], closed=True, border=True, number=2)
+        inside = c.quality("t", inside=2)
+        self.assertEqual((inside.triangles, inside.area, inside.angle), (1, 6, 45))
+        self.assertEqual(c.quality("t", inside=True), inside)
+        with self.assertRaises(Refused):
+            c.quality("t", inside=3)
+
     def test_regions(self):
         c = self.client
         self.load_parcels()

@@ -41,8 +41,8 @@ TEST(a_right_triangle_has_an_angle_of_90_degrees_at_any_size)
     }
 }
 
-/* With N = 2^52 and e = 2^-60, twice the area is 1 - e. The products of which it is the difference are N^2: even double words lose
- * all of it. */
+/* With N = 2^52 and e = 2^-60, twice the area is 1 - e: the difference of two products of about N^2. Double words lose all bits of
+ * that difference. */
 TEST(a_triangle_that_is_nearly_flat_has_the_angles_of_exact_arithmetic)
 {
     const double n = 0x1p52, e = 0x1p-60, least = 0x1p-105 * 57.295779513082323;
