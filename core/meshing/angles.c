@@ -69,7 +69,7 @@ static bool is_between(const struct dt_angles *a, const struct dt_shape *s)
     double size = fabs(s->q.x - s->p.x) * fabs(s->r.y - s->p.y) +
                   fabs(s->q.y - s->p.y) * fabs(s->r.x - s->p.x);
     double dot = dot_at(s->r, s->p, s->q);
-    double other = s->qr >= s->rp ? dot_at(s->p, s->q, s->r) : dot_at(s->q, s->r, s->p);
+    double other = fmin(dot_at(s->p, s->q, s->r), dot_at(s->q, s->r, s->p));
     double largest = a->largest.hi + sure * (1 + fabs(a->largest.hi));
     return a->any && s->cross * 16 > size && dot < a->least.hi * (1 - sure) * s->cross &&
            other > largest * s->cross;

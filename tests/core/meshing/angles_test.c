@@ -52,6 +52,21 @@ TEST(a_triangle_that_is_nearly_flat_has_the_angles_of_exact_arithmetic)
     CHECK(dt_degrees(angles.largest) == 180);
 }
 
+/* The long edges of the second triangle have equal lengths in doubles, and angles of 1 and 179 degrees at their ends. */
+TEST(the_largest_angle_of_a_needle_is_found_at_either_end)
+{
+    const struct dt_point before[] = {{0, 0}, {4, 0}, {2, 0.5}};
+    for (int k = 0; k < 6; k++) {
+        double side = k < 3 ? -1 : 1;
+        const struct dt_point p[] = {{0, 0}, {0x1p60, 0}, {side, 0x1p-6}};
+        struct dt_angles angles = angles_of(before[0], before[1], before[2]);
+        struct dt_shape s;
+        dt_shape_of(p[k % 3], p[(k + 1) % 3], p[(k + 2) % 3], &s);
+        dt_angles_add(&angles, &s);
+        CHECK(fabs(dt_degrees(angles.largest) - 179.104826) < 1e-6);
+    }
+}
+
 TEST(extremes_are_those_of_the_triangles_whatever_their_order)
 {
     for (int round = 0; round < 2000; round++) {
