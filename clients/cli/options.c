@@ -71,6 +71,13 @@ bool options_read_box(const char *text, double *box)
     return box[0] < box[2] && box[1] < box[3];
 }
 
+int options_crs(struct crs *crs, char **argv)
+{
+    if (crs_read(optarg, crs))
+        return EXIT_DONE;
+    return options_wrong(argv[0], "a reference system is EPSG:32629, for instance, not %s", optarg);
+}
+
 bool options_is_inside(const char *text)
 {
     size_t len = strlen(text);

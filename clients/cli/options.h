@@ -5,6 +5,8 @@
 #include <getopt.h>
 #include <stdbool.h>
 
+#include "clients/meshes/crs.h"
+
 /* getopt_long without messages of its own. */
 int options_next(int argc, char **argv, const char *letters, const struct option *options);
 
@@ -21,6 +23,9 @@ bool options_name_file(int argc, char **argv);
 
 /* Reads X0,Y0,X1,Y1, from lower left to upper right. */
 bool options_read_box(const char *text, double *box);
+
+/* Takes optarg, the value of --crs; returns the exit status. */
+int options_crs(struct crs *crs, char **argv);
 
 /* Whether the text says inside which border: `any`, or a number. */
 bool options_is_inside(const char *text);

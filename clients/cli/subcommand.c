@@ -25,7 +25,7 @@ const struct subcommand subcommands[] = {
      "                           as run's\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
-     "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --inside --colour --field --numbers --viewport --geographic --planar --crs --force",
      true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
@@ -34,7 +34,8 @@ const struct subcommand subcommands[] = {
      "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
      "V,\n"
      "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
-     "      --inside K           as export's\n"
+     "      --inside K, --crs CRS\n"
+     "                           as export's\n"
      "      --error E            a light mesh: only as many points are kept as its surface needs "
      "to "
      "be\n"
@@ -49,7 +50,7 @@ const struct subcommand subcommands[] = {
      "      --limit N            points that may be added (16 for each one)\n",
      "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
      "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
-     "--lines --inside --colour --field --numbers --viewport --geographic --planar --force",
+     "--lines --inside --colour --field --numbers --viewport --geographic --planar --crs --force",
      true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
@@ -108,7 +109,7 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --lines --inside --colour --field --numbers --viewport --geographic --planar "
+     "--format --lines --inside --colour --field --numbers --viewport --geographic --planar --crs "
      "--force",
      true, NULL},
     {"raster", command_raster, false, true,
@@ -129,12 +130,14 @@ const struct subcommand subcommands[] = {
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --outside nearest beyond the hull the values at its nearest place\n"
      "      --clip SET        only inside the borders of another set\n"
+     "      --crs CRS         the coordinates' reference system, EPSG:32629 for instance: in a "
+     "GeoTIFF, in a\n"
+     "                        .prj beside asc and bil, in a .png.aux.xml beside png\n"
      "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
      "--format --cell --width --viewport --method --max-edge --inside --outside --clip --as "
-     "--colour "
-     "--force",
+     "--colour --crs --force",
      true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--bands] [--format F] [--every STEP [--base B] | --levels L,L,...] "
@@ -151,8 +154,13 @@ const struct subcommand subcommands[] = {
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
+     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
+     "instance, as the\n"
+     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
+     "only\n"
      "      --force           replace any file\n",
-     "--bands --format --every --base --levels --max-edge --inside --viewport --geographic --force",
+     "--bands --format --every --base --levels --max-edge --inside --viewport --geographic --crs "
+     "--force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
@@ -167,8 +175,12 @@ const struct subcommand subcommands[] = {
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --field F         colours the cells of the picture by a field; without it by z, if "
      "there is one\n"
+     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
+     "instance, as the\n"
+     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
+     "only\n"
      "      --force           replace any file\n",
-     "--format --viewport --field --geographic --force", true, NULL},
+     "--format --viewport --field --geographic --crs --force", true, NULL},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
      "Writes the alpha shape of the triangulated set: the union of the triangles whose "
@@ -181,8 +193,12 @@ const struct subcommand subcommands[] = {
      "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
+     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
+     "instance, as the\n"
+     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
+     "only\n"
      "      --force           replace any file\n",
-     "--format --viewport --geographic --force", true, NULL},
+     "--format --viewport --geographic --crs --force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red, "
@@ -274,6 +290,10 @@ void subcommand_print_help(const struct subcommand *s)
         "      --inside K        only inside the border of number K, or inside any: --inside any\n"
         "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
         "      --geographic      x and y are longitude and latitude: a map with a scale in km\n"
+        "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
+        "instance, as the\n"
+        "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
+        "only\n"
         "      --force           replace any file\n\n"
         "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
         "and\n"

@@ -113,6 +113,7 @@ static int write_shape(void *ctx, FILE *out)
     if (strcmp(w->file.form, "wkt") == 0) {
         rings_write_wkt(out, &w->rings, w->radius);
     } else if (!shapes_file_is_picture(&w->file)) {
+        w->rings.crs = &w->file.crs;
         rings_write_geojson(out, &w->rings, w->radius);
     } else if (!shapes_file_project(&w->file, w->rings.xy, w->rings.corners)) {
         return EXIT_REFUSED;
@@ -155,11 +156,10 @@ static int finish(const struct delaunay_client *c, struct work *w, enum delaunay
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'}, {"viewport", required_argument, NULL, 'v'},
+        {"force", no_argument, NULL, 'F'},        {"geographic", no_argument, NULL, 'G'},
+        {"crs", required_argument, NULL, 'K'},    {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     double radius;
     optind = 0;

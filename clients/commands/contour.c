@@ -186,17 +186,13 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"every", required_argument, NULL, 'e'},
-                                            {"base", required_argument, NULL, 'b'},
-                                            {"levels", required_argument, NULL, 'l'},
-                                            {"max-edge", required_argument, NULL, 'm'},
-                                            {"inside", required_argument, NULL, 'i'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {"bands", no_argument, NULL, 'B'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
+        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
+        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
+        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
+        {"geographic", no_argument, NULL, 'G'},     {"crs", required_argument, NULL, 'K'},
+        {"bands", no_argument, NULL, 'B'},          {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

@@ -178,7 +178,7 @@ static int no_mesh(struct delaunay_client *c, enum delaunay_result r, const stru
 
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
-    struct model m = {.inside = e->inside};
+    struct model m = {.inside = e->inside, .crs = &e->crs};
     struct export_work work = {e, name, &m, 0};
     int status;
     unsigned parts = MODEL_TRIANGLES | MODEL_HULL;
@@ -235,6 +235,8 @@ int export_option(struct export *e, int option, char **argv)
         e->inside = optarg;
     else if (option == 'L')
         e->lines = true;
+    else if (option == 'K')
+        return options_crs(&e->crs, argv);
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
         return options_wrong(argv[0], "unknown colour %s; there are quality, degree and relief",
                              optarg);
@@ -266,6 +268,8 @@ int export_prepare(struct export *e, char **argv)
         return options_wrong(argv[0], "unknown format %s", name);
     if (e->png && output_is_standard(e->path))
         return options_wrong(argv[0], "a PNG needs a file");
+    if (crs_is_given(&e->crs) && (e->format == NULL || strcmp(e->format->name, "geojson") != 0))
+        return options_wrong(argv[0], "--crs is for GeoJSON; %s has no reference system", name);
     return output_check(e->path, e->force);
 }
 

@@ -18,7 +18,8 @@ struct export
     bool lines;                    /* the lines and polygons of the set instead of its triangles */
     void (*more)(const void *ctx); /* writes more keys of the report in JSON; may be NULL */
     const void *ctx;
-    bool planar; /* the picture is not a map, whatever the file says */
+    struct crs crs; /* of the coordinates, for GeoJSON */
+    bool planar;    /* the picture is not a map, whatever the file says */
     struct picture picture;
 };
 
@@ -27,7 +28,7 @@ struct export
         {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
         {"field", required_argument, NULL, 'z'}, {"geographic", no_argument, NULL, 'G'},           \
         {"planar", no_argument, NULL, 'P'}, {"lines", no_argument, NULL, 'L'},                     \
-        {"inside", required_argument, NULL, 'i'},                                                  \
+        {"inside", required_argument, NULL, 'i'}, {"crs", required_argument, NULL, 'K'},           \
     {                                                                                              \
         "force", no_argument, NULL, 'F'                                                            \
     }

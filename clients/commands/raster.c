@@ -11,6 +11,7 @@
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
 #include "clients/cli/part_file.h"
+#include "clients/files/program.h"
 #include "clients/pictures/png_file.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/grid_file.h"
@@ -23,6 +24,7 @@ struct work {
     enum raster_form form;
     enum relief_style style;
     struct raster_request request;
+    struct crs crs; /* of the coordinates */
     bool force;
     struct grid grid; /* owns its values */
 };
@@ -76,15 +78,65 @@ static int write_world(void *ctx, FILE *out)
     return EXIT_DONE;
 }
 
-/* With a file beside it: PATH.hdr, or for a picture PATH.pgw. */
-static int write_two(struct work *w, const char *ending, output_write_fn *write)
+/* The name that GDAL knows. */
+static void name_system(const struct work *w, char *name, size_t room)
+{
+    snprintf(name, room, "%s:%s", w->crs.authority, w->crs.code);
+}
+
+/* The reference system in the dialect of WKT that .prj files have, by GDAL. */
+static int write_system(void *ctx, FILE *out)
+{
+    const struct work *w = ctx;
+    char name[2 * CRS_PART + 2], text[4096];
+    const char *word[] = {"gdalsrsinfo", "--single-line", "-o", "wkt_esri", name, NULL};
+    ssize_t got;
+    size_t n = 0;
+    pid_t pid;
+    int from;
+    name_system(w, name, sizeof name);
+    if (program_start(&pid, word, -1, &from) != 0)
+        return output_fault(w->path, "--crs needs gdalsrsinfo (Debian: gdal-bin)");
+    while (n < sizeof text && (got = read(from, text + n, sizeof text - n)) > 0)
+        n += (size_t)got;
+    close(from);
+    if (program_end(pid) != 0 || n == 0 || n == sizeof text)
+        return output_fault(name, "gdalsrsinfo knows no such reference system");
+    fwrite(text, 1, n, out);
+    return EXIT_DONE;
+}
+
+/* GDAL and QGIS read the reference system of a picture there [gdal.org/user/raster_data_model.html, PAM]. */
+static int write_pam(void *ctx, FILE *out)
+{
+    const struct work *w = ctx;
+    fprintf(out, "<PAMDataset>\n  <SRS>%s:%s</SRS>\n</PAMDataset>\n", w->crs.authority,
+            w->crs.code);
+    return EXIT_DONE;
+}
+
+/* A file beside the raster: PATH with this ending in place of its own. */
+static int write_beside(struct work *w, const char *ending, output_write_fn *write)
 {
     char beside[4096];
     if (!output_beside(w->path, ending, beside, sizeof beside))
         return output_fault(w->path, "the name is too long");
     int status = output_check(beside, w->force);
-    if (status == EXIT_DONE)
-        status = output_write(beside, write, w, NULL);
+    return status == EXIT_DONE ? output_write(beside, write, w, NULL) : status;
+}
+
+/* The raster, after what belongs beside it: a header, or where a picture lies; and the reference system. */
+static int write_files(struct work *w)
+{
+    int status = EXIT_DONE;
+    bool picture = w->form == RASTER_PNG;
+    if (crs_is_given(&w->crs))
+        status = picture ? write_beside(w, "png.aux.xml", write_pam)
+                         : write_beside(w, "prj", write_system);
+    if (status == EXIT_DONE && w->form == RASTER_BIL)
+        status = write_beside(w, "hdr", write_header);
+    if (status == EXIT_DONE && picture)
+        status = write_beside(w, "pgw", write_world);
     return status == EXIT_DONE ? output_write(w->path, write_grid, w, NULL) : status;
 }
 
@@ -92,8 +144,14 @@ static int write_two(struct work *w, const char *ending, output_write_fn *write)
 static int write_tiff(struct work *w)
 {
     char bil[4096], header[4096], part[4096];
-    char gdal[] = "gdal_translate", q[] = "-q", of[] = "-of", type[] = "GTiff";
-    char *words[] = {gdal, q, of, type, bil, part, NULL};
+    char gdal[] = "gdal_translate", q[] = "-q", of[] = "-of", type[] = "GTiff", srs[] = "-a_srs";
+    char name[2 * CRS_PART + 2];
+    char *words[] = {gdal, q, of, type, bil, part, NULL, NULL, NULL};
+    name_system(w, name, sizeof name);
+    if (crs_is_given(&w->crs)) {
+        words[6] = srs;
+        words[7] = name;
+    }
     if ((size_t)snprintf(bil, sizeof bil, "%s.part.bil", w->path) >= sizeof bil ||
         !output_beside(bil, "hdr", header, sizeof header))
         return output_fault(w->path, "the name is too long");
@@ -177,6 +235,8 @@ static int read_option(struct work *w, int option, char **argv)
         return options_wrong(argv[0], "the width is a number of cells, not %s", optarg);
     else if (option == 'w')
         r->columns = (uint32_t)width;
+    else if (option == 'K')
+        return options_crs(&w->crs, argv);
     else if (option == 'v' && !options_read_box(optarg, r->box))
         return options_wrong(
             argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
@@ -194,8 +254,9 @@ static int choose_form(struct work *w, char **argv)
     for (int i = 0; i < 5; i++)
         if (strcmp(names[i], name) == 0) {
             w->form = i < 4 ? (enum raster_form)i : RASTER_TIFF;
-            return w->form > RASTER_ASC && output_is_standard(w->path)
-                       ? options_wrong(argv[0], "%s needs a file", name)
+            return output_is_standard(w->path) && (w->form > RASTER_ASC || crs_is_given(&w->crs))
+                       ? options_wrong(argv[0], "%s needs a file",
+                                       w->form > RASTER_ASC ? name : "--crs")
                        : output_check(w->path, w->force);
         }
     return options_wrong(argv[0], "unknown format %s; there are asc, bil, png and tif", name);
@@ -203,14 +264,21 @@ static int choose_form(struct work *w, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'}, {"cell", required_argument, NULL, 'c'},
-        {"width", required_argument, NULL, 'w'},  {"viewport", required_argument, NULL, 'v'},
-        {"method", required_argument, NULL, 'm'}, {"max-edge", required_argument, NULL, 'e'},
-        {"colour", required_argument, NULL, 'o'}, {"color", required_argument, NULL, 'o'},
-        {"inside", required_argument, NULL, 'i'}, {"outside", required_argument, NULL, 'O'},
-        {"clip", required_argument, NULL, 'C'},   {"as", required_argument, NULL, 'A'},
-        {"force", no_argument, NULL, 'F'},        {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"cell", required_argument, NULL, 'c'},
+                                            {"width", required_argument, NULL, 'w'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"method", required_argument, NULL, 'm'},
+                                            {"max-edge", required_argument, NULL, 'e'},
+                                            {"colour", required_argument, NULL, 'o'},
+                                            {"color", required_argument, NULL, 'o'},
+                                            {"inside", required_argument, NULL, 'i'},
+                                            {"outside", required_argument, NULL, 'O'},
+                                            {"clip", required_argument, NULL, 'C'},
+                                            {"as", required_argument, NULL, 'A'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {"crs", required_argument, NULL, 'K'},
+                                            {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
@@ -242,13 +310,8 @@ int command_raster(struct delaunay_client *c, int argc, char **argv)
     if ((w.form == RASTER_BIL || w.form == RASTER_TIFF) && !fits_floats(&w.grid))
         status =
             output_fault(w.path, "there are values beyond those of 32-bit floats; asc has all");
-    else if (w.form == RASTER_BIL)
-        status = write_two(&w, "hdr", write_header);
-    else if (w.form == RASTER_PNG)
-        status = write_two(&w, "pgw", write_world);
     else
-        status =
-            w.form == RASTER_TIFF ? write_tiff(&w) : output_write(w.path, write_grid, &w, NULL);
+        status = w.form == RASTER_TIFF ? write_tiff(&w) : write_files(&w);
     if (status == EXIT_DONE && !output_is_standard(w.path))
         report(&w);
     raster_free(&w.grid);

@@ -16,6 +16,8 @@ int shapes_file_option(struct shapes_file *f, int option, char **argv)
         f->force = true;
     else if (option == 'G')
         f->geographic = true;
+    else if (option == 'K')
+        return options_crs(&f->crs, argv);
     else if (option == 'v' && options_read_box(optarg, f->box))
         f->has_box = true;
     else if (option == 'v')
@@ -31,6 +33,8 @@ int shapes_file_choose(struct shapes_file *f, const char *command, const char *p
     static const char *const forms[] = {"geojson", "json", "svg", "wkt"};
     f->path = path;
     f->form = output_form(f->form, path, "geojson");
+    if (crs_is_given(&f->crs) && strstr(f->form, "json") == NULL)
+        return options_wrong(command, "--crs is for GeoJSON; %s has no reference system", f->form);
     for (int i = 0; i < 4; i++)
         if (strcmp(f->form, forms[i]) == 0)
             return output_check(path, f->force);
@@ -80,7 +84,8 @@ enum delaunay_result shapes_file_receive(struct delaunay_client *c, struct shape
 
 static int write_text(void *ctx, FILE *out)
 {
-    const struct shapes_file *f = ctx;
+    struct shapes_file *f = ctx;
+    f->shapes.crs = &f->crs;
     if (strcmp(f->form, "wkt") == 0)
         shapes_write_wkt(out, &f->shapes);
     else

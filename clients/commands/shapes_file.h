@@ -11,11 +11,12 @@ struct shapes_file {
     const char *path, *form; /* borrows from argv */
     bool force, has_box, geographic;
     double box[4];
+    struct crs crs;       /* of the coordinates, for GeoJSON */
     struct shapes shapes; /* owns */
     struct model model;   /* owns; what the picture shows beside the shapes */
 };
 
-/* Takes -f, --force (F) and --viewport (v), and refuses any other option. Returns the exit status. */
+/* Takes -f, --force (F), --geographic (G), --viewport (v) and --crs (K), and refuses any other option. Returns the exit status. */
 int shapes_file_option(struct shapes_file *f, int option, char **argv);
 
 /* Sets the path, and the format unless an option named it. Returns the exit status. */

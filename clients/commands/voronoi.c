@@ -70,10 +70,13 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'}, {"viewport", required_argument, NULL, 'v'},
-        {"field", required_argument, NULL, 'z'},  {"force", no_argument, NULL, 'F'},
-        {"geographic", no_argument, NULL, 'G'},   {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"field", required_argument, NULL, 'z'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {"geographic", no_argument, NULL, 'G'},
+                                            {"crs", required_argument, NULL, 'K'},
+                                            {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

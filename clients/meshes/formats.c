@@ -305,7 +305,7 @@ static void write_feature(FILE *out, const struct model *m, size_t t, const char
 
 static bool write_geojson(FILE *out, const struct model *m)
 {
-    fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
+    crs_begin_geojson(out, m->crs);
     for (size_t t = 0; t < m->triangles; t++)
         write_feature(out, m, t, t + 1 < m->triangles ? ",\n" : "\n");
     fputs("]}\n", out);

@@ -142,7 +142,7 @@ static bool write_features(FILE *out, const struct model *m, const char *between
 
 static bool write_geojson(FILE *out, const struct model *m)
 {
-    fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
+    crs_begin_geojson(out, m->crs);
     bool ok = write_features(out, m, ",\n");
     fputs("\n]}\n", out);
     return ok;

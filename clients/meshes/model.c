@@ -461,7 +461,7 @@ void model_free(struct model *m)
     free(m->constraint);
     free(m->fixed);
     free(m->region);
-    *m = (struct model){.inside = m->inside};
+    *m = (struct model){.inside = m->inside, .crs = m->crs};
 }
 
 /* ---- missing heights ---- */

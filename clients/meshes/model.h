@@ -3,6 +3,7 @@
 #define CLIENTS_MODEL_H
 
 #include "clients/lib/delaunay_client.h"
+#include "clients/meshes/crs.h"
 
 #include <stdint.h>
 
@@ -11,8 +12,9 @@ enum { MODEL_NAME = 65, MODEL_MOST_FIELDS = 64 };
 struct model {
     const char *
         inside; /* the caller's: fetch only the triangles and edges inside a border of this number, or `any`; NULL: all */
-    uint32_t *id; /* owns n, ascending */
-    double *xy;   /* owns 2n */
+    const struct crs *crs; /* the caller's: of the coordinates; may be NULL */
+    uint32_t *id;          /* owns n, ascending */
+    double *xy;            /* owns 2n */
     size_t n;
     char (*field)[MODEL_NAME]; /* owns: the names of its `fields` fields */
     double *value;             /* owns n * fields; nan: missing */
@@ -59,7 +61,7 @@ enum model_parts {
  * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
-void model_free(struct model *m); /* keeps m->inside */
+void model_free(struct model *m); /* keeps m->inside and m->crs */
 
 /* The column of a field of that name; -1 if there is none. */
 int model_field(const struct model *m, const char *name);

@@ -299,7 +299,7 @@ static void write_polygons(FILE *out, const struct rings *r, const char *radius,
 
 void rings_write_geojson(FILE *out, const struct rings *r, const char *radius)
 {
-    fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
+    crs_begin_geojson(out, r->crs);
     write_polygons(out, r, radius, false);
     fputs("]}\n", out);
 }

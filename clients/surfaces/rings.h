@@ -7,6 +7,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "clients/meshes/crs.h"
+
 struct ring {
     bool hole;
     size_t first, n; /* its corners: first .. first + n of the ids and places */
@@ -20,7 +22,8 @@ struct rings {
     uint32_t *id; /* owns: of the corners */
     double *xy;   /* owns 2 * corners, to be filled in by the caller before rings_place */
     size_t corners, corners_cap;
-    const char *fault; /* why a function returned false: a static sentence */
+    const struct crs *crs; /* the caller's: of the coordinates; may be NULL */
+    const char *fault;     /* why a function returned false: a static sentence */
 };
 
 /* Takes a row `outer k id1 ... idk` or `hole k id1 ... idk` of ALPHA. *r must be zeroed. */

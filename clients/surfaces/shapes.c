@@ -199,7 +199,7 @@ size_t shapes_count(const struct shapes *s)
 void shapes_write_geojson(FILE *out, const struct shapes *s)
 {
     bool line = s->kind == SHAPE_CONTOUR;
-    fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
+    crs_begin_geojson(out, s->crs);
     for (size_t i = 0, n; i < s->n; i += n) {
         n = shapes_rings(s, i);
         fputs("{\"type\":\"Feature\",\"properties\":", out);

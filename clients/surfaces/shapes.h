@@ -7,6 +7,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "clients/meshes/crs.h"
+
 enum shape_kind {
     SHAPE_CELL,    /* a row `id k x1 y1 ... xk yk` */
     SHAPE_CONTOUR, /* a row `level closed|open k x1 y1 ... xk yk` */
@@ -27,7 +29,8 @@ struct shapes {
     size_t n, cap;
     double *xy; /* owns 2 * corners, room for 2 * corners_cap */
     size_t corners, corners_cap;
-    const char *fault; /* why shapes_take returned false: a static sentence */
+    const struct crs *crs; /* the caller's: of the coordinates; may be NULL */
+    const char *fault;     /* why shapes_take returned false: a static sentence */
 };
 
 /* Takes a row; one without corners is left out. *s must be zeroed, except its kind. */
