@@ -57,7 +57,7 @@ same: all $(O)/tests/bench/points
 
 .PHONY: soak-follow
 soak-follow: all
-	tests/interop/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
+	tests/interop/follow/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
 
 # ---- test_web: the live page in a browser; bench-web measures it; soak-web opens it again and again on connections with faults:
 # ---- OPENINGS=200 POINTS=1000 SEED=1 ----

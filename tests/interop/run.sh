@@ -166,7 +166,7 @@ else
     skip "metrics" "the Debian package python3-prometheus-client is missing"
 fi
 for seed in 1 2; do
-    /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
+    /usr/bin/python3 tests/interop/follow/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
     collect "$scratch/follow"
 done
 tests/interop/same.py "$build" "$build/delaunayd" 150 >"$scratch/same" 2>&1
