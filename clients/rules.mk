@@ -161,9 +161,9 @@ $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
 .PHONY: interop_clients
 interop: interop_clients
 interop_clients: all lib $(O)/tests/bench/points
-	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy python3-matplotlib python3-shapely python3-geopandas python3-pytest python3-pip nodejs haproxy netcat-openbsd, \
+	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy python3-matplotlib python3-shapely python3-geopandas python3-distributed python3-pytest python3-pip nodejs haproxy netcat-openbsd, \
 	  command -v redis-cli && command -v node && command -v haproxy && command -v nc && \
-	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import shapely; import geopandas; import pip; import pytest')
+	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import shapely; import geopandas; import distributed; import pip; import pytest')
 	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
 	tests/interop/clients.sh $(O)
 	tests/interop/followers.sh $(O)

@@ -122,9 +122,9 @@ def _write_wheel(directory: str, tag: str, files: _Files) -> str:
 
 
 def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_directory: Optional[str] = None) -> str:
-    sources = sorted([*(HERE / PACKAGE).glob("*.py"), *(HERE / PACKAGE).glob("*.pyi"), HERE / PACKAGE / "py.typed"])
+    sources = sorted([*(HERE / PACKAGE).rglob("*.py"), *(HERE / PACKAGE).rglob("*.pyi"), HERE / PACKAGE / "py.typed"])
     binaries = _binaries()
-    files = [("%s/%s" % (PACKAGE, path.name), path.read_bytes(), 0o644) for path in sources]
+    files = [(path.relative_to(HERE).as_posix(), path.read_bytes(), 0o644) for path in sources]
     return _write_wheel(wheel_directory, _tag(binaries), files + binaries)
 
 

@@ -1,0 +1,82 @@
+"""Chunks of the input: ranges of rows that a task reads at once."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Tuple, cast
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .._types import Floats, NDArray, Numbers
+
+ROWS = 1 << 21  # rows of a chunk, where the input does not have chunks of its own
+
+LEAST, MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates other than 0
+
+
+class Chunk(NamedTuple):
+    """`name`: of the source, for messages. `first_row`: the number of the first row in that source. `n`: how many rows there are.
+    `path`: a file of NumPy, whose rows from `start` on are these; or `array`, which has them. `values`: the same of values, if they
+    are not a third column."""
+
+    name: str
+    first_row: int
+    n: int
+    path: Optional[str] = None
+    start: int = 0
+    array: Any = None
+    values_path: Optional[str] = None
+    values: Any = None
+
+    def rows(self) -> Any:
+        """The rows, of shape (n, 2) or (n, 3), mapped rather than read."""
+        return self.array if self.path is None else np.load(self.path, mmap_mode="r")[self.start : self.start + self.n]
+
+    def read(self, values: bool) -> Tuple[Floats, Optional[Floats]]:
+        """The coordinates, and the values if they are asked for. ValueError names a row that is not a point."""
+        rows = np.asarray(self.rows())
+        xy: Floats = np.ascontiguousarray(rows[:, :2], dtype=np.float64)
+        self._check(xy)
+        if not values:
+            return xy, None
+        z = rows[:, 2] if self.values is None and self.values_path is None else self.values
+        if self.values_path is not None:
+            z = np.load(self.values_path, mmap_mode="r")[self.start : self.start + self.n]
+        return xy, np.ascontiguousarray(z, dtype=np.float64)
+
+    def _check(self, xy: Floats) -> None:
+        size = np.abs(xy)
+        good = ((size >= LEAST) & (size <= MOST)) | (size == 0)
+        if not good.all():
+            row = int((~good.all(axis=1)).argmax())
+            raise ValueError(
+                "%s, row %d: %r, %r is not a point: magnitudes other than 0 are at least 2^-142 and at most 2^201"
+                % (self.name, self.first_row + row, float(xy[row, 0]), float(xy[row, 1]))
+            )
+
+    def sample(self, size: int, seed: int) -> Floats:
+        """At most this many of its points, chosen at random; rows that are not points are left out."""
+        rows = self.rows()
+        chosen: Numbers = np.arange(self.n)
+        if size < self.n:
+            chosen = np.unique(np.random.default_rng(seed).integers(0, self.n, size))
+        xy: Floats = np.asarray(rows[chosen, :2], dtype=np.float64)
+        kept: Floats = xy[np.isfinite(xy).all(axis=1)]
+        return kept
+
+
+def of_array(points: NDArray[Any], values: Optional[NDArray[Any]]) -> List[Chunk]:
+    """Chunks of an array in memory."""
+    return [
+        Chunk("points", start, len(points[start : start + ROWS]), array=points[start : start + ROWS],
+              values=None if values is None else values[start : start + ROWS])
+        for start in range(0, len(points), ROWS)
+    ]
+
+
+def npy_header(array: Any) -> bytes:
+    """What a .npy file has before the data of a C-contiguous array of this shape and type."""
+    content, npy = io.BytesIO(), cast(Any, np.lib.format)
+    npy.write_array_header_1_0(content, {"descr": npy.dtype_to_descr(array.dtype), "fortran_order": False, "shape": array.shape})
+    return content.getvalue()

@@ -1,0 +1,79 @@
+"""From points to a Tin."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from typing import TYPE_CHECKING, Any, List, Optional
+
+import numpy as np
+
+from . import chunks as _chunks, reading
+from .chunks import Chunk
+from .engine import Engine
+from .results import Tin
+from .rounds import Course
+from .tasks import Job
+from .tiling import Tiling, tiling_of
+
+if TYPE_CHECKING:
+    from .._types import Floats
+
+TILE = 10_000_000
+_SAMPLE = 1 << 20  # points that the cuts of tiles are chosen from
+
+
+def triangulate(
+    points: Any,
+    values: Any = None,
+    *,
+    tile: int = TILE,
+    client: Optional[Any] = None,
+    spill: Optional[str] = None,
+    keep: bool = True,
+    progress: bool = False,
+) -> Tin:
+    """The Delaunay triangulation of points as a Tin.
+
+    `points`: an array of NumPy or dask of shape (n, 2), or (n, 3) with values; a dask dataframe with columns x, y and maybe z; or the
+    name of a file, or a list of names: .npy, .csv, .csv.gz, and .las and .laz if laspy is installed. The number of a point is its
+    row, counted over all files in order.
+
+    `values`: an array of shape (n,), instead of a third column. `tile`: about how many points a tile has. A worker needs about
+    200 bytes of memory for each point of a tile. `client`: of distributed, by default this process's; without one dask's own
+    scheduler is used. `spill`: a folder that all workers see, by default one for temporary files; it needs 20 bytes a point, and the triangles 24
+    or 48. `keep`: keep the points there, for tin.raster(), contours() and locate().
+
+    ValueError names a row that is not a point; MemoryError and OSError say what does not suffice."""
+    if tile < 1:
+        raise ValueError("a tile must have at least 1 point")
+    engine = Engine(client, progress)
+    folder = tempfile.mkdtemp(prefix="delaunayd-", dir=spill)
+    try:
+        found = reading.chunks_of(points, values, engine, folder)
+        sample = _sample(found.chunks)
+        total = sum(chunk.n for chunk in found.chunks)
+        tiling = tiling_of(sample, max(1, -(-total // tile)))
+        return tin_of(engine, folder, found.chunks, found.values, tiling, keep)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def tin_of(engine: Engine, folder: str, chunks: List[Chunk], values: bool, tiling: Tiling, keep: bool) -> Tin:
+    """The Tin of chunks with these tiles. It owns the folder."""
+    counts = [chunk.n for chunk in chunks]
+    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64).tolist()
+    dtype = "<u4" if first[-1] < 2**32 else "<u8"
+    course = Course(engine, Job(folder, values, dtype, tuple(first[:-1])), chunks, tiling, keep)
+    course.split()
+    return Tin(engine, course.run(), keep)
+
+
+def _sample(chunks: List[Chunk]) -> Floats:
+    total = max(1, sum(chunk.n for chunk in chunks))
+    parts = [chunk.sample(max(1, _SAMPLE * chunk.n // total), seed) for seed, chunk in enumerate(chunks) if chunk.n > 0]
+    return np.concatenate([np.empty((0, 2)), *parts])
+
+
+__all__ = ["TILE", "triangulate"]

@@ -1,0 +1,134 @@
+"""The course of a triangulation: split the chunks into tiles, build each tile, exchange points until nothing is new, and finish.
+
+It runs in the process of the caller, which knows numbers alone: of tiles, of rows, and of who has messages for whom."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Set, Tuple
+
+import numpy as np
+
+from .._triangulation import Triangulation
+from . import spill, tasks
+from .chunks import Chunk
+from .engine import Engine
+from .tiling import Tiling
+
+if TYPE_CHECKING:
+    from .._types import Floats
+
+
+class Tile(NamedTuple):
+    """`chunks`: those that have rows in it. `last`: the turn of its last state. `triangles`: how many it outputs."""
+
+    number: int
+    chunks: Tuple[int, ...]
+    points: int
+    coincident: int
+    halo: int
+    last: int
+    triangles: int
+
+
+class Outcome(NamedTuple):
+    """The tiles that have points, how many rounds there were, and what every task knows."""
+
+    job: tasks.Job
+    tiles: List[Tile]
+    rounds: int
+
+
+class _State:
+    """What is known of a tile while rounds go on."""
+
+    def __init__(self, chunks: Tuple[int, ...], points: int):
+        self.chunks, self.points = chunks, points
+        self.coincident = self.halo = self.done = 0
+        self.last, self.deferred = 1, False
+        self.ends: Optional[Floats] = None
+
+
+class Course:
+    """Carries it out. `job` names the folder and the chunks."""
+
+    def __init__(self, engine: Engine, job: tasks.Job, chunks: List[Chunk], tiling: Tiling, keep: bool):
+        self._engine, self._job, self._chunks, self._tiling, self._keep = engine, job, chunks, tiling, keep
+        self.tiles: Dict[int, _State] = {}
+
+    def split(self) -> None:
+        """Writes the rows of the chunks by tiles."""
+        calls = [(self._job, number, chunk, self._tiling) for number, chunk in enumerate(self._chunks)]
+        boxes = np.full((self._tiling.count, 4), np.nan)
+        found: Dict[int, List[Tuple[int, int]]] = {}
+        for number, pieces in enumerate(self._engine.run("read", tasks.split, calls)):
+            for piece in pieces:
+                found.setdefault(piece.tile, []).append((number, piece.n))
+                boxes[piece.tile] = _joined(boxes[piece.tile], piece.box)
+        self.tiles = {
+            tile: _State(tuple(number for number, _ in rows), sum(count for _, count in rows)) for tile, rows in sorted(found.items())
+        }
+        self._job = self._job._replace(boxes=boxes)
+
+    def run(self) -> Outcome:
+        """Everything after the split."""
+        calls = [(self._job, tile, state.chunks) for tile, state in self.tiles.items()]
+        sent = self._engine.run("build", tasks.build, calls)
+        for one in sent:
+            state = self.tiles[one.tile]
+            state.done, state.coincident, state.ends = one.done, one.coincident, one.ends
+            if not self._keep:
+                spill.remove(*(spill.path_of(self._job.folder, "piece", chunk, one.tile) for chunk in state.chunks))
+        turn = 1
+        while True:
+            mail = self._note(sent)
+            full = set() if mail else self._lines()
+            if not mail and not full:
+                break
+            turn += 1
+            sent = self._exchange(turn, mail, full)
+        return self._finish(turn)
+
+    def _note(self, sent: List[tasks.Sent]) -> Dict[int, Tuple[int, ...]]:
+        """Who has messages for whom."""
+        mail: Dict[int, List[int]] = {}
+        for one in sent:
+            self.tiles[one.tile].deferred = one.deferred
+            for other in one.to:
+                mail.setdefault(other, []).append(one.tile)
+        return {tile: tuple(sorted(senders)) for tile, senders in sorted(mail.items())}
+
+    def _lines(self) -> Set[int]:
+        """The tiles whose points are on a line and that must open it in full."""
+        lines = {tile for tile, state in self.tiles.items() if state.deferred}
+        ends = [state.ends for state in self.tiles.values() if state.ends is not None]
+        if len(ends) == len(self.tiles) and lines:
+            places = np.ascontiguousarray(np.concatenate(ends))
+            if Triangulation(places, 1).counts.triangles == 0:
+                return set()  # all points are on one line
+        return lines
+
+    def _exchange(self, turn: int, mail: Dict[int, Tuple[int, ...]], full: Set[int]) -> List[tasks.Sent]:
+        calls = [
+            (self._job, tile, self.tiles[tile].last, turn, mail.get(tile, ()), tile in full) for tile in sorted(set(mail) | full)
+        ]
+        sent = self._engine.run("round", tasks.exchange, calls)
+        for tile, senders in mail.items():
+            spill.remove(*(spill.path_of(self._job.folder, "message", turn - 1, sender, tile) for sender in senders))
+        for one in sent:
+            state = self.tiles[one.tile]
+            spill.remove(spill.path_of(self._job.folder, "state", one.tile, state.last))
+            state.last, state.halo = turn, one.halo
+        return sent
+
+    def _finish(self, turn: int) -> Outcome:
+        calls = [(self._job, tile, state.last) for tile, state in self.tiles.items()]
+        rest = self._engine.run("triangles", tasks.finish, calls)
+        tiles = [
+            Tile(tile, state.chunks, state.points, state.coincident, state.halo, state.last, state.done + more)
+            for (tile, state), more in zip(self.tiles.items(), rest)
+        ]
+        return Outcome(self._job, tiles, turn)
+
+
+def _joined(box: Any, other: Any) -> Any:
+    return (*np.fmin(box[:2], other[:2]), *np.fmax(box[2:], other[2:]))

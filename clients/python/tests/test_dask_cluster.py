@@ -1,0 +1,82 @@
+"""delaunayd.dask on a cluster of processes."""
+
+import os
+import signal
+import tempfile
+import unittest
+
+try:
+    import dask
+    import numpy as np
+    from distributed import Client, LocalCluster
+
+    from delaunayd.dask import triangulate
+
+    from .sets import families
+    from .test_dask import in_order, of_process
+except ImportError:
+    dask = None
+
+
+@unittest.skipIf(dask is None, "NumPy, dask or distributed is missing")
+class OnACluster(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.cluster = LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit="2GB", local_directory=cls.folder.name
+        )
+        cls.client = Client(cls.cluster)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.client.close()
+        cls.cluster.close()
+        cls.folder.cleanup()
+
+    def check(self, tin, points):
+        with tin:
+            self.assertEqual(in_order(tin.triangles.compute()).tobytes(), of_process(points).tobytes())
+            self.assertEqual(tin.stats()["points"], len(points))
+
+    def test_processes_make_the_same_triangles(self):
+        sets = families(3000)
+        for name in ("uniform", "lattice, shuffled", "cross", "duplicates", "line up"):
+            self.check(triangulate(sets[name], tile=700), sets[name])
+
+    def test_a_worker_that_is_killed_changes_nothing(self):
+        points = np.random.default_rng(1).random((300000, 2))
+        victims = [info["pid"] for info in self.client.run(lambda: {"pid": os.getpid()}).values()]
+        killed = []
+
+        def kill_in_the_middle(prefix):
+            if len(killed) < len(victims):
+                os.kill(victims[len(killed)], signal.SIGKILL)
+                killed.append(prefix)
+
+        tin = triangulate(points, tile=20000, client=Deadly(self.client, kill_in_the_middle))
+        self.assertEqual(killed, ["delaunayd-build", "delaunayd-round"])
+        self.check(tin, points)
+
+
+class Deadly:
+    """A client that runs a function while tasks of building and of rounds are under way."""
+
+    def __init__(self, client, strike):
+        self._client, self._strike = client, strike
+        self._names = ["delaunayd-build", "delaunayd-round"]
+
+    def __getattr__(self, name):
+        return getattr(self._client, name)
+
+    def map(self, function, *columns, key, **options):
+        futures = self._client.map(function, *columns, key=key, **options)
+        if self._names and key[0].startswith(self._names[0]):
+            while not any(future.done() for future in futures):
+                pass
+            self._strike(self._names.pop(0))
+        return futures
+
+
+if __name__ == "__main__":
+    unittest.main()
