@@ -3,7 +3,7 @@
  * floating-point environment in which programs start.
  *
  * The points are divided into tiles. A tile has its own points and, later, foreign points: own points of other tiles. Every point has
- * a global id. The caller repeats rounds. In a round every tile that has received something is asked for its own points that
+ * a global id. The caller repeats rounds. In the first round every tile, later every tile that has received something, is asked for its own points that
  * other tiles need (dt_tile_open), and these are inserted there (dt_tile_insert). When no tile has anything to send, each tile
  * outputs the triangles whose smallest global id is its own. Together these are the triangles of all points, each of them once. The
  * method is that of L. Caraffa, M. Bredif, B. Vallet, "Tile & Merge: Distributed Delaunay Triangulations for Cloud Computing", 2019.
@@ -52,10 +52,16 @@ enum dt_status dt_tile_new(const struct dt_point *p, const uint64_t *id, size_t 
                            struct dt_pages *pages, unsigned workers, struct dt_tile **out);
 void dt_tile_free(struct dt_tile *tile); /* NULL: nothing */
 
-/* own: points, coincident ones included; foreign: points inserted; coincident: own points that are represented by others; triangles: those
- * of own and foreign points together, an upper limit of those that the tile outputs. */
+/* The figures of a tile.
+ *
+ *   own         own points, coincident ones included
+ *   foreign     points inserted
+ *   coincident  own points that another own point represents
+ *   triangles   of own and foreign points together: an upper limit of the rows of dt_tile_triangles
+ *   hull        the same for the edges of dt_tile_hull
+ *   postponed   faces that the next dt_tile_open will judge */
 struct dt_tile_counts {
-    uint64_t own, foreign, coincident, triangles;
+    uint64_t own, foreign, coincident, triangles, hull, postponed;
 };
 void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out); /* cost: constant */
 
@@ -68,12 +74,18 @@ bool dt_tile_box(const struct dt_tile *tile, double box[4]);
 enum dt_status dt_tile_insert(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
                               size_t n);
 
-/* What other tiles need of this one, and has not been returned before: local ids vertex->v[offset[k]] to vertex->v[offset[k + 1] - 1], ascending, are
- * for tile k. box[4 tiles]: the boxes of all tiles, x0, y0, x1, y1, nan for a tile without own points; they must be the same in every
- * call. me < tiles: the number of this tile. offset has room for tiles + 1. *vertex: start with {0}; the caller releases vertex->v
- * by free or dt_arrays_release. Later calls look at the faces that insertions have made since. DT_RANGE: a box. DT_NOMEM: nothing
- * counts as returned. Cost: linear in the triangles at the first call, in the points inserted at later ones; and O(log tiles) for
- * each face near the border and each pair. */
+/* Returns what other tiles need of this one and has not been returned before. Tile k needs the local ids vertex->v[offset[k]] to
+ * vertex->v[offset[k + 1] - 1], which ascend.
+ *
+ *   box[4 tiles]  the boxes of all tiles: x0, y0, x1, y1, nan for a tile without own points; the same in every call
+ *   me            the number of this tile, below `tiles`
+ *   offset        has room for tiles + 1
+ *   *vertex       starts with {0}; the caller releases vertex->v by free or dt_arrays_release
+ *
+ * Later calls look at the faces that insertions have made since. The first call may postpone faces; then it sends points to all other
+ * tiles. So a tile that postpones receives something, if all tiles are opened before anything is inserted. Other callers open a tile
+ * again until it has nothing postponed. DT_RANGE: a box or `me`. DT_NOMEM: nothing counts as returned. Cost: linear in the triangles at the
+ * first call, in the points inserted at later ones; O(log tiles) for each face near the border and each pair. */
 enum dt_status dt_tile_open(struct dt_tile *tile, const double *box, size_t tiles, size_t me,
                             int64_t *offset, struct dt_ids *vertex);
 
@@ -81,11 +93,16 @@ enum dt_status dt_tile_open(struct dt_tile *tile, const double *box, size_t tile
 enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex, size_t n,
                               struct dt_point *p, uint64_t *id);
 
-/* The triangles that this tile outputs: global ids, counterclockwise from the smallest one, rows ascending. triangle has room for
- * 3 numbers for each of dt_tile_counts.triangles rows, uint64_t if `wide`, otherwise uint32_t. *rows: how many were written; what is
- * behind them is undefined. DT_RANGE: an id does not fit. DT_NOMEM. Cost: linear; 36 bytes for each triangle, meanwhile. */
+/* The triangles that this tile outputs: global ids, counterclockwise from the smallest one, rows ascending. Numbers are uint64_t if `wide`,
+ * otherwise uint32_t. triangle has room for 3 of them for each of dt_tile_counts.triangles rows. *rows: how many were written;
+ * numbers behind them are undefined. DT_RANGE: an id does not fit. DT_NOMEM. Cost: linear; 20 bytes for each point, meanwhile. */
 enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *triangle,
                                  size_t *rows);
+
+/* The edges of the hull of all points that this tile outputs: those whose smaller global id is own. Two global ids for each edge, which is
+ * directed counterclockwise along the hull; ascending. Points on one line have every edge in both directions. edge has room for 2
+ * numbers for each of dt_tile_counts.hull. Returns the number of edges. Cost: linear. */
+size_t dt_tile_hull(const struct dt_tile *tile, uint64_t *edge);
 
 /* ---- a tile as bytes, so that it can wait on disk ----
  *

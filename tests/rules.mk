@@ -91,7 +91,7 @@ $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
 
 # Operations on one set.
 SET_BENCH := $(addprefix $(O)/tests/bench/,set/live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-$(addprefix $(O)/tests/bench/set/,live surface rasters simplify): %: %.o $(SET_BENCH)
+$(addprefix $(O)/tests/bench/set/,live surface rasters simplify tiles): %: %.o $(SET_BENCH)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 CGAL_BENCH := $(addprefix $(O)/tests/bench/,cgal_speed cgal_text set/cgal_live set/cgal_surface)

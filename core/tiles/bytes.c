@@ -1,15 +1,16 @@
-/* bytes.c - a tile as bytes: a head, the points by local id, the global ids, the pairs that were sent. */
+/* bytes.c - a tile as bytes: a head, the points by local id, the global ids, the pairs that were sent. Postponed faces are not among
+ * them: if there are any, all faces are judged again. */
 #include "core/tiles/tile.h"
 
 #include <string.h>
 
 #include "core/memory/memory.h"
 
-static const char MAGIC[8] = "dt_tile1";
+static const char MAGIC[8] = "dt_tile2";
 
 struct head {
     char magic[8];
-    uint64_t own, points, judged, sent;
+    uint64_t own, points, judged, opened, sent;
 };
 
 enum { PER_POINT = sizeof(struct dt_point) + sizeof(uint64_t) };
@@ -22,8 +23,11 @@ size_t dt_tile_size(const struct dt_tile *tile)
 
 void dt_tile_write(const struct dt_tile *tile, uint8_t *out)
 {
-    struct head head = {
-        .own = tile->own, .points = tile->points, .judged = tile->judged, .sent = tile->sent.n};
+    struct head head = {.own = tile->own,
+                        .points = tile->points,
+                        .judged = tile->postponed.n > 0 ? 0 : tile->judged,
+                        .opened = tile->opened,
+                        .sent = tile->sent.n};
     size_t ids = tile->points * sizeof *tile->id;
     memcpy(head.magic, MAGIC, sizeof MAGIC);
     memcpy(out, &head, sizeof head);
@@ -45,7 +49,7 @@ void dt_tile_write(const struct dt_tile *tile, uint8_t *out)
 static bool head_ok(const struct head *h, size_t size)
 {
     bool counts = h->own <= h->points && h->points <= DT_MAX_POINTS && h->judged <= h->points &&
-                  h->sent <= SIZE_MAX / 16;
+                  h->opened <= 1 && h->sent <= SIZE_MAX / 16;
     return counts && memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 &&
            size - sizeof *h == h->points * PER_POINT + h->sent * sizeof(uint64_t);
 }
@@ -107,6 +111,7 @@ static enum dt_status build(struct parts *a, const struct head *h, struct dt_pag
     if (s == DT_OK && tile->points != h->points)
         s = DT_CORRUPT;
     tile->judged = (uint32_t)h->judged;
+    tile->opened = h->opened == 1;
     tile->sent = a->sent;
     a->sent = (struct dt_pairs){0};
     return s;

@@ -1,7 +1,11 @@
 /* open.c - which own points other tiles need: the faces that meet their boxes (delaunay_tiles.h).
  *
- * At first all faces are judged, in the order of memory. Later only those that insertions have made: they have a corner that
- * was inserted. They are found around these corners, each at its corner with the greatest local id. */
+ * The first call judges the faces in the order of memory. Most ghosts and large circles exist only because the tile does not
+ * know the points around it yet; they meet the boxes of many tiles, near and far. So the first call postpones them, and sends the extreme
+ * points of the tile everywhere. The next call judges those that the points of the other tiles have left.
+ *
+ * Later calls judge the faces that insertions have made since: they have a corner that was inserted. They are found around these
+ * corners, each at its corner with the greatest local id. */
 #include "core/tiles/tile.h"
 
 #include <stdlib.h>
@@ -21,7 +25,10 @@ struct judge {
     struct dt_boxes boxes;     /* of the other tiles */
     bool apart;                /* none of them meets the box of this tile */
     struct dt_pairs found;
-    uint32_t own[3]; /* local ids: the own corners of the face that is judged */
+    bool postpones; /* ghosts, and circles with a reach above `most` */
+    double most;
+    struct dt_ids postponed; /* half edges: triangles of faces */
+    uint32_t own[3];         /* local ids: the own corners of the face that is judged */
     unsigned owns;
 };
 
@@ -79,6 +86,8 @@ static enum dt_status judge_triangle(struct judge *j, const uint32_t *corner)
     if (!select_own(j, corner, 3))
         return DT_OK;
     struct dt_reach reach = dt_reach_of(&disc, sure, a, b, c);
+    if (j->postpones && reach.reach > j->most)
+        return dt_ids_append(&j->postponed, (uint32_t)(corner - j->mesh->half));
     return dt_boxes_visit(&j->boxes, &(struct dt_boxes_query){disc_meets, &reach, send_to, j});
 }
 
@@ -91,6 +100,8 @@ static enum dt_status judge_ghost(struct judge *j, uint32_t g)
 {
     const uint32_t *corner = j->mesh->half + g;
     enum dt_status s = DT_OK;
+    if (j->postpones)
+        return dt_ids_append(&j->postponed, g);
     if (dt_mesh_is_line(j->mesh) && dt_hull_turns(j->mesh, g))
         s = send_everywhere(j, dt_hull_successor(j->mesh, g));
     if (s != DT_OK || !select_own(j, corner, 2))
@@ -106,14 +117,45 @@ static enum dt_status judge_face(struct judge *j, uint32_t t)
     return corner[2] == DT_NONE ? judge_ghost(j, t) : judge_triangle(j, corner);
 }
 
+/* The own points farthest to the lower left, the upper right, and the other two corners. */
+static enum dt_status send_extremes(struct judge *j)
+{
+    uint32_t found[4];
+    double most[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (uint32_t v = 0; v < j->tile->t->points.end; v++) {
+        struct dt_point p = j->xy[v];
+        const double along[4] = {-p.x - p.y, p.x + p.y, p.x - p.y, p.y - p.x};
+        for (unsigned k = 0; k < 4; k++)
+            if (along[k] > most[k]) {
+                most[k] = along[k];
+                found[k] = v;
+            }
+    }
+    enum dt_status s = DT_OK;
+    for (unsigned k = 0; k < 4 && s == DT_OK; k++)
+        s = send_everywhere(j, found[k]);
+    return s;
+}
+
 static enum dt_status judge_all(struct judge *j)
 {
-    enum dt_status s = DT_OK;
+    enum dt_status s = j->postpones ? send_extremes(j) : DT_OK;
     for (uint32_t i = 0; i < j->mesh->tri_end && s == DT_OK; i++)
         if (!dt_is_dead(j->mesh, 8 * i))
             s = judge_face(j, 8 * i);
     if (s == DT_OK && j->mesh->vertices == 1)
         s = send_everywhere(j, j->mesh->alone);
+    return s;
+}
+
+/* Records of faces that have gone may have been used again, for faces that have yet to be judged or are judged twice. */
+static enum dt_status judge_postponed(struct judge *j)
+{
+    const struct dt_ids *faces = &j->tile->postponed;
+    enum dt_status s = DT_OK;
+    for (size_t i = 0; i < faces->n && s == DT_OK; i++)
+        if (!dt_is_dead(j->mesh, faces->v[i]))
+            s = judge_face(j, faces->v[i]);
     return s;
 }
 
@@ -127,7 +169,7 @@ static bool is_greatest(const struct judge *j, uint32_t t, uint32_t local)
 
 static enum dt_status judge_new(struct judge *j)
 {
-    enum dt_status s = DT_OK;
+    enum dt_status s = judge_postponed(j);
     for (uint32_t local = j->tile->judged; local < j->tile->points && s == DT_OK; local++) {
         uint32_t first = j->mesh->leaving[dt_points_vertex(&j->tile->t->points, local)], h = first;
         if (first == DT_NONE)
@@ -179,10 +221,30 @@ static enum dt_status write_pairs(const struct dt_pairs *p, size_t tiles, int64_
     return DT_OK;
 }
 
+/* Few tiles need no second look, and of points on one line all faces are needed. */
+static void plan(struct judge *j)
+{
+    enum { FEW = 3 };
+    const struct dt_box *box = &j->tile->box;
+    j->apart = is_apart(j->tile, &j->boxes);
+    j->postpones = !j->tile->opened && j->boxes.n > FEW && !dt_mesh_is_line(j->mesh);
+    j->most = (dt_box_width(box) + dt_box_height(box)) / 16;
+}
+
+/* The pairs count as returned, and the postponed faces wait for the next call. */
+static void settle(struct dt_tile *tile, struct judge *j)
+{
+    free(tile->postponed.v);
+    tile->postponed = j->postponed;
+    j->postponed = (struct dt_ids){0};
+    tile->judged = tile->points;
+    tile->opened = true;
+}
+
 static enum dt_status open_tile(struct dt_tile *tile, struct judge *j, size_t tiles,
                                 int64_t *offset, struct dt_ids *vertex)
 {
-    j->apart = is_apart(tile, &j->boxes);
+    plan(j);
     enum dt_status s = tile->judged == 0 ? judge_all(j) : judge_new(j);
     if (s != DT_OK)
         return s;
@@ -192,7 +254,7 @@ static enum dt_status open_tile(struct dt_tile *tile, struct judge *j, size_t ti
     if (s == DT_OK)
         s = dt_pairs_merge(&tile->sent, &j->found);
     if (s == DT_OK)
-        tile->judged = tile->points;
+        settle(tile, j);
     return s;
 }
 
@@ -206,10 +268,11 @@ enum dt_status dt_tile_open(struct dt_tile *tile, const double *box, size_t tile
         .tile = tile, .mesh = &tile->t->mesh, .xy = tile->t->points.xy, .id = tile->t->points.id};
     enum dt_status s = dt_boxes_new(box, (uint32_t)tiles, (uint32_t)me, &j.boxes);
     if (s == DT_OK)
-        s = dt_refresh(tile->t, NULL);
+        s = dt_tile_refresh(tile);
     if (s == DT_OK)
         s = open_tile(tile, &j, tiles, offset, vertex);
     dt_pairs_clear(&j.found);
+    free(j.postponed.v);
     dt_boxes_clear(&j.boxes);
     dt_call_end(&caller);
     return s;

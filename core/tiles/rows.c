@@ -1,95 +1,154 @@
-/* rows.c - the triangles that a tile outputs. dt_flat writes all triangles with local ids. Own local ids are smaller than foreign
- * ones, and in the order of their global ids. So a row's first corner is its smallest own corner, and the rows of the tile are those whose
- * first corner is own and has the smallest global id. */
+/* rows.c - the triangles and hull edges that a tile outputs: those whose corner with the smallest global id is own. They are counted by
+ * that corner, whose local ids are in the order of the global ones, and then written where they belong. The rows of one corner are sorted
+ * last. Vertices are in the order of the plane, so global ids are read by vertex. */
 #include "core/tiles/tile.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/arrays/workers.h"
-#include "core/delaunay_arrays.h"
+#include "core/memory/memory.h"
 
 struct row {
     uint64_t id[3];
 };
 
-/* Whether the tile outputs the row with these local ids; *row: its global ids. */
-static bool is_output(const struct dt_tile *tile, const uint32_t *local, struct row *row)
-{
-    for (unsigned k = 0; k < 3; k++)
-        row->id[k] = tile->id[local[k]];
-    return dt_is_own(tile, local[0]) && row->id[0] < row->id[1] && row->id[0] < row->id[2];
-}
+struct rows {
+    const struct dt_tile *tile;
+    const uint32_t *half, *local; /* of the mesh; local ids by vertex */
+    uint64_t *global;             /* owns; by vertex */
+    uint32_t *end; /* owns own + 1: by local id, where its rows are written, or end */
+    uint32_t *
+        key; /* owns; by record of the mesh: 4 * local id + corner of the smallest; DT_NONE: none */
+    bool wide;
+    void *out;
+};
 
-static struct row get(const void *out, bool wide, size_t i)
+static inline void put(const struct rows *r, size_t i, struct row row)
 {
-    struct row r;
-    if (wide)
-        memcpy(&r, (const char *)out + i * sizeof r, sizeof r);
+    if (r->wide)
+        memcpy((char *)r->out + i * sizeof row, &row, sizeof row);
     else
         for (unsigned k = 0; k < 3; k++)
-            r.id[k] = ((const uint32_t *)out)[3 * i + k];
-    return r;
+            ((uint32_t *)r->out)[3 * i + k] = (uint32_t)row.id[k];
 }
 
-static void put(void *out, bool wide, size_t i, struct row r)
+static bool is_triangle(const uint32_t *corner)
 {
-    if (wide)
-        memcpy((char *)out + i * sizeof r, &r, sizeof r);
-    else
-        for (unsigned k = 0; k < 3; k++)
-            ((uint32_t *)out)[3 * i + k] = (uint32_t)r.id[k];
+    return corner[2] != DT_NONE && corner[2] != DT_DEAD;
 }
 
-static bool precedes(struct row a, struct row b)
+/* The corner of a triangle with the smallest global id. Without branches, which would be unpredictable. */
+static inline unsigned least_corner(const struct rows *r, const uint32_t *corner)
 {
-    return a.id[0] != b.id[0] ? a.id[0] < b.id[0] : a.id[1] < b.id[1];
+    const uint64_t a = r->global[corner[0]], b = r->global[corner[1]], c = r->global[corner[2]];
+    unsigned first = b < a, ahead = c < a && c < b;
+    return (first & (ahead - 1)) | ahead << 1;
 }
+
+/* Sets the keys, and makes end[local] the place of the first row of each own point. Returns how many rows there are. */
+static size_t count(const struct rows *r)
+{
+    uint32_t own = r->tile->own, sum = 0;
+    memset(r->end, 0, ((size_t)own + 1) * sizeof *r->end);
+    for (uint32_t i = 0; i < r->tile->t->mesh.tri_end; i++) {
+        const uint32_t *corner = &r->half[(size_t)8 * i];
+        r->key[i] = DT_NONE;
+        if (!is_triangle(corner))
+            continue;
+        unsigned k = least_corner(r, corner);
+        uint32_t least = r->local[corner[k]];
+        if (!dt_is_own(r->tile, least))
+            continue;
+        r->key[i] = 4 * least + k;
+        r->end[least]++;
+    }
+    for (uint32_t k = 0; k <= own; k++) {
+        uint32_t n = r->end[k];
+        r->end[k] = sum;
+        sum += n;
+    }
+    return sum;
+}
+
+static inline void *row_at(const struct rows *r, size_t i)
+{
+    return (char *)r->out + i * (r->wide ? 3 * sizeof(uint64_t) : 3 * sizeof(uint32_t));
+}
+
+/* Prefetches what record i + NEAR will write, and what is needed to find that for record i + FAR. */
+static inline void fetch(const struct rows *r, uint32_t i)
+{
+    enum { NEAR = 12, FAR = 24 };
+    uint32_t records = r->tile->t->mesh.tri_end;
+    if (i + FAR < records && r->key[i + FAR] != DT_NONE)
+        dt_fetch(&r->end[r->key[i + FAR] / 4]);
+    if (i + NEAR < records && r->key[i + NEAR] != DT_NONE)
+        dt_fetch(row_at(r, r->end[r->key[i + NEAR] / 4]));
+}
+
+static void distribute(const struct rows *r)
+{
+    static const unsigned after[] = {1, 2, 0, 1};
+    for (uint32_t i = 0; i < r->tile->t->mesh.tri_end; i++) {
+        uint32_t key = r->key[i];
+        fetch(r, i);
+        if (key == DT_NONE)
+            continue;
+        const uint32_t *corner = &r->half[(size_t)8 * i];
+        unsigned k = key & 3;
+        put(r, r->end[key / 4]++,
+            (struct row){{r->global[corner[k]], r->global[corner[after[k]]],
+                          r->global[corner[after[k + 1]]]}});
+    }
+}
+
+/* ---- the order of rows with the same first id: their second ids differ ---- */
 
 static int compare_wide(const void *a, const void *b)
 {
-    return precedes(get(a, true, 0), get(b, true, 0)) ? -1 : 1;
+    uint64_t x = ((const uint64_t *)a)[1], y = ((const uint64_t *)b)[1];
+    return x < y ? -1 : x > y;
 }
 
 static int compare_narrow(const void *a, const void *b)
 {
-    return precedes(get(a, false, 0), get(b, false, 0)) ? -1 : 1;
+    uint32_t x = ((const uint32_t *)a)[1], y = ((const uint32_t *)b)[1];
+    return x < y ? -1 : x > y;
 }
 
-/* Sorts the rows from .. end - 1, which have the same first id, unless they are sorted. Only foreign corners can be out of order. */
-static void sort_group(void *out, bool wide, size_t from, size_t end)
+static void sort_group(const struct rows *r, size_t from, size_t n)
 {
-    size_t size = wide ? sizeof(struct row) : 3 * sizeof(uint32_t), i = from + 1;
-    while (i < end && precedes(get(out, wide, i - 1), get(out, wide, i)))
-        i++;
-    if (i < end)
-        qsort((char *)out + from * size, end - from, size, wide ? compare_wide : compare_narrow);
+    if (r->wide)
+        qsort((uint64_t *)r->out + 3 * from, n, 3 * sizeof(uint64_t), compare_wide);
+    else
+        qsort((uint32_t *)r->out + 3 * from, n, 3 * sizeof(uint32_t), compare_narrow);
 }
 
-/* The local rows are in the last part of out[], and are overwritten from its beginning. Row i is written at or before the place of
- * local row i: 3 rows of 8 bytes take at most as much as is in front of it. */
-static size_t select_rows(const struct dt_tile *tile, const uint32_t *local, size_t n, bool wide,
-                          void *out)
+/* Few rows are sorted by insertion. */
+static void sort_few(uint32_t *row, size_t n)
 {
-    size_t kept = 0, group = 0;
-    uint64_t first = 0;
-    for (size_t i = 0; i < n; i++) {
-        uint32_t corner[3];
-        struct row row;
-        memcpy(corner, local + 3 * i, sizeof corner);
-        if (!is_output(tile, corner, &row))
-            continue;
-        if (kept > group && row.id[0] != first) {
-            sort_group(out, wide, group, kept);
-            group = kept;
-        }
-        first = row.id[0];
-        put(out, wide, kept++, row);
+    for (size_t i = 1; i < n; i++)
+        for (size_t k = i; k > 0 && row[3 * k + 1] < row[3 * k - 2]; k--)
+            for (size_t w = 3 * k; w < 3 * k + 3; w++) {
+                uint32_t kept = row[w];
+                row[w] = row[w - 3];
+                row[w - 3] = kept;
+            }
+}
+
+static void sort_rows(const struct rows *r)
+{
+    enum { FEW = 12 };
+    for (size_t local = 0, from = 0; local < r->tile->own; from = r->end[local++]) {
+        size_t n = r->end[local] - from;
+        if (!r->wide && n <= FEW)
+            sort_few((uint32_t *)r->out + 3 * from, n);
+        else if (n > 1)
+            sort_group(r, from, n);
     }
-    if (kept > group)
-        sort_group(out, wide, group, kept);
-    return kept;
 }
+
+/* ---- calls ---- */
 
 static bool fits_narrow(const struct dt_tile *tile)
 {
@@ -99,16 +158,67 @@ static bool fits_narrow(const struct dt_tile *tile)
     return fits;
 }
 
+static enum dt_status read_globals(struct rows *r)
+{
+    const struct dt_points *p = &r->tile->t->points;
+    r->global = dt_array_new_in(p->pages, (size_t)p->end + 1, sizeof *r->global);
+    if (r->global == NULL)
+        return DT_NOMEM;
+    for (uint32_t v = 0; v < p->end; v++)
+        if (p->id[v] != DT_NONE)
+            r->global[v] = r->tile->id[p->id[v]];
+    return DT_OK;
+}
+
 enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *triangle,
                                  size_t *rows)
 {
-    if (!wide && !fits_narrow(tile))
-        return DT_RANGE;
-    struct dt_summary sum;
-    dt_summary(tile->t, &sum);
-    uint32_t *local = (uint32_t *)triangle + (wide ? 3 * (size_t)sum.triangles : 0);
-    enum dt_status s = dt_flat(tile->t, false, local, NULL);
-    if (s == DT_OK)
-        *rows = select_rows(tile, local, sum.triangles, wide, triangle);
+    struct rows r = {.tile = tile,
+                     .half = tile->t->mesh.half,
+                     .local = tile->t->points.id,
+                     .wide = wide,
+                     .out = triangle};
+    enum dt_status s = wide || fits_narrow(tile) ? dt_readable(tile->t) : DT_RANGE;
+    if (s != DT_OK)
+        return s;
+    struct dt_pages *pages = tile->t->points.pages;
+    r.end = dt_array_new_in(pages, (size_t)tile->own + 1, sizeof *r.end);
+    r.key = dt_array_new_in(pages, (size_t)tile->t->mesh.tri_end + 1, sizeof *r.key);
+    s = r.end == NULL || r.key == NULL ? DT_NOMEM : read_globals(&r);
+    if (s == DT_OK) {
+        *rows = count(&r);
+        distribute(&r);
+        sort_rows(&r);
+    }
+    dt_array_free(r.global);
+    dt_array_free(r.key);
+    dt_array_free(r.end);
     return s;
+}
+
+static int compare_edges(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    if (x[0] != y[0])
+        return x[0] < y[0] ? -1 : 1;
+    return x[1] < y[1] ? -1 : x[1] > y[1];
+}
+
+size_t dt_tile_hull(const struct dt_tile *tile, uint64_t *edge)
+{
+    const struct dt_mesh *m = &tile->t->mesh;
+    const uint32_t *local = tile->t->points.id;
+    size_t n = 0;
+    for (uint32_t t = 0; dt_is_live(tile->t) && t < 8 * m->tri_end; t += 8) {
+        if (!dt_is_ghost(m, t))
+            continue;
+        uint32_t from = local[m->half[t + 1]], to = local[m->half[t]];
+        uint64_t a = tile->id[from], b = tile->id[to];
+        if (!dt_is_own(tile, a < b ? from : to))
+            continue;
+        edge[2 * n] = a;
+        edge[2 * n++ + 1] = b;
+    }
+    qsort(edge, n, 2 * sizeof *edge, compare_edges);
+    return n;
 }

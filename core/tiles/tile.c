@@ -12,6 +12,7 @@ void dt_tile_free(struct dt_tile *tile)
     if (tile == NULL)
         return;
     dt_pairs_clear(&tile->sent);
+    free(tile->postponed.v);
     dt_array_free(tile->id);
     dt_free(tile->t);
     free(tile);
@@ -21,8 +22,8 @@ void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out)
 {
     struct dt_summary sum;
     dt_summary(tile->t, &sum);
-    *out = (struct dt_tile_counts){tile->own, tile->points - tile->own, tile->coincident,
-                                   sum.triangles};
+    *out = (struct dt_tile_counts){tile->own,     tile->points - tile->own, tile->coincident,
+                                   sum.triangles, tile->t->mesh.ghosts,     tile->postponed.n};
 }
 
 bool dt_tile_box(const struct dt_tile *tile, double box[4])
@@ -107,6 +108,21 @@ enum dt_status dt_tile_new(const struct dt_point *p, const uint64_t *id, size_t 
 
 /* ---- foreign points ---- */
 
+/* Records of the mesh may be of other faces now, so every face is judged again if some were postponed. */
+static void forget_postponed(struct dt_tile *tile)
+{
+    if (tile->postponed.n > 0)
+        tile->judged = 0;
+    tile->postponed.n = 0;
+}
+
+enum dt_status dt_tile_refresh(struct dt_tile *tile)
+{
+    if (!dt_is_live(tile->t))
+        forget_postponed(tile);
+    return dt_refresh(tile->t, NULL);
+}
+
 /* A batch of foreign points: their local ids follow those that exist. */
 struct arrivals {
     struct dt_point *p; /* owns `room` */
@@ -149,8 +165,11 @@ static enum dt_status add_new(struct dt_tile *tile, struct arrivals *a)
 {
     struct dt_added added;
     enum dt_status s = add(tile, a, &added);
+    if (s != DT_OK)
+        forget_postponed(tile); /* points may have been taken out again */
     if (s == DT_OK && added.coincident > 0) {
         uint32_t all = (uint32_t)a->n;
+        forget_postponed(tile);
         s = drop_known(tile, a);
         dt_take_back(tile->t, all);
         if (s == DT_OK)
@@ -196,7 +215,7 @@ static enum dt_status insert(struct dt_tile *tile, const struct dt_point *p, con
     }
     dt_array_free(a.p);
     dt_array_free(a.id);
-    enum dt_status current = dt_refresh(tile->t, NULL);
+    enum dt_status current = dt_tile_refresh(tile);
     return s == DT_OK ? current : s;
 }
 

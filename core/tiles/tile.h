@@ -14,9 +14,15 @@ struct dt_tile {
     uint32_t points;     /* own and foreign points */
     uint32_t coincident; /* own points that are aliases of others */
     uint32_t judged;     /* faces without a corner from this local id on have been judged */
-    struct dt_box box;   /* of the own points, if any */
+    bool opened;         /* dt_tile_open has been called */
+    struct dt_ids
+        postponed; /* owns; half edges of triangles: the first ones of faces that open.c has postponed */
+    struct dt_box box; /* of the own points, if any */
     struct dt_pairs sent;
 };
+
+/* Brings the triangulation up to date. If that rebuilds it, every face is judged again if some were postponed. */
+enum dt_status dt_tile_refresh(struct dt_tile *tile);
 
 static inline bool dt_is_own(const struct dt_tile *tile, uint32_t local)
 {

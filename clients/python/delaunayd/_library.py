@@ -105,6 +105,7 @@ _FUNCTIONS = {
     "dt_tile_open": [c_void_p, c_void_p, c_size_t, c_size_t, c_void_p, POINTER(Ids)],
     "dt_tile_points": [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p],
     "dt_tile_triangles": [c_void_p, c_bool, c_void_p, POINTER(c_size_t)],
+    "dt_tile_hull": [c_void_p, c_void_p],
     "dt_tile_size": [c_void_p],
     "dt_tile_write": [c_void_p, c_void_p],
     "dt_tile_read": [c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],
@@ -114,7 +115,7 @@ _NO_STATUS = frozenset(
     ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_split_clear", "dt_tile_counts", "dt_tile_write",
      "dt_tile_free"]
 )
-_OTHERS = {"dt_tile_box": c_bool, "dt_tile_size": c_size_t}  # which return neither a status nor nothing
+_OTHERS = {"dt_tile_box": c_bool, "dt_tile_hull": c_size_t, "dt_tile_size": c_size_t}  # which return neither a status nor nothing
 
 _loaded: Any = None
 pages: Optional[int] = None  # the keeper of pages of all triangulations

@@ -24,12 +24,14 @@ _REFUSED = "a point of another tile contradicts this tile: coincident points mus
 
 class Counts(NamedTuple):
     """own: own points, coincident ones included; coincident: those that another own point represents; foreign: points of other tiles;
-    triangles: of own and foreign points together."""
+    triangles, hull: of own and foreign points together; postponed: faces at which the next `open` looks."""
 
     own: int
     foreign: int
     coincident: int
     triangles: int
+    hull: int
+    postponed: int
 
 
 def _points(xy: Any) -> Floats:
@@ -82,7 +84,7 @@ class Tile:
 
     @property
     def counts(self) -> Counts:
-        words = (ctypes.c_uint64 * 4)()
+        words = (ctypes.c_uint64 * 6)()
         self._library.dt_tile_counts(self._handle, words)
         return Counts(*words)
 
@@ -148,6 +150,12 @@ class Tile:
             raise ValueError("an id does not fit uint32")
         check(status, "triangles")
         return out[: rows.value]
+
+    def hull(self) -> NDArray[Any]:
+        """The edges of the hull of all points that this tile outputs, of shape (k, 2), uint64: each counterclockwise, rows ascending.
+        Points on one line have every edge in both directions."""
+        out = np.empty((self.counts.hull, 2), dtype=np.uint64)
+        return out[: self._library.dt_tile_hull(self._handle, out.ctypes.data)]
 
     def save(self, path: Any) -> None:
         """Writes a file that `load` reads. A file of that name is replaced when the new one is complete."""

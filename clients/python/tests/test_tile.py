@@ -48,7 +48,7 @@ def triangles_of(points, tiles, dtype="uint32", base=0):
     made = [Tile(points[part], part.astype(np.uint64) + np.uint64(base)) for part in parts]
     run_rounds(made)
     rows = np.concatenate([tile.triangles(dtype) for tile in made])
-    return rows[np.lexsort(rows.T[::-1])]
+    return rows[np.lexsort(rows.T[::-1])], np.concatenate([tile.hull() for tile in made]) - np.uint64(base)
 
 
 @unittest.skipIf(np is None, "NumPy is missing")
@@ -56,7 +56,10 @@ class Tiles(unittest.TestCase):
     def same(self, points, tiles):
         points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         want = Delaunay(points).simplices if len(points) > 0 else np.empty((0, 3))
-        got = triangles_of(points, tiles)
+        got, edges = triangles_of(points, tiles)
+        sides = {(a, b) for row in want.tolist() for a, b in zip(row, row[1:] + row[:1])}
+        if len(want) > 0:
+            self.assertEqual(sorted(map(tuple, edges.tolist())), sorted((a, b) for a, b in sides if (b, a) not in sides))
         self.assertEqual(got.dtype, np.uint32)
         self.assertEqual(got.tolist(), want.tolist())
 
@@ -82,7 +85,7 @@ class Tiles(unittest.TestCase):
 
     def test_ids_beyond_32_bits(self):
         points = np.random.default_rng(3).random((500, 2))
-        rows = triangles_of(points, 3, np.uint64, 1 << 40)
+        rows, _ = triangles_of(points, 3, np.uint64, 1 << 40)
         self.assertEqual(rows.dtype, np.uint64)
         self.assertEqual((rows - np.uint64(1 << 40)).tolist(), Delaunay(points).simplices.tolist())
         with self.assertRaisesRegex(ValueError, "does not fit"):
@@ -91,7 +94,7 @@ class Tiles(unittest.TestCase):
     def test_counts_and_box(self):
         tile = Tile([(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)], [1, 3, 5, 8, 9])
         tile.insert([(9, 9), (4, 4)], np.array([2, 5], dtype=np.uint32))
-        self.assertEqual(tuple(tile.counts), (5, 1, 1, 4))
+        self.assertEqual(tuple(tile.counts), (5, 1, 1, 4, 4, 0))
         self.assertEqual(tile.box, (0, 0, 4, 4))
         self.assertEqual(tile.points([4])[1].tolist(), [9])
         self.assertIsNone(Tile(np.empty((0, 2)), []).box)
@@ -146,4 +149,4 @@ class Tiles(unittest.TestCase):
             tile.points([3])
         with self.assertRaisesRegex(ValueError, "uint32"):
             tile.triangles(np.int32)
-        self.assertEqual(tuple(tile.counts), (3, 0, 0, 1))
+        self.assertEqual(tuple(tile.counts), (3, 0, 0, 1, 3, 0))

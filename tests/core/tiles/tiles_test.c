@@ -181,6 +181,57 @@ static void append_rows(const struct dt_tile *tile, bool wide, struct dt_ids *ou
     free(v);
 }
 
+/* Brute force's hull as edges: along the hull, or along a line and back. */
+static void hull_edges(const struct brute *b, struct dt_ids *out)
+{
+    struct dt_ids hull = {0};
+    brute_table(b, DT_HULL, false, &hull);
+    for (size_t i = 0; i < hull.n; i++) {
+        uint32_t from = hull.v[i], to = hull.v[i + 1 < hull.n ? i + 1 : 0];
+        if (b->line == NULL)
+            append_ids(out, (uint32_t[]){from, to}, 2);
+        else if (i + 1 < hull.n)
+            append_ids(out, (uint32_t[]){from, to, to, from}, 4);
+    }
+    free(hull.v);
+}
+
+static void append_hull(const struct dt_tile *tile, bool wide, struct dt_ids *out)
+{
+    struct dt_tile_counts sum;
+    dt_tile_counts(tile, &sum);
+    uint64_t *v = malloc((2 * sum.hull + 1) * sizeof *v);
+    CHECK(v != NULL);
+    size_t edges = dt_tile_hull(tile, v);
+    CHECK(edges <= sum.hull);
+    for (size_t i = 0; i < 2 * edges; i++) {
+        uint32_t local = (uint32_t)((v[i] - global(0, wide)) / 7);
+        append_ids(out, &local, 1);
+    }
+    free(v);
+}
+
+static int compare_edges(const void *a, const void *b)
+{
+    const uint32_t *x = a, *y = b;
+    return x[0] != y[0] ? (x[0] < y[0] ? -1 : 1) : (x[1] > y[1]) - (x[1] < y[1]);
+}
+
+static void check_hull(struct dt_tile **tile, unsigned tiles, bool wide, const struct brute *b)
+{
+    struct dt_ids got = {0}, want = {0};
+    hull_edges(b, &want);
+    for (unsigned k = 0; k < tiles; k++)
+        append_hull(tile[k], wide, &got);
+    if (got.n > 0)
+        qsort(got.v, got.n / 2, 2 * sizeof *got.v, compare_edges);
+    if (want.n > 0)
+        qsort(want.v, want.n / 2, 2 * sizeof *want.v, compare_edges);
+    check_equal_ids("hull", &got, &want);
+    free(got.v);
+    free(want.v);
+}
+
 static void check_tiles(const struct plan *plan, const char *what)
 {
     struct dt_tile *tile[TILES];
@@ -196,6 +247,7 @@ static void check_tiles(const struct plan *plan, const char *what)
     struct brute *b = brute_new(plan->p, NULL, plan->n);
     brute_table(b, DT_TRIANGLES, false, &want);
     check_equal_ids(what, &got, &want);
+    check_hull(tile, plan->tiles, wide, b);
     brute_free(b);
     free(got.v);
     free(want.v);
@@ -349,7 +401,7 @@ TEST(bytes_that_are_no_tile_are_refused)
     dt_tile_write(tile, bytes);
     for (size_t n = 0; n < size; n++)
         CHECK(dt_tile_read(bytes, n, NULL, 1, &got) == DT_CORRUPT && got == NULL);
-    for (size_t i = 0; i < 5 * sizeof(uint64_t); i++) {
+    for (size_t i = 0; i < 6 * sizeof(uint64_t); i++) {
         bytes[i] ^= 0x81;
         CHECK(dt_tile_read(bytes, size, NULL, 1, &got) == DT_CORRUPT && got == NULL);
         bytes[i] ^= 0x81;
