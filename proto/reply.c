@@ -100,11 +100,14 @@ void reply_key_u64(struct buf *out, const char *key, uint64_t value)
     buf_commit(out, len + 2 + write_u64(to + len + 1, value));
 }
 
+/* A number; beyond the largest double `inf` or `-inf`, and `nan` if there is none. */
 static char *write_value(char *to, double value)
 {
-    if (value == value)
+    if (isfinite(value))
         return to + proto_write_double(to, value);
-    memcpy(to, "nan", 3);
+    if (isinf(value) && value < 0)
+        *to++ = '-';
+    memcpy(to, isinf(value) ? "inf" : "nan", 3);
     return to + 3;
 }
 
@@ -129,7 +132,7 @@ void reply_key_doubles(struct buf *out, const char *key, const double *v, size_t
     for (size_t i = 0; from != NULL && i < n; i++) {
         if (i > 0)
             *to++ = ',';
-        to += proto_write_double(to, v[i]);
+        to = write_value(to, v[i]);
     }
     if (from != NULL)
         buf_commit(out, (size_t)(to - from));
@@ -324,25 +327,15 @@ void reply_row_line(struct buf *out, double level, bool closed, const void *xy, 
     buf_commit(out, (size_t)(to - row));
 }
 
-static size_t write_level(char *to, double level)
-{
-    if (!isinf(level))
-        return proto_write_double(to, level);
-    memcpy(to, "-inf", 4);
-    if (level > 0)
-        memcpy(to, "inf", 3);
-    return level > 0 ? 3 : 4;
-}
-
 void reply_row_band(struct buf *out, const double level[2], uint32_t number, bool hole,
                     const void *xy, size_t n)
 {
     char *row = buf_reserve(out, (2 * n + 2) * DOUBLE_ROOM + 16 + 2 * ID_ROOM);
     if (row == NULL)
         return;
-    char *to = row + write_level(row, level[0]);
+    char *to = write_value(row, level[0]);
     *to++ = ' ';
-    to += write_level(to, level[1]);
+    to = write_value(to, level[1]);
     *to++ = ' ';
     to += proto_write_u32(to, number);
     memcpy(to, hole ? " hole " : " outer ", hole ? 6 : 7);

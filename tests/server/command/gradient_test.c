@@ -110,3 +110,21 @@ TEST(gradients_of_many_places_are_those_of_each)
         CHECK(got[i][0] == i % 2 && got[i][1] == 1 - i % 2);
     daemon_stop(&d, SIGTERM);
 }
+
+/* A number beyond the largest double is written as a word, in both framings. */
+TEST(slopes_and_volumes_beyond_the_largest_double_are_infinite)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z 0 0 1e308 0.5 0 -1e308 0 1 0\nADD u FIELDS z 0 0 1e308 1e30 0 0 0 1 0\n"
+            "TRIANGULATE t\nTRIANGULATE u\n");
+    for (int i = 0; i < 4; i++)
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+    say(fd, "GRADIENT t z 0.1 0.1\n");
+    expect(fd, "OK 1\n-inf -1e+308\n");
+    say(fd, "VOLUME u z\n");
+    expect(fd, "OK 0 above=inf below=0 area=5e+29\n");
+    say(fd, "*5\r\n$8\r\nGRADIENT\r\n$1\r\nt\r\n$1\r\nz\r\n$3\r\n0.1\r\n$3\r\n0.1\r\n");
+    expect(fd, "*1\r\n$12\r\n-inf -1e+308\r\n");
+    daemon_stop(&d, SIGTERM);
+}
