@@ -160,15 +160,17 @@ const struct command commands[] = {
     {"INTERPOLATE", 5, 0, SEARCHES | CMD_SHARES, cmd_interpolate,
      "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE "
      "e] [INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest]",
-     .help = "the values of a field at places between its points", .rows = "d"},
+     .help = "the values of a field, or of several (a,b), at places between its points",
+     .rows = "d"},
     {"INTERPOLATEB", 4, 14, SEARCHES, cmd_interpolateb,
      "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest|smooth] [MAXEDGE e] "
      "[INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest]",
-     .help = "the values of a field at n places: n pairs of little-endian doubles follow",
+     .help = "the values of fields at n places: n pairs of little-endian doubles follow",
      .body = {.rows = LOAD_PLACES, .count = 3}},
     {"GRADIENT", 5, 0, SEARCHES | CMD_SHARES, cmd_gradient,
      "GRADIENT set field x y [x y ...] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]",
-     .help = "by how much a field grows at places, for a unit of x and of y", .rows = "d"},
+     .help = "by how much a field, or several (a,b), grow at places, for a unit of x and of y",
+     .rows = "d"},
     {"GRADIENTB", 4, 10, SEARCHES, cmd_gradientb,
      "GRADIENTB set field n [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip]",
      .help = "the same at n places: n pairs of little-endian doubles follow",
@@ -177,8 +179,8 @@ const struct command commands[] = {
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest|smooth] "
      "[MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] [OUTSIDE nan|nearest] [CLIP other] [AS "
      "slope|aspect] [BINARY]",
-     .help =
-         "the values of a field at the centres of the cells of a box, row by row from the north",
+     .help = "the values of a field, or of several (a,b), at the centres of the cells of a box, "
+             "row by row from the north",
      .rows = "d"},
     {"CONTOUR", 4, 0, QUERIES, cmd_contour,
      "CONTOUR set field level [level ...] [BANDS] [MAXEDGE e] [INSIDE [k]] [MISSING nan|skip] | "

@@ -39,6 +39,12 @@ static bool check_method(struct answer *a, const struct version *v, enum dt_inte
     return (how != DT_NATURAL && how != DT_LAPLACE) || check_delaunay(a, v);
 }
 
+/* Each field would need points of its own. */
+static void refuse_skip(struct answer *a)
+{
+    answer_err(a, ERR_SYNTAX, "MISSING skip is for one field");
+}
+
 /* Finds the source of a surface of the field, and sees to its regions. False: the request waits, or the ERR line has been written. */
 static bool find_source(struct server *s, struct answer *a, struct dataset *set,
                         const struct dt_field *field, bool skip, struct inside inside,
@@ -56,12 +62,20 @@ static bool find_source(struct server *s, struct answer *a, struct dataset *set,
 }
 
 /* Whether the surface can be computed now, from *from; else the request waits, or the ERR line has been written. */
-static bool is_ready(struct server *s, struct answer *a, struct dataset *set,
-                     const struct surface *q, struct surface_source *from)
+static bool is_ready(struct server *s, struct answer *a, struct dataset *set, struct surface *q,
+                     struct surface_source *from)
 {
-    const struct dt_field *field = dt_field_find(set->current->dt, q->field, q->field_len);
-    return find_source(s, a, set, field, q->skip, q->inside, from) &&
-           check_method(a, from->version, q->how);
+    if (q->skip && q->n_fields > 1) {
+        refuse_skip(a);
+        return false;
+    }
+    if (!find_source(s, a, set, dt_field_find(set->current->dt, q->field, q->field_len), q->skip,
+                     q->inside, from) ||
+        !check_method(a, from->version, q->how))
+        return false;
+    if (from->set == NULL)
+        q->fields[0] = dt_field_find(from->version->dt, q->field, q->field_len);
+    return true;
 }
 
 void cmd_weights(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -209,16 +223,38 @@ static bool read_options(struct answer *a, const struct request *q, size_t at, u
     return true;
 }
 
-/* The surface of the field that the third word names. */
+/* Finds the fields of the names `a,b,c`; the first of them alone gives the surface its name. */
+static bool find_all_fields(struct answer *a, const struct dataset *set, const struct word *names,
+                            struct surface *out)
+{
+    const struct dt_field **field = find_fields(a, set, names, &out->n_fields);
+    if (field == NULL)
+        return false;
+    for (size_t i = 0; i < out->n_fields; i++)
+        out->fields[i] = field[i];
+    free(field);
+    return true;
+}
+
+/* The surface of the field that the third word names; of values, of several. */
 static bool begin(struct answer *a, const struct dataset *set, const struct request *q,
                   enum surface_kind kind, struct surface *out)
 {
-    const struct word *name = &q->word[2];
+    struct word name = q->word[2];
     *out = (struct surface){.kind = kind, .how = DT_LINEAR, .max_edge = HUGE_VAL};
-    if (find_field(a, set, name) == NULL)
+    if (memchr(name.text, ',', name.len) == NULL || kind == SURFACE_CONTOUR ||
+        kind == SURFACE_PROFILE) {
+        out->fields[0] = find_field(a, set, &name);
+        out->n_fields = 1;
+        if (out->fields[0] == NULL)
+            return false;
+    } else if (find_all_fields(a, set, &name, out)) {
+        name.len = strlen(dt_field_name(out->fields[0]));
+    } else {
         return false;
-    memcpy(out->field, name->text, name->len);
-    out->field_len = name->len;
+    }
+    memcpy(out->field, name.text, name.len);
+    out->field_len = name.len;
     return true;
 }
 
@@ -343,7 +379,8 @@ static bool read_side(struct answer *a, const struct word *w, const char *what, 
     return good;
 }
 
-static bool read_raster(struct answer *a, const struct request *q, struct dt_raster *r)
+static bool read_raster(struct answer *a, const struct request *q, size_t fields,
+                        struct dt_raster *r)
 {
     const struct word *w = q->word;
     if (!read_point(a, &w[3], &r->lo) || !read_point(a, &w[5], &r->hi) ||
@@ -352,9 +389,10 @@ static bool read_raster(struct answer *a, const struct request *q, struct dt_ras
         return false;
     put_in_order(&r->lo.x, &r->hi.x);
     put_in_order(&r->lo.y, &r->hi.y);
-    bool good = (uint64_t)r->columns * r->rows <= LIMIT_RASTER_CELLS;
+    bool good = (uint64_t)r->columns * r->rows * fields <= LIMIT_RASTER_CELLS;
     if (!good)
-        answer_err(a, ERR_TOOBIG, "a raster has at most %d cells", LIMIT_RASTER_CELLS);
+        answer_err(a, ERR_TOOBIG, "a raster has at most %d %s", LIMIT_RASTER_CELLS,
+                   fields == 1 ? "cells" : "values");
     return good;
 }
 
@@ -379,7 +417,8 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct surface surface;
     struct surface_source from;
-    if (!begin(a, set, q, SURFACE_RASTER, &surface) || !read_raster(a, q, &surface.raster) ||
+    if (!begin(a, set, q, SURFACE_RASTER, &surface) ||
+        !read_raster(a, q, surface.n_fields, &surface.raster) ||
         !read_options(a, q, 9, VALUE_OPTIONS | OPTION_AS | OPTION_BINARY | OPTION_CLIP, &surface) ||
         !check_quantity(a, &surface) || !is_ready(s, a, set, &surface, &from) ||
         !find_clip(s, a, &surface))
@@ -498,7 +537,7 @@ void cmd_volume(struct server *s, struct dataset *set, const struct request *q, 
     for (size_t at = 3; good && at < q->n;)
         good = read_volume_option(a, set, q, &at, &volume);
     if (good && volume.skip && volume.minus != NULL) {
-        answer_err(a, ERR_SYNTAX, "MISSING skip is for one field");
+        refuse_skip(a);
         return;
     }
     if (good && find_source(s, a, set, volume.field, volume.skip, volume.inside, &from))

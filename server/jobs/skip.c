@@ -19,8 +19,8 @@ struct skip_job {
 static void run_job(struct job *job)
 {
     struct skip_job *j = (struct skip_job *)job;
-    job->status = past_copy(job->base, j->view, j->field, true, &job->options, job->queued_ns > 0,
-                            &job->memory, &j->past);
+    job->status = past_copy(job->base, j->view, &j->field, 1, true, &job->options,
+                            job->queued_ns > 0, &job->memory, &j->past);
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
@@ -40,7 +40,7 @@ static struct skip_job *new_job(struct server *s, struct answer *a, struct datas
     struct version *v = set->current;
     struct dt_options options = job_options(s);
     struct reservation memory = server_reservation(s, BUDGET_BUILDS);
-    if (!light && !server_reserve(s, a, &memory, past_memory(v, &options)))
+    if (!light && !server_reserve(s, a, &memory, past_memory(v, 1, &options)))
         return NULL;
     struct skip_job *j = job_new(sizeof *j, run_job, end_job);
     if (j != NULL) {

@@ -91,8 +91,7 @@ void clip_answer(struct server *s, struct answer *a, struct version *v, struct s
         return;
     }
     j->q = *q;
-    j->m = surface_moment(v, q);
-    version_pin(j->m.version);
+    j->m.version = version_pin(v);
     if (!light && (j->m.view = dt_view_begin(j->m.version->dt, true)) == NULL) {
         answer_out_of_memory(a);
         job_free(s, &j->job);

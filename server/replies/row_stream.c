@@ -30,11 +30,12 @@ struct row_stream {
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used, most;
     bool passed; /* a piece needs the copy, which is made when no piece is in work; none is begun */
-    struct job *copying; /* borrows; not NULL: a worker makes it */
-    struct past past;    /* owns: the copy, if there is one */
-    size_t past_bytes;   /* of the copy */
-    bool heavy;          /* workers make the pieces */
-    bool converted;      /* the rows become RESP */
+    struct job *copying;                         /* borrows; not NULL: a worker makes it */
+    const struct dt_field *field[DT_MAX_FIELDS]; /* of the rows of a surface */
+    struct past past;                            /* owns: the copy, if there is one */
+    size_t past_bytes;                           /* of the copy */
+    bool heavy;                                  /* workers make the pieces */
+    bool converted;                              /* the rows become RESP */
 };
 
 /* ---- life ---- */
@@ -188,8 +189,8 @@ static void run_copying(struct job *j)
 {
     struct copying *c = (struct copying *)j;
     const struct rows *rows = &c->stream->rows;
-    j->status = past_copy(j->base, rows->view, rows->surface.field, false, &j->options,
-                          j->queued_ns > 0, &j->memory, &c->past);
+    j->status = past_copy(j->base, rows->view, rows->surface.field, rows->surface.fields, false,
+                          &j->options, j->queued_ns > 0, &j->memory, &c->past);
     c->bytes = j->memory.bytes;
 }
 
@@ -413,6 +414,9 @@ bool row_stream_begin(struct server *s, struct answer *a, const struct rows *row
     st->stream =
         (struct stream){.kind = &kind, .begun = true, .computes = row_is_computed(rows->form)};
     st->rows = *rows;
+    for (size_t i = 0; i < rows->surface.fields; i++)
+        st->field[i] = rows->surface.field[i];
+    st->rows.surface.field = st->field;
     st->heavy = heavy && s->workers != NULL;
     st->most = most_pieces(st);
     if (!reserve(s, st)) {

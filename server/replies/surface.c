@@ -19,12 +19,6 @@ void surface_clear(struct surface *q)
     q->level = NULL;
 }
 
-struct surface_moment surface_moment(struct version *v, const struct surface *q)
-{
-    return (struct surface_moment){.version = v,
-                                   .field = dt_field_find(v->dt, q->field, q->field_len)};
-}
-
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
                            struct surface *q)
 {
@@ -37,7 +31,8 @@ void surface_answer_values(struct server *s, struct answer *a, const struct surf
                         .form = ROW_SURFACE,
                         .heavy = dt_next_id(v->dt) > IDS_AT_ONCE,
                         .surface = {.dt = v->dt,
-                                    .field = m->field,
+                                    .field = q->fields,
+                                    .fields = q->n_fields,
                                     .how = q->how,
                                     .max_edge = q->max_edge,
                                     .inside = q->inside,
@@ -49,12 +44,15 @@ void surface_answer_values(struct server *s, struct answer *a, const struct surf
                                     .columns = columns,
                                     .binary = q->binary,
                                     .end = n}};
-    size_t numbers = dt_surface_numbers(&(struct dt_surface){.quantity = q->quantity});
+    size_t numbers =
+        q->n_fields * dt_surface_numbers(&(struct dt_surface){.quantity = q->quantity});
     reply_ok(a->out, q->binary ? 0 : n / columns);
     if (q->binary)
         reply_key_u64(a->out, "rows", n / columns);
     if (raster)
         reply_key_u64(a->out, "columns", columns);
+    if (q->n_fields > 1)
+        reply_key_u64(a->out, "fields", q->n_fields);
     if (q->binary)
         reply_key_u64(a->out, "bytes", (uint64_t)n * numbers * sizeof(double));
     reply_end(a->out);
@@ -64,6 +62,6 @@ void surface_answer_values(struct server *s, struct answer *a, const struct surf
 
 void surface_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
 {
-    struct surface_moment now = surface_moment(v, q);
+    struct surface_moment now = {.version = v};
     surface_answer_values(s, a, &now, q);
 }

@@ -16,6 +16,9 @@ struct surface {
     bool binary;
     char field[DT_FIELD_NAME];
     size_t field_len;
+    const struct dt_field *fields
+        [DT_MAX_FIELDS]; /* SURFACE_PLACES, SURFACE_RASTER: of the source; `n_fields`, the first of that name */
+    size_t n_fields;
     enum dt_interpolation how;
     double max_edge;      /* HUGE_VAL: any */
     struct inside inside; /* regions_ready */
@@ -34,15 +37,11 @@ struct surface {
     struct dataset *clip;     /* borrows, for the request; SURFACE_RASTER: CLIP; NULL: none */
 };
 
-/* The source of a surface. */
+/* The moment of a surface. */
 struct surface_moment {
     struct version *version; /* borrows */
     struct dt_view *view;    /* NULL: now */
-    const struct dt_field *field;
 };
-
-/* The surface in a version now. */
-struct surface_moment surface_moment(struct version *v, const struct surface *q);
 
 /* Answers with values; what *q and *m own moves here. */
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,

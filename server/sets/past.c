@@ -10,15 +10,17 @@ enum { ROWS = 4096, CONSTRAINTS = 2048 }; /* read in one visit */
 /* The data that is copied before there is a set. */
 struct copy {
     uint32_t n, room;
-    char name[DT_FIELD_NAME + 1]; /* of the field */
+    size_t fields;
+    char (*name)[DT_FIELD_NAME + 1]; /* of the fields */
     uint32_t *id, *representative;
     struct dt_constraint_list constraints;
     struct dt_point *at;
-    double *value;
+    double *value; /* of `room` points in each field */
 };
 
 static void clear(struct copy *c)
 {
+    free(c->name);
     free(c->id);
     free(c->representative);
     free(c->constraints.v);
@@ -35,14 +37,16 @@ static enum dt_status make_room(struct copy *c, const struct dt_view *view)
     c->id = malloc(n * sizeof *c->id);
     c->representative = malloc(n * sizeof *c->representative);
     c->at = malloc(n * sizeof *c->at);
-    c->value = malloc(n * sizeof *c->value);
-    bool good = c->id != NULL && c->representative != NULL && c->at != NULL && c->value != NULL;
+    c->value = malloc(n * c->fields * sizeof *c->value);
+    c->name = calloc(c->fields, sizeof *c->name);
+    bool good = c->name != NULL && c->id != NULL && c->representative != NULL && c->at != NULL &&
+                c->value != NULL;
     return good ? DT_OK : DT_NOMEM;
 }
 
 /* Takes the next rows. *done: all have been taken. */
 static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct dt_view *view,
-                                const struct dt_field *f, uint32_t *from, bool *done)
+                                const struct dt_field *const *field, uint32_t *from, bool *done)
 {
     struct dt_row row[ROWS];
     size_t n;
@@ -55,8 +59,11 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
         c->representative[c->n] = row[i].representative;
         c->at[c->n++] = row[i].at;
     }
-    strcpy(c->name, dt_field_name(f));
-    dt_field_values(f, view, c->id + first, c->n - first, c->value + first);
+    for (size_t k = 0; k < c->fields; k++) {
+        strcpy(c->name[k], dt_field_name(field[k]));
+        dt_field_values(field[k], view, c->id + first, c->n - first,
+                        c->value + k * c->room + first);
+    }
     *done = n == 0;
     return DT_OK;
 }
@@ -72,13 +79,13 @@ static enum dt_status pause_copy(struct version *v, const struct dt_options *opt
 }
 
 static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
-                                const struct dt_field *f, const struct dt_options *opt, bool visits,
-                                struct copy *c)
+                                const struct dt_field *const *field, const struct dt_options *opt,
+                                bool visits, struct copy *c)
 {
     uint32_t from = 0, end = 0;
     enum dt_status status = make_room(c, view);
     for (bool done = false; status == DT_OK && !done;) {
-        status = take_rows(c, v->dt, view, f, &from, &done);
+        status = take_rows(c, v->dt, view, field, &from, &done);
         if (status == DT_OK)
             status = pause_copy(v, opt, visits);
     }
@@ -107,8 +114,9 @@ static enum dt_status build(struct copy *c, uint32_t next_id, bool skip,
     uint32_t missing;
     size_t added;
     enum dt_status status = dt_restore(t, c->id, c->at, c->representative, c->n, next_id, opt);
-    if (status == DT_OK)
-        status = dt_field_set(t, c->name, strlen(c->name), c->id, c->value, c->n, opt, &missing);
+    for (size_t k = 0; status == DT_OK && k < c->fields; k++)
+        status = dt_field_set(t, c->name[k], strlen(c->name[k]), c->id, c->value + k * c->room,
+                              c->n, opt, &missing);
     if (status == DT_OK)
         status = dt_constrain(t, c->constraints.v, c->constraints.n, opt, &added, &missing);
     if (status == DT_OK && skip)
@@ -128,25 +136,27 @@ static enum dt_status survey(struct dt *t, const struct dt_options *opt, struct 
     return dt_survey(t, opt);
 }
 
-size_t past_memory(const struct version *v, const struct dt_options *opt)
+size_t past_memory(const struct version *v, size_t n, const struct dt_options *opt)
 {
     struct dt_summary sum;
     dt_summary(v->dt, &sum);
     return sum.memory + dt_build_memory(v->dt, opt) +
-           (size_t)sum.points * (2 * sizeof(uint32_t) + sizeof(struct dt_point) + sizeof(double)) +
+           (size_t)sum.points *
+               (2 * sizeof(uint32_t) + sizeof(struct dt_point) + n * sizeof(double)) +
            dt_constraints_count(v->dt) * sizeof(struct dt_constraint);
 }
 
-enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
-                         bool skip, const struct dt_options *opt, bool visits,
-                         struct reservation *memory, struct past *out)
+enum dt_status past_copy(struct version *v, const struct dt_view *view,
+                         const struct dt_field *const *field, size_t n, bool skip,
+                         const struct dt_options *opt, bool visits, struct reservation *memory,
+                         struct past *out)
 {
-    struct copy c = {0};
+    struct copy c = {.fields = n};
     struct dt_summary sum;
     *out = (struct past){0};
-    if (!reservation_resize(memory, past_memory(v, opt)))
+    if (!reservation_resize(memory, past_memory(v, n, opt)))
         return DT_NOMEM;
-    enum dt_status status = copy_rows(v, view, f, opt, visits, &c);
+    enum dt_status status = copy_rows(v, view, field, opt, visits, &c);
     if (visits)
         gate_end_visit(&v->gate);
     if (status == DT_OK && (out->dt = dt_new(dt_tolerance(v->dt))) == NULL)
@@ -157,9 +167,10 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view, const st
         dt_crossed(out->dt, &out->crossed);
     if (status == DT_OK)
         status = survey(out->dt, opt, memory);
+    for (size_t k = 0; status == DT_OK && k < n; k++)
+        out->field[k] = dt_field_find(out->dt, c.name[k], strlen(c.name[k]));
     clear(&c);
     if (status == DT_OK) {
-        out->field = dt_field_find(out->dt, c.name, strlen(c.name));
         dt_summary(out->dt, &sum);
         reservation_set(memory, sum.memory);
     } else {

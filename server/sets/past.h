@@ -1,4 +1,4 @@
-/* past.h - a private copy of the points and one field of a set, as of the moment of a view. It serves a reader that needs the
+/* past.h - a private copy of the points and some fields of a set, as of the moment of a view. It serves a reader that needs the
  * whole triangulation of that moment although the set has been edited since. The triangulation depends on the points and
  * constraints alone, so the copy has the triangulation that the set had. Or it has the triangulation that the set would have had
  * without the points that lack a value. */
@@ -9,21 +9,22 @@
 #include "server/sets/dataset.h"
 
 struct past {
-    struct dt *dt; /* owns */
-    const struct dt_field *field;
-    struct dt_crossed crossed; /* of DT_CROSSES */
+    struct dt *dt;                               /* owns */
+    const struct dt_field *field[DT_MAX_FIELDS]; /* as many as were copied */
+    struct dt_crossed crossed;                   /* of DT_CROSSES */
 };
 
-/* Copies the points, with their ids and the values of f, and the constraints, and triangulates them; DT_NOMEM also if `memory` has
- * no room. With `skip`, points without a value are deleted first, and constraints that end at one are released; DT_CROSSES:
+/* Copies the points, with their ids and the values of n fields, and the constraints, and triangulates them; DT_NOMEM also if `memory` has
+ * no room. With `skip`, points without a value in the first one are deleted first, and constraints that end at one are released; DT_CROSSES:
  * two of the others now cross. If `visits`, the caller is a visitor of the version, on return too; in between it leaves, after pieces of
  * less than a millisecond. opt: its flag is polled. `memory` then has the bytes of the copy. Cost: as
  * dt_triangulate. */
-enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
-                         bool skip, const struct dt_options *opt, bool visits,
-                         struct reservation *memory, struct past *out);
+enum dt_status past_copy(struct version *v, const struct dt_view *view,
+                         const struct dt_field *const *field, size_t n, bool skip,
+                         const struct dt_options *opt, bool visits, struct reservation *memory,
+                         struct past *out);
 
-/* The memory that it takes while it makes the copy, at most. */
-size_t past_memory(const struct version *v, const struct dt_options *opt);
+/* The memory that it takes while it copies n fields, at most. */
+size_t past_memory(const struct version *v, size_t n, const struct dt_options *opt);
 
 #endif

@@ -14,30 +14,31 @@ enum {
     STEPS_A_VISIT = 1 << 17 /* while edits wait */
 };
 
-/* Of a place. */
+/* Of a place, for all fields. */
 static size_t numbers_of(const struct surface_rows *r)
 {
-    return dt_surface_numbers(&(struct dt_surface){.quantity = r->quantity});
+    return r->fields * dt_surface_numbers(&(struct dt_surface){.quantity = r->quantity});
 }
 
 /* Returns how many places are looked up together: whole rows if they are text. */
 static size_t batch(const struct surface_rows *r)
 {
     bool light = r->how == DT_LINEAR || r->how == DT_CLOSEST;
-    size_t left = r->end - r->at, n = light ? CELLS_LINEAR : CELLS_NATURAL;
+    size_t left = r->end - r->at, n = (light ? CELLS_LINEAR : CELLS_NATURAL) / r->fields;
     if (!r->binary) {
-        n = CELLS_TEXT / r->columns * r->columns;
+        n = CELLS_TEXT / r->fields / r->columns * r->columns;
         n = n > 0 ? n : r->columns;
     }
     return n < left ? n : left;
 }
 
-/* Clears the cells that are not kept. */
+/* Clears the numbers of cells that are not kept. */
 static void clip(const struct surface_rows *r, size_t from, size_t n, double *value)
 {
+    const size_t numbers = numbers_of(r);
     for (size_t i = 0; i < n; i++)
-        if ((r->kept[(from + i) / 8] >> (from + i) % 8 & 1) == 0)
-            value[i] = (double)NAN;
+        for (size_t k = 0; k < numbers && (r->kept[(from + i) / 8] >> (from + i) % 8 & 1) == 0; k++)
+            value[i * numbers + k] = (double)NAN;
 }
 
 static enum dt_status find(const struct surface_rows *r, const struct dt_surface *s, size_t n,
@@ -94,28 +95,40 @@ static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, s
     return status == DT_TOOLONG ? DT_OK : status;
 }
 
+/* The surface of one of the fields. */
+static struct dt_surface surface_of(const struct surface_rows *r)
+{
+    return (struct dt_surface){.how = r->how,
+                               .max_edge = r->max_edge,
+                               .inside = r->inside.asked,
+                               .number = r->inside.number,
+                               .beyond = r->beyond,
+                               .quantity = r->quantity};
+}
+
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
                                  struct pace *pace, struct reservation *memory)
 {
-    struct dt_surface s = {.how = r->how,
-                           .max_edge = r->max_edge,
-                           .inside = r->inside.asked,
-                           .number = r->inside.number,
-                           .beyond = r->beyond,
-                           .quantity = r->quantity};
-    r->passed = r->view != NULL && !(s.inside ? dt_view_has_regions(r->dt, r->view)
-                                              : dt_view_is_current(r->dt, r->view));
+    struct dt_surface s[DT_MAX_FIELDS];
+    size_t begun = 0;
+    r->passed = r->view != NULL && !(r->inside.asked ? dt_view_has_regions(r->dt, r->view)
+                                                     : dt_view_is_current(r->dt, r->view));
     if (r->passed)
         return DT_OK;
     if (r->value == NULL) {
         r->room = batch(r) * numbers_of(r) * sizeof *r->value;
         r->value = malloc(r->room + 1);
     }
-    enum dt_status status = r->value == NULL ? DT_NOMEM : dt_surface_begin(&s, r->field, r->view);
-    if (status != DT_OK)
-        return status;
-    status = fill(r, &s, out, limit, pace, memory);
-    dt_surface_end(&s);
+    enum dt_status status = r->value == NULL ? DT_NOMEM : DT_OK;
+    for (; status == DT_OK && begun < r->fields; begun += status == DT_OK) {
+        s[begun] = surface_of(r);
+        s[begun].next = begun + 1 < r->fields ? &s[begun + 1] : NULL;
+        status = dt_surface_begin(&s[begun], r->field[begun], r->view);
+    }
+    if (status == DT_OK)
+        status = fill(r, s, out, limit, pace, memory);
+    while (begun > 0)
+        dt_surface_end(&s[--begun]);
     if (r->found == 0)
         surface_rows_clear(r);
     return status;

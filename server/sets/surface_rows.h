@@ -24,9 +24,10 @@ struct surface_source {
 };
 
 struct surface_rows {
-    const struct dt *dt;          /* borrows; the set of the view, or a copy */
-    const struct dt_view *view;   /* borrows; NULL: now, or of a copy */
-    const struct dt_field *field; /* borrows; of dt */
+    const struct dt *dt;                 /* borrows; the set of the view, or a copy */
+    const struct dt_view *view;          /* borrows; NULL: now, or of a copy */
+    const struct dt_field *const *field; /* borrows; of dt: `fields` of them */
+    size_t fields;
     enum dt_interpolation how;
     double max_edge; /* HUGE_VAL: any */
     struct inside inside;
@@ -35,7 +36,7 @@ struct surface_rows {
     const struct dt_point *place; /* borrows; NULL: the cells of the raster */
     const uint8_t *kept;          /* borrows; bits of the cells that are kept; NULL: all */
     struct dt_raster raster;
-    size_t columns; /* places in a row */
+    size_t columns; /* places in a row; each has the numbers of all fields */
     bool binary;
     size_t at, end; /* places whose numbers have been written; of all */
     double *value; /* owns: the numbers of the next `found` places, of rows that are not complete */

@@ -264,6 +264,7 @@ count "simplified sets in rational arithmetic on all families" "$python" tests/i
 count "refined meshes in rational arithmetic on all families" "$python" tests/interop/refine.py "$build"
 count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
 count "missing values that are skipped, beside sets that never had these points" "$python" tests/interop/missing.py "$build"
+count "several fields of one request, beside each alone" "$python" tests/interop/fields.py "$build"
 count "gradients and profiles in rational arithmetic on all families" "$python" tests/interop/slopes.py "$build"
 count "angles in rational arithmetic on all families" "$python" tests/interop/angles.py "$build"
 count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"

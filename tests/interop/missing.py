@@ -35,13 +35,19 @@ def box(model):
     return min(xs), min(ys), max(xs), max(ys)
 
 
+def places_of(model, n):
+    """n points, n places in their box and one outside, of coordinates that the daemon takes."""
+    (x0, y0, x1, y1), r = box(model), model.rng
+    places = [r.choice(list(model.points.values())) for _ in range(n)]
+    places += [(r.uniform(x0, x1), r.uniform(y0, y1)) for _ in range(n)] + [(2 * x1 - x0, y1)]
+    return [v for place in places if all(v == 0 or 2**-142 <= abs(v) <= 2**201 for v in place) for v in place]
+
+
 def requests(model):
     """Pairs: what comes before the name of the set, and behind it."""
     points = list(model.points.values())
-    places = [v for _ in range(20) for v in model.rng.choice(points)]
-    (x0, y0, x1, y1), r = box(model), model.rng
-    places += [v for _ in range(20) for v in (r.uniform(x0, x1), r.uniform(y0, y1))] + [2 * x1 - x0, y1]
-    way = [v for _ in range(3) for v in r.choice(points)]
+    (x0, y0, x1, y1), places = box(model), places_of(model, 20)
+    way = [v for _ in range(3) for v in model.rng.choice(points)]
     for method in METHODS:
         yield "INTERPOLATE", f"z {words(places)} METHOD {method}"
         yield "RASTER", f"z {words((x0, y0, x1, y1))} 9 7 METHOD {method} OUTSIDE nearest"

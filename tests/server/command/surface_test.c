@@ -385,3 +385,23 @@ TEST(surfaces_in_resp)
     say(fd, "*4\r\n$7\r\nCONTOUR\r\n$1\r\nt\r\n$1\r\nz\r\n$3\r\n2.5\r\n");
     expect(fd, "*1\r\n$18\r\n2.5 open 2 0 3 2 2\r\n");
 }
+
+TEST(several_fields_have_their_values_side_by_side)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z,s 0 0 0 1 4 0 0 nan 4 4 8 2 0 4 8 3 2 2 nan 5\nTRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0 && strncmp(hear_line(fd), "OK 0", 4) == 0);
+    converse(
+        &d,
+        "INTERPOLATE t z,s 1 0 2 2 0 2\nINTERPOLATE t s,z,s 1 0 2 2 METHOD nearest\n"
+        "RASTER t s,z 0 0 4 4 2 2\nGRADIENT t s,z 1 1\nRASTER t s,z 0 0 4 4 1 2 AS slope\n"
+        "INTERPOLATE t z,s 1 0 MISSING skip\nINTERPOLATE t z,q 1 0\n"
+        "RASTER t z,s 0 0 4 4 65536 9000\n",
+        "OK 3 fields=2\n0 nan\nnan 5\n4 2\nOK 2 fields=3\n1 0 1\n5 nan 5\n"
+        "OK 2 columns=2 fields=2\n4 nan 3.5 nan\n3 nan nan nan\n"
+        "OK 1 fields=2\nnan nan nan nan\nOK 2 columns=1 fields=2\n51.88707349901337 nan\nnan nan\n"
+        "ERR SYNTAX MISSING skip is for one field\nERR NOFIELD there is no field q\n"
+        "ERR TOOBIG a raster has at most 134217728 values\n");
+    daemon_stop(&d, SIGTERM);
+}

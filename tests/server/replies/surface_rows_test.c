@@ -11,20 +11,21 @@
 enum { POINTS = 600 };
 
 /* Each of more pieces than are made ahead. */
-static const char *const rasters[] = {"RASTER t z 0 0 100 100 420 420 BINARY",
-                                      "RASTER t z 0 0 100 100 200 220 METHOD natural BINARY",
-                                      "RASTER t z -50 0 100 150 200 220 METHOD laplace MAXEDGE 20",
-                                      "RASTER t z 0 0 100 100 9000 7 METHOD nearest"};
+static const char *const rasters[] = {
+    "RASTER t z 0 0 100 100 420 420 BINARY", "RASTER t z 0 0 100 100 200 220 METHOD natural BINARY",
+    "RASTER t z -50 0 100 150 200 220 METHOD laplace MAXEDGE 20",
+    "RASTER t z 0 0 100 100 9000 7 METHOD nearest", "RASTER t y,z,y 0 0 100 100 320 220 BINARY"};
 enum { RASTERS = sizeof rasters / sizeof rasters[0] };
 
-/* Requests that make a set t of random points of a lattice, some of them twice, with a field z. The caller frees them. */
+/* Requests that make a set t of random points of a lattice, some of them twice, with fields y and z. The caller frees them. */
 static char *random_set(void)
 {
-    char *text = malloc(POINTS * 40 + 100), *to = text;
+    char *text = malloc(POINTS * 60 + 200), *to = text;
     CHECK(text != NULL);
-    to += sprintf(to, "LOAD t FIELDS z\n0 0 3\n100 0 4\n100 100 5\n0 100 6\n");
+    to += sprintf(to, "LOAD t FIELDS z,y\n0 0 3 1\n100 0 4 2\n100 100 5 nan\n0 100 6 4\n");
     for (int i = 0; i < POINTS; i++)
-        to += sprintf(to, "%u %u %.3f\n", test_below(100), test_below(100), test_uniform());
+        to += sprintf(to, "%u %u %.3f %.4f\n", test_below(100), test_below(100), test_uniform(),
+                      test_uniform());
     strcpy(to, ".\nTRIANGULATE t\n");
     return text;
 }
@@ -158,7 +159,8 @@ static const char fields[] =
 
 static const char *const clipped[] = {"RASTER t z 0 0 100 100 420 420 CLIP f BINARY",
                                       "RASTER t z -50 0 100 150 400 420 CLIP f METHOD nearest",
-                                      "RASTER t z 0 0 100 100 9000 29 OUTSIDE nearest CLIP f"};
+                                      "RASTER t z 0 0 100 100 9000 29 OUTSIDE nearest CLIP f",
+                                      "RASTER t z,y 0 0 100 100 220 320 CLIP f BINARY"};
 
 /* Also where the other set is edited, or dropped. */
 TEST_TIMEOUT(values_that_another_set_clips_are_those_of_the_moment, 60)

@@ -44,11 +44,14 @@ static struct rows nearest_rows(struct local *l, const struct dt_point *place)
 
 static struct rows value_rows(struct local *l, const struct dt_point *place)
 {
+    static const struct dt_field *field[1];
     struct version *v = local_set(l, "t")->current;
+    field[0] = dt_field_find(v->dt, "z", 1);
     return (struct rows){.version = v,
                          .form = ROW_SURFACE,
                          .surface = {.dt = v->dt,
-                                     .field = dt_field_find(v->dt, "z", 1),
+                                     .field = field,
+                                     .fields = 1,
                                      .how = DT_NATURAL,
                                      .max_edge = HUGE_VAL,
                                      .place = place,
