@@ -1,13 +1,13 @@
 """Several fields of one request on all families of tests/oracle/families.c: each value equals, byte for byte, that of a request for the field
 alone.
 
-    fields.py BUILD_DIR [FAMILY...]
+    several.py BUILD_DIR [FAMILY...]
 """
 
 import math
 import sys
 
-sys.path.insert(0, "tests/interop")
+sys.path[:0] = ["tests/interop", "tests/interop/fields"]
 from missing import METHODS, Asking, box, lose, places_of, words  # noqa: E402
 from surfaces import arguments, stages  # noqa: E402
 

@@ -7,7 +7,7 @@ a value, nor constraints that end at one. Few values are missing, or half, or al
 import math
 import sys
 
-sys.path.insert(0, "tests/interop")
+sys.path[:0] = ["tests/interop", "tests/interop/fields"]
 from surfaces import arguments, stages  # noqa: E402
 from weights import Connection  # noqa: E402
 
