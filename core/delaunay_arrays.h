@@ -14,6 +14,7 @@
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
+#include "core/delaunay_thinning.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -26,6 +27,14 @@ extern "C" {
  * the same edge, DT_NONE on the hull. n: dt_summary.triangles. Cost: linear; 4 bytes for each id ever given, and 16 for
  * each triangle, meanwhile. */
 enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_t *halfedges);
+
+/* ---- surfaces of few points ----
+ *
+ * dt_thin of points that may coincide: the first one at each place counts. Ends of constraints and out->kept are positions in in->point[],
+ * and in->reserve is not used. The caller releases out->kept by dt_pages_release. DT_RANGE: a coordinate that dt_coordinate_ok refuses,
+ * an infinite value, or an error that is negative or not finite. DT_NOPOINT, DT_NOEDGE: an end is no point, or both ends are the same
+ * position. DT_TOOBIG: there are too many points, and out->least is 0; or out->least > in->most. Other failures, and cost: as of dt_thin. */
+enum dt_status dt_arrays_thin(const struct dt_thinning *in, struct dt_thinned *out);
 
 /* ---- of points that are triangulated together ---- */
 

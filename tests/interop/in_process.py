@@ -1,5 +1,5 @@
 """The Python package in its own process beside a daemon, on all families of tests/oracle/families.c: triangles in the same order,
-edges, hulls and coincident points; triangles of places; linear and natural values, byte for byte; the nearest points.
+edges, hulls and coincident points; triangles of places; linear and natural values, byte for byte; the nearest points; the points of simplify.
 
     in_process.py BUILD_DIR [FAMILY...]
 """
@@ -11,9 +11,9 @@ import sys
 import numpy as np
 
 sys.path.insert(0, "clients/python")
-from delaunayd import Client  # noqa: E402
+from delaunayd import Client, Refused  # noqa: E402
 from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator  # noqa: E402
-from delaunayd.spatial import Delaunay  # noqa: E402
+from delaunayd.spatial import Delaunay, simplify  # noqa: E402
 
 NONE = 0xFFFFFFFF
 
@@ -60,6 +60,20 @@ def compare_places(client, d, places, values):
         same("nearest", ids, np.where(want == NONE, d.npoints, want))
 
 
+def compare_simplified(client, points, values):
+    values = np.where(np.arange(len(points)) % 7 == 3, np.nan, values)
+    client.set_field("t", "z", values)
+    for options in ({"error": 0.0}, {"error": 0.3}, {"error": 0.0, "most": 40}):
+        most = options.get("most")
+        try:
+            client.simplify("t", "z", options["error"], "few", points=most, ids="old")
+        except Refused as refused:  # the points that must stay are too many
+            assert most is not None and "must stay" in str(refused), refused
+            continue
+        same("points of simplify", simplify(points, values, **options), client.field("few", "old")[1].astype(np.int64))
+        client.drop("few")
+
+
 def compare(client, build, family, n):
     points = points_of(build, family, n, n)
     places = np.vstack([points_of(build, family, 200, 7), points[: n // 4], (points[: n // 2] + points[n - n // 2 :]) / 2])
@@ -71,6 +85,7 @@ def compare(client, build, family, n):
     d = Delaunay(points)
     compare_tables(client, d)
     compare_places(client, d, places, values)
+    compare_simplified(client, points, values)
     client.drop("t")
 
 

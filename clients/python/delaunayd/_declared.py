@@ -40,6 +40,20 @@ def named(error: Crossing, graph: Graph) -> Crossing:
     return Crossing("%s: %s" % (subject, error.args[0]), error.segments)
 
 
+def checked_points(points: Any) -> Floats:
+    """A copy of points of shape (n, 2), contiguous."""
+    if isinstance(points, np.ma.MaskedArray):
+        raise ValueError("Input points cannot be a masked array")
+    checked: Floats = np.array(points, dtype=np.float64, order="C")  # its own: tables are computed later
+    if checked.ndim != 2 or checked.shape[1] != 2:
+        raise ValueError("points must have the shape (n, 2): delaunayd knows the plane alone")
+    if len(checked) == 0:
+        raise ValueError("No points given")
+    if not np.isfinite(checked).all():
+        raise ValueError("Points cannot contain NaN or infinity")
+    return checked
+
+
 def checked_segments(segments: ArrayLike) -> Ints:
     """Segments of shape (m, 2), contiguous."""
     pairs = np.asarray(segments)

@@ -17,7 +17,7 @@ _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next on
 LINEAR, NATURAL, LAPLACE, _, SMOOTH = range(5)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
-_NOMEM, _TOOBIG, RANGE, NOPOINT, NOEDGE, CORRUPT, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 10, 13, 16  # enum dt_status
+_NOMEM, TOOBIG, RANGE, NOPOINT, NOEDGE, CORRUPT, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 10, 13, 16  # enum dt_status
 
 
 _NOREGION, _OPEN = 18, 19
@@ -75,6 +75,21 @@ class Refined(ctypes.Structure):
     ]
 
 
+class Thinning(ctypes.Structure):
+    """struct dt_thinning."""
+
+    _fields_ = [
+        ("point", c_void_p), ("value", c_void_p), ("n", c_uint32), ("constraint", c_void_p), ("constraints", c_size_t),
+        ("error", c_double), ("most", c_uint32), ("reserve", c_void_p), ("ctx", c_void_p)
+    ]
+
+
+class Thinned(ctypes.Structure):
+    """struct dt_thinned."""
+
+    _fields_ = [("kept", c_void_p), ("n", c_uint32), ("least", c_uint32), ("error", c_double)]
+
+
 _FUNCTIONS = {
     "dt_arrays_new": [c_void_p, c_size_t, c_void_p, c_uint, c_void_p, POINTER(c_void_p)],
     "dt_arrays_declared": [
@@ -87,6 +102,8 @@ _FUNCTIONS = {
     "dt_arrays_faces": [c_void_p, c_void_p, POINTER(Ids), POINTER(Ids)],
     "dt_arrays_regions": [c_void_p, POINTER(POINTER(Region)), POINTER(c_size_t), POINTER(Region)],
     "dt_arrays_refine": [c_void_p, POINTER(Quality), POINTER(Refined)],
+    "dt_arrays_thin": [POINTER(Thinning), POINTER(Thinned)],
+    "dt_pages_release": [c_void_p],
     "dt_arrays_counts": [c_void_p, POINTER(Counts)],
     "dt_arrays_table": [c_void_p, c_int, c_void_p],
     "dt_arrays_twins": [c_void_p, c_void_p],
@@ -112,7 +129,7 @@ _FUNCTIONS = {
     "dt_tile_free": [c_void_p],
 }
 _NO_STATUS = frozenset(
-    ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_split_clear", "dt_tile_counts", "dt_tile_write",
+    ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_pages_release", "dt_split_clear", "dt_tile_counts", "dt_tile_write",
      "dt_tile_free"]
 )
 _OTHERS = {"dt_tile_box": c_bool, "dt_tile_hull": c_size_t, "dt_tile_size": c_size_t}  # which return neither a status nor nothing
@@ -171,7 +188,7 @@ def check(status: int, what: str) -> None:
         raise MemoryError(what)
     if status == RANGE:
         raise ValueError(what + ": magnitudes other than 0 are at least 2^-142 and at most 2^201")
-    if status == _TOOBIG:
+    if status == TOOBIG:
         raise ValueError(what + ": there are too many")
     if status == NOPOINT:
         raise ValueError(what + " does not exist")
@@ -186,5 +203,5 @@ def check(status: int, what: str) -> None:
 
 __all__ = [
     "COINCIDENT", "CORRUPT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "RANGE",
-    "Refined", "Region", "SMOOTH", "Split", "byref", "check", "library",
+    "Refined", "Region", "SMOOTH", "Split", "Thinned", "Thinning", "TOOBIG", "byref", "check", "library",
 ]

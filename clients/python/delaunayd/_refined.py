@@ -1,13 +1,19 @@
-"""Meshes to order: the points and segments of ConstrainedDelaunay.refine."""
+"""Meshes to order: the points and segments of ConstrainedDelaunay.refine, and the points that simplify() keeps."""
 
 from __future__ import annotations
 
+import ctypes
 from typing import TYPE_CHECKING, Any, Optional, Tuple
 
-from ._declared import segments_of
-from ._library import Quality
+import numpy as np
+
+from . import _library
+from ._declared import checked_heights, checked_points, checked_segments, declare, segments_of
+from ._library import Quality, TOOBIG, byref, check
+from ._triangulation import Triangulation
 
 if TYPE_CHECKING:
+    from ._types import ArrayLike, Numbers
     from .spatial import ConstrainedDelaunay
 
 _ANY = 0xFFFFFFFF  # DT_NONE
@@ -38,3 +44,37 @@ def refined(
     quality = Quality(_limit(angle), _limit(area), _limit(length), _ANY if number is None else number, keep, most, None, None)
     points, declared, counts = d._now.triangulation.refined(quality)
     return points, segments_of(declared), float(counts.angle), int(counts.unrefined)
+
+
+def simplify(
+    points: ArrayLike, values: ArrayLike, error: float = 0.0, *, most: Optional[int] = None, segments: Optional[ArrayLike] = None
+) -> Numbers:
+    """The numbers, ascending, of few of the points, such that the linear surface of their values is within `error` of the value at every
+    point: those that SIMPLIFY keeps. `most`: at most so many, the most important ones. `segments`, pairs of points, are kept as by
+    ConstrainedDelaunay. The first of coincident points counts; a value that is NaN does not. ValueError: Crossing, also if more than
+    `most` points must stay."""
+    library, found = _library.library(), _library.Thinned()
+    if not 0 <= error < np.inf:
+        raise ValueError("error must be finite and not negative")
+    if most is not None and most < 0:
+        raise ValueError("most must be a number of points")
+    places = checked_points(points)
+    heights = checked_heights(values, len(places))
+    declared = declare(checked_segments([] if segments is None else segments), False, 0)
+    thinning = _library.Thinning(
+        places.ctypes.data, heights.ctypes.data, len(places), declared.ctypes.data, len(declared), error,
+        _ANY if most is None else min(int(most), _ANY), None, None
+    )
+    try:
+        status = library.dt_arrays_thin(byref(thinning), byref(found))
+        if status == TOOBIG and found.least > 0:
+            raise ValueError("%d points must stay: corners of the hull, ends of segments" % found.least)
+        if status != 0:
+            Triangulation(places, declared=declared)  # raises the error that names the points or segments
+            check(status, "simplify")
+        numbers = np.empty(found.n, dtype=np.uint32)
+        if found.n > 0:
+            ctypes.memmove(numbers.ctypes.data, found.kept, numbers.nbytes)
+        return numbers.astype(np.int64)
+    finally:
+        library.dt_pages_release(found.kept)

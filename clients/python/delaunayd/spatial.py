@@ -2,8 +2,8 @@
 
     from delaunayd.spatial import Delaunay
 
-ConstrainedDelaunay keeps segments, and knows what is inside polygons; triangulate_polygon is its short form. SciPy has nothing like
-them.
+ConstrainedDelaunay keeps segments, and knows what is inside polygons; triangulate_polygon is its short form. simplify
+finds the few points that a surface needs. SciPy has nothing like them.
 
 Differences from SciPy's:
 
@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from . import _declared, _near, _planes, _refined
-from ._declared import Crossing
+from ._declared import Crossing, checked_points
+from ._refined import simplify
 from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
 
 if TYPE_CHECKING:
@@ -35,22 +36,9 @@ if TYPE_CHECKING:
     from .geometries import Graph
     from .client import Client
 
-__all__ = ["ConstrainedDelaunay", "Crossing", "Delaunay", "triangulate_polygon", "tsearch"]
+__all__ = ["ConstrainedDelaunay", "Crossing", "Delaunay", "simplify", "triangulate_polygon", "tsearch"]
 
 _HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
-
-
-def _checked(points: Any) -> Floats:
-    if isinstance(points, np.ma.MaskedArray):
-        raise ValueError("Input points cannot be a masked array")
-    checked: Floats = np.array(points, dtype=np.float64, order="C")  # its own: tables are computed later
-    if checked.ndim != 2 or checked.shape[1] != 2:
-        raise ValueError("points must have the shape (n, 2): delaunayd knows the plane alone")
-    if len(checked) == 0:
-        raise ValueError("No points given")
-    if not np.isfinite(checked).all():
-        raise ValueError("Points cannot contain NaN or infinity")
-    return checked
 
 
 def _check_options(furthest_site: bool, options: Any) -> List[str]:
@@ -107,7 +95,7 @@ class Delaunay:
         options = _check_options(furthest_site, qhull_options)
         if points is None and set is None:
             raise ValueError("No points given")
-        checked = None if points is None else _checked(points)
+        checked = None if points is None else checked_points(points)
         self._shared: Any = None
         self.ids: Optional[NDArray[Any]] = None
         if set is not None:
@@ -115,7 +103,7 @@ class Delaunay:
 
             self._shared = SharedSet(client, url, set)
             self.ids, checked = self._shared.open(checked)
-            checked = _checked(checked)
+            checked = checked_points(checked)
         assert checked is not None
         self._begin(checked, incremental, workers)
         if "QJ" in options and len(self._coincident) > 0:
@@ -147,7 +135,7 @@ class Delaunay:
         points = np.asarray(points, dtype=np.float64)
         if points.size == 0 and points.ndim == 2:
             return
-        more = _checked(points)
+        more = checked_points(points)
         with self._adding:
             now = _Moment(np.concatenate([self._now.points, more]), self._workers)
             if self._shared is not None:
@@ -372,7 +360,7 @@ class ConstrainedDelaunay(Delaunay):
     ):
         self.segments: Ints = _declared.checked_segments(segments)
         self.border, self.number = border, number
-        checked = _checked(points)
+        checked = checked_points(points)
         self.z: Optional[Floats] = None if z is None else _declared.checked_heights(z, len(checked))
         self.deviation = 0.0
         self.least_angle: Optional[float] = None

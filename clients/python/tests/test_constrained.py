@@ -7,7 +7,8 @@ import unittest
 try:
     import numpy
 
-    from delaunayd.spatial import ConstrainedDelaunay, Delaunay
+    from delaunayd.interpolate import LinearNDInterpolator
+    from delaunayd.spatial import ConstrainedDelaunay, Delaunay, simplify
 except ImportError:
     numpy = None
 
@@ -56,6 +57,37 @@ class Constrained(unittest.TestCase):
                 d.refine(**wrong)
         with self.assertRaisesRegex(ValueError, "open"):
             ConstrainedDelaunay(SQUARE, [[0, 1]], border=True).refine()
+
+    def test_a_surface_of_few_points_is_within_the_error_of_all(self):
+        places = numpy.array([(x, y) for x in range(9) for y in range(9)] + [(4, 4)], dtype=float)
+        heights = abs(places[:, 0] - 4) + places[:, 1] / 8
+        heights[-1] = 99  # coincident: the first one counts
+        kept = simplify(places, heights, 0.25)
+        self.assertLess(len(kept), 20)
+        self.assertEqual(kept.tolist(), sorted(set(kept.tolist()) - {81}))
+        surface = LinearNDInterpolator(Delaunay(places[kept]), heights[kept])
+        self.assertLessEqual(abs(surface(places[:81]) - heights[:81]).max(), 0.25 + 1e-12)
+        self.assertEqual(simplify(places, heights, most=4).tolist(), [0, 8, 72, 80])
+        self.assertEqual(len(simplify(places, heights, most=5)), 5)
+        self.assertEqual(simplify(places, numpy.zeros(82), segments=[[3, 40], [40, 81]]).tolist(), [0, 3, 8, 40, 72, 80])
+        heights[3] = numpy.nan
+        self.assertNotIn(3, simplify(places, heights, 0).tolist())
+
+    def test_a_surface_of_few_points_refuses_bad_input(self):
+        for heights, options, message in (
+            ([0] * 4, {"error": -1}, "error must be"),
+            ([0] * 4, {"error": float("nan")}, "error must be"),
+            ([0] * 3, {}, "one height"),
+            ([0, 0, 0, float("inf")], {}, "infinity"),
+            ([0] * 4, {"most": 3}, "4 points must stay"),
+            ([0] * 4, {"segments": [[0, 2], [1, 3]]}, "cross where no point is"),
+            ([0] * 4, {"segments": [[0, 4]]}, "point 4 does not exist"),
+            ([0] * 4, {"segments": [[2, 2]]}, "both ends"),
+        ):
+            with self.assertRaisesRegex(ValueError, message):
+                simplify(SQUARE, heights, **options)
+        with self.assertRaisesRegex(ValueError, "at most 2"):
+            simplify([(0, 0), (1e99, 0), (0, 1)], [0, 0, 0])
 
     def test_without_segments_it_is_the_delaunay_triangulation(self):
         points = numpy.random.default_rng(1).normal(size=(1000, 2))

@@ -31,7 +31,8 @@ class Recipes(unittest.TestCase):
         lines = said.getvalue().splitlines()
         self.assertTrue(lines[1].startswith("20.0 ["))
         self.assertAlmostEqual(float(lines[2].strip("[]")), 120 - 90 * 0.5 / 7)
-        self.assertTrue(lines[3].startswith("36.0 [(0,), (0, 1)] [["))
+        self.assertEqual(lines[3], "[0 1 2 3 4]")
+        self.assertTrue(lines[4].startswith("36.0 [(0,), (0, 1)] [["))
 
 
 if __name__ == "__main__":
