@@ -101,7 +101,7 @@ const struct subcommand subcommands[] = {
      "--split --dry-run",
      true, NULL},
     {"export", command_export, false, true,
-     "export SET FILE [--format F] [--lines] [--colour quality|degree|relief] [--field F] "
+     "export SET FILE [--format F] [--lines] [--colour angle|quality|degree|relief] [--field F] "
      "[--numbers] "
      "[--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output). An "
@@ -282,6 +282,7 @@ void subcommand_print_help(const struct subcommand *s)
                format_find(line_formats[i].name) != NULL ? "  --lines " : "  ",
                line_formats[i].name, line_formats[i].what);
     fputs(
+        "      --colour angle    by the least angle, from dark red by yellow to blue-green\n"
         "      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
         "      --colour degree   by the mean number of triangles at the corners\n"
         "      --colour relief   by height, with light and shadow, without edges and points\n"

@@ -6,6 +6,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/commands/shapes_file.h"
+#include "clients/pictures/legend.h"
 #include "clients/pictures/surface_picture.h"
 #include "proto/number.h"
 
@@ -49,16 +50,7 @@ static double choose_step(const struct span *s)
     double rough = s->found ? s->most / USUAL_LEVELS - s->least / USUAL_LEVELS : 0;
     if (!(rough > 0))
         return 0;
-    int power = (int)floor(log10(rough));
-    double times = rough / pow(10, power), step = 0;
-    char text[16];
-    size_t n = (size_t)snprintf(text, sizeof text, "%de%d",
-                                times < 1.5   ? 1
-                                : times < 3.5 ? 2
-                                : times < 7.5 ? 5
-                                              : 10,
-                                power);
-    return proto_read_double(text, n, &step) ? step : 0; /* 5 * pow(10, -6) is not 5e-6 */
+    return round_step_times(round_step_of(rough), 1);
 }
 
 /* Appends the levels, which stand between commas. */

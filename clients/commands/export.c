@@ -209,10 +209,16 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
 
 static bool read_colour(const char *text, enum picture_colour *colour)
 {
-    *colour = strcmp(text, "quality") == 0  ? COLOUR_QUALITY
-              : strcmp(text, "relief") == 0 ? COLOUR_RELIEF
-                                            : COLOUR_DEGREE;
-    return *colour != COLOUR_DEGREE || strcmp(text, "degree") == 0;
+    static const char *const names[] = {[COLOUR_QUALITY] = "quality",
+                                        [COLOUR_DEGREE] = "degree",
+                                        [COLOUR_ANGLE] = "angle",
+                                        [COLOUR_RELIEF] = "relief"};
+    for (int i = COLOUR_QUALITY; i <= COLOUR_RELIEF; i++)
+        if (strcmp(names[i], text) == 0) {
+            *colour = (enum picture_colour)i;
+            return true;
+        }
+    return false;
 }
 
 int export_option(struct export *e, int option, char **argv)
@@ -238,8 +244,8 @@ int export_option(struct export *e, int option, char **argv)
     else if (option == 'K')
         return options_crs(&e->crs, argv);
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
-        return options_wrong(argv[0], "unknown colour %s; there are quality, degree and relief",
-                             optarg);
+        return options_wrong(
+            argv[0], "unknown colour %s; there are angle, quality, degree and relief", optarg);
     else if (option == 'v' && !options_read_box(optarg, e->picture.box))
         return options_wrong(
             argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);

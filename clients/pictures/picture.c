@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/pictures/legend.h"
 #include "clients/pictures/surface_picture.h"
 #include "clients/pictures/svg.h"
 
@@ -23,19 +24,33 @@ static double quality(const double *p, const double *q, const double *r)
     return product > 0 ? (b + c - a) * (c + a - b) * (a + b - c) / product : 0;
 }
 
+static unsigned shades_of(enum picture_colour colour)
+{
+    return colour == COLOUR_NONE ? 1 : colour == COLOUR_ANGLE ? LEGEND_ANGLES : SVG_SHADES;
+}
+
+/* The number of triangles at each point. NULL when out of memory. */
+static uint32_t *degrees_of(const struct model *m)
+{
+    uint32_t *degree = calloc(m->n + 1, sizeof *degree);
+    for (size_t i = 0; degree != NULL && i < 3 * m->triangles; i++)
+        degree[m->triangle[i]]++;
+    return degree;
+}
+
 /* The shade of every triangle, from 0; NULL when out of memory. */
 static unsigned char *shades(const struct model *m, enum picture_colour colour)
 {
     unsigned char *shade = malloc(m->triangles + 1);
-    uint32_t *degree = calloc(m->n + 1, sizeof *degree);
-    for (size_t i = 0; degree != NULL && i < 3 * m->triangles; i++)
-        degree[m->triangle[i]]++;
+    uint32_t *degree = degrees_of(m);
     for (size_t t = 0; shade != NULL && degree != NULL && t < m->triangles; t++) {
         const uint32_t *v = m->triangle + 3 * t;
-        double s = colour == COLOUR_QUALITY
-                       ? SVG_SHADES * quality(point(m, v[0]), point(m, v[1]), point(m, v[2]))
+        const double *p = point(m, v[0]), *q = point(m, v[1]), *r = point(m, v[2]);
+        double s = colour == COLOUR_ANGLE ? legend_angle(p, q, r)
+                   : colour == COLOUR_QUALITY
+                       ? SVG_SHADES * quality(p, q, r)
                        : (degree[v[0]] + degree[v[1]] + degree[v[2]]) / 3.0 - 1;
-        shade[t] = (unsigned char)(s < 0 ? 0 : s >= SVG_SHADES ? SVG_SHADES - 1 : s);
+        shade[t] = (unsigned char)(s < 0 ? 0 : fmin(s, shades_of(colour) - 1));
     }
     free(degree);
     return degree != NULL ? shade : NULL;
@@ -56,7 +71,7 @@ static void draw_regions(struct svg *s, const struct model *m)
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
 {
     if (e->colour == COLOUR_RELIEF)
-        return surface_draw_ground(s, m, m->z, RELIEF_BOTH);
+        return surface_draw_ground(s, m, m->z, &e->relief);
     if (e->colour == COLOUR_NONE && m->regions) {
         draw_regions(s, m);
         return true;
@@ -64,13 +79,16 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
     unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
     if (e->colour != COLOUR_NONE && shade == NULL)
         return false;
-    for (unsigned pass = 0; pass < (shade != NULL ? SVG_SHADES : 1); pass++) {
+    for (unsigned pass = 0; pass < shades_of(e->colour); pass++) {
         for (size_t t = 0; t < m->triangles; t++) {
             const uint32_t *v = m->triangle + 3 * t;
             if (shade != NULL && shade[t] != pass)
                 continue;
             if (model_is_outside(m, t))
                 svg_region_triangle(s, SVG_OUTSIDE, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+            else if (e->colour == COLOUR_ANGLE)
+                svg_coloured_triangle(s, legend_angle_colour(pass), true, point(m, v[0]),
+                                      point(m, v[1]), point(m, v[2]));
             else if (shade != NULL)
                 svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
             else
@@ -122,15 +140,38 @@ static void choose_box(const struct picture *e, const struct model *m, double *b
     }
 }
 
+/* Explains the colours of the picture. False when out of memory. */
+static bool choose_legend(struct picture *e, const struct model *m, struct legend *l)
+{
+    static const struct svg_legend shades[] = {
+        [COLOUR_QUALITY] = {.low = "flat", .high = "equilateral", .colours = SVG_SHADES},
+        [COLOUR_DEGREE] = {.low = "degree 1", .high = "10 or more", .colours = SVG_SHADES}};
+    *l = (struct legend){.colour = NULL};
+    if (e->colour == COLOUR_ANGLE)
+        return legend_of_angles(l);
+    if (e->colour == COLOUR_RELIEF) {
+        surface_fit(&e->relief, m, m->z);
+        return legend_of_heights(l, &e->relief, m->field[m->z]);
+    }
+    if (e->colour != COLOUR_NONE)
+        l->svg = shades[e->colour];
+    return true;
+}
+
+static void draw_hull(struct svg *s, const struct model *m)
+{
+    svg_hull_begin(s);
+    for (size_t i = 0; i < m->hull_n; i++)
+        svg_hull_point(s, point(m, m->hull[i]));
+    svg_hull_end(s);
+}
+
 bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
 {
-    static const struct svg_legend legends[] = {
-        [COLOUR_QUALITY] = {.low = "flat", .high = "equilateral"},
-        [COLOUR_DEGREE] = {.low = "degree 1", .high = "10 or more"}};
-    bool shades = e->colour == COLOUR_QUALITY || e->colour == COLOUR_DEGREE;
     char title[200], part[40] = "";
     double box[4];
     struct svg s;
+    struct legend legend;
     if (e->geographic) {
         degrees_project(&e->degrees, m->xy, m->n);
         degrees_project(&e->degrees, e->box, 2);
@@ -141,15 +182,17 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
              m->n);
     choose_box(e, m, box);
-    svg_begin(&s, out, title, box, e->shown, e->has_box, shades ? &legends[e->colour] : NULL,
-              e->geographic ? "km" : "");
-    s.numbers = e->numbers;
-    if (!draw_triangles(&s, e, m))
+    bool ok = choose_legend(e, m, &legend);
+    if (ok) {
+        svg_begin(&s, out, title, box, e->shown, e->has_box, legend_shown(&legend),
+                  e->geographic ? "km" : "");
+        s.numbers = e->numbers;
+        ok = draw_triangles(&s, e, m);
+    }
+    legend_free(&legend);
+    if (!ok)
         return false;
-    svg_hull_begin(&s);
-    for (size_t i = 0; i < m->hull_n; i++)
-        svg_hull_point(&s, point(m, m->hull[i]));
-    svg_hull_end(&s);
+    draw_hull(&s, m);
     surface_draw_constraints(&s, m);
     cut_points(e, m);
     svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);

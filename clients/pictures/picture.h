@@ -4,10 +4,11 @@
 
 #include "clients/meshes/degrees.h"
 #include "clients/meshes/model.h"
+#include "clients/pictures/relief.h"
 
 #include <stdio.h>
 
-enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE, COLOUR_RELIEF };
+enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE, COLOUR_ANGLE, COLOUR_RELIEF };
 
 struct picture {
     enum picture_colour colour;
@@ -15,6 +16,7 @@ struct picture {
     double box[4];          /* left, lower, right, upper */
     bool geographic;        /* places are in degrees: the picture is a map of them, in kilometres */
     struct degrees degrees; /* for that, chosen by the caller */
+    struct relief relief;   /* picture_write: fitted to the heights, if these are its colours */
     double left, top, pixel; /* picture_write: where the picture lies (svg_place) */
     size_t shown;            /* picture_write: the points that are in the picture */
     size_t unlabelled;       /* of these, those for whose ids there was no room */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/number.h"
+#include "clients/pictures/legend.h"
 
 static const double *corner(const struct model *m, size_t t, size_t k)
 {
@@ -36,8 +36,8 @@ static void widen(struct relief *r, double z)
     r->high = fmax(r->high, z);
 }
 
-/* To all points, or to those of triangles inside of borders. Slopes are weighted by area: thin triangles may be steep. */
-static void fit_to_model(struct relief *r, const struct model *m, int field)
+/* Slopes are weighted by area: thin triangles may be steep. */
+void surface_fit(struct relief *r, const struct model *m, int field)
 {
     double sum = 0, areas = 0;
     r->low = HUGE_VAL;
@@ -77,14 +77,12 @@ static uint32_t rounded(uint32_t rgb)
     return (rgb & 0xF8F8F8) | (rgb >> 5 & 0x070707);
 }
 
-bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style)
+bool surface_draw_ground(struct svg *s, const struct model *m, int field, const struct relief *r)
 {
-    struct relief r = {.style = style};
     struct painted *p = malloc((m->triangles + 1) * sizeof p[0]);
     size_t n = 0;
     if (p == NULL)
         return false;
-    fit_to_model(&r, m, field);
     for (size_t t = 0; t < m->triangles; t++) {
         double dx, dy, z = 0;
         if (model_is_outside(m, t))
@@ -93,12 +91,13 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum r
             continue;
         for (size_t k = 0; k < 3; k++)
             z += height(m, field, t, k) / 3;
-        p[n++] = (struct painted){rounded(relief_colour(&r, z, dx, dy)), (uint32_t)t};
+        p[n++] = (struct painted){rounded(relief_colour(r, z, dx, dy)), (uint32_t)t};
     }
     qsort(p, n, sizeof p[0], by_colour);
     for (size_t i = 0; i < n; i++) {
         size_t t = p[i].triangle;
-        svg_coloured_triangle(s, p[i].rgb, corner(m, t, 0), corner(m, t, 1), corner(m, t, 2));
+        svg_coloured_triangle(s, p[i].rgb, false, corner(m, t, 0), corner(m, t, 1),
+                              corner(m, t, 2));
     }
     free(p);
     return true;
@@ -175,48 +174,30 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     double around[4] = {0, 0, 1, 1};
     size_t levels;
     struct svg s;
+    struct relief r = {.style = RELIEF_BOTH};
+    struct legend legend;
     double *level = find_levels(lines, &levels);
-    if (level == NULL)
+    surface_fit(&r, m, field);
+    bool ok = legend_of_heights(&legend, &r, m->field[field]) && level != NULL;
+    if (!ok) {
+        legend_free(&legend);
+        free(level);
         return false;
+    }
     model_bounds(m, around);
-    svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL, NULL, unit);
-    bool ok = surface_draw_ground(&s, m, field, RELIEF_BOTH);
+    svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL,
+              m->triangles > 0 ? legend_shown(&legend) : NULL, unit);
+    ok = surface_draw_ground(&s, m, field, &r);
     draw_lines(&s, lines, level, levels);
     surface_draw_constraints(&s, m);
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
+    legend_free(&legend);
     free(level);
     return ok;
 }
 
 /* ---- bands ---- */
-
-/* The height whose colour a band has. */
-static double middle(const struct shape *band)
-{
-    if (isinf(band->key))
-        return isinf(band->high) ? 0 : band->high;
-    return isinf(band->high) ? band->key : band->key / 2 + band->high / 2;
-}
-
-/* The colours of the bands, ascending, each once, into colour[bands->n]. Returns how many they are. */
-static size_t find_colours(const struct relief *r, const struct shapes *bands, uint32_t *colour)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < bands->n; i++)
-        if (i == 0 || bands->shape[i].key > bands->shape[i - 1].key)
-            colour[n++] = relief_colour(r, middle(&bands->shape[i]), 0, 0);
-    return n;
-}
-
-static void write_level(char *text, double level, double other, const char *how)
-{
-    size_t n = 0;
-    if (isinf(level))
-        n = (size_t)sprintf(text, "%s ", how);
-    n += proto_write_double(text + n, isinf(level) ? other : level);
-    text[n] = '\0';
-}
 
 static void draw_bands(struct svg *s, const struct relief *r, const struct shapes *bands)
 {
@@ -226,7 +207,7 @@ static void draw_bands(struct svg *s, const struct relief *r, const struct shape
         if (band->hole)
             svg_hole(s, xy, band->n);
         else
-            svg_polygon(s, relief_colour(r, middle(band), 0, 0), xy, band->n);
+            svg_polygon(s, relief_colour(r, legend_band_height(band), 0, 0), xy, band->n);
     }
 }
 
@@ -235,27 +216,24 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
 {
     struct relief r = {.style = RELIEF_HEIGHT};
     double around[4] = {0, 0, 1, 1};
-    char low[2 * PROTO_NUMBER_MAX] = "", high[2 * PROTO_NUMBER_MAX] = "";
-    uint32_t *colour = malloc((bands->n + 1) * sizeof colour[0]);
+    struct legend legend;
     struct svg s;
-    if (colour == NULL)
-        return false;
     if (bands->n > 0) {
-        const struct shape *first = bands->shape, *last = bands->shape + bands->n - 1;
-        r.low = middle(first);
-        r.high = middle(last);
-        write_level(low, first->key, first->high, "below");
-        write_level(high, last->high, last->key, "above");
+        r.low = legend_band_height(bands->shape);
+        r.high = legend_band_height(bands->shape + bands->n - 1);
     }
-    struct svg_legend legend = {low, high, colour, find_colours(&r, bands, colour)};
+    if (!legend_of_bands(&legend, &r, bands)) {
+        legend_free(&legend);
+        return false;
+    }
     shapes_bounds(bands, around);
     svg_begin(&s, out, title, box != NULL ? box : around, bands->n, box != NULL,
-              bands->n > 0 ? &legend : NULL, unit);
+              legend_shown(&legend), unit);
     draw_bands(&s, &r, bands);
     surface_draw_constraints(&s, m);
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
-    free(colour);
+    legend_free(&legend);
     return true;
 }
 
@@ -279,13 +257,18 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
                          int field, const char *unit)
 {
     struct relief r = {.style = RELIEF_HEIGHT};
+    struct legend legend = {.colour = NULL};
     double box[4] = {0, 0, 1, 1};
     struct svg s;
     uint32_t place;
-    shapes_bounds(cells, box);
-    svg_begin(&s, out, title, box, cells->n, false, NULL, unit);
     if (field >= 0)
-        fit_to_model(&r, m, field);
+        surface_fit(&r, m, field);
+    if (field >= 0 && !legend_of_heights(&legend, &r, m->field[field])) {
+        legend_free(&legend);
+        return false;
+    }
+    shapes_bounds(cells, box);
+    svg_begin(&s, out, title, box, cells->n, false, legend_shown(&legend), unit);
     for (size_t i = 0; i < cells->n; i++) {
         const struct shape *c = &cells->shape[i];
         bool known = field >= 0 && model_find(m, (uint32_t)c->key, &place) &&
@@ -296,6 +279,7 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
     }
     svg_points(&s, m->xy, m->id, cut_points(m, box));
     svg_end(&s);
+    legend_free(&legend);
     return true;
 }
 

@@ -8,9 +8,12 @@
 #include "clients/surfaces/rings.h"
 #include "clients/surfaces/shapes.h"
 
+/* Fits r, whose style is given, to the heights of all points, or of what is inside of borders. Without heights r->low is above r->high. */
+void surface_fit(struct relief *r, const struct model *m, int field);
+
 /* Draws every triangle in the colour of its mean height and of its slope; what is outside of all borders is pale. False when out of
  * memory. */
-bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style);
+bool surface_draw_ground(struct svg *s, const struct model *m, int field, const struct relief *r);
 
 /* Draws the constraints of m, bold; call it where svg_constraint may be called. */
 void surface_draw_constraints(struct svg *s, const struct model *m);

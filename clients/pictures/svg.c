@@ -86,6 +86,15 @@ static double text_width(size_t letters, double size)
     return 0.58 * size * (double)letters;
 }
 
+/* The letters of UTF-8. */
+static size_t letters_of(const char *text)
+{
+    size_t n = 0;
+    for (; *text != '\0'; text++)
+        n += ((unsigned char)*text & 0xC0) != 0x80;
+    return n;
+}
+
 /* A round length of at most a third of the visible width, except in a narrow drawing. */
 static double scale_length(const struct svg *s)
 {
@@ -109,29 +118,76 @@ static void write_colour(char *class, uint32_t rgb)
     snprintf(class, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
 }
 
+/* The width of the bar; the height of the legend with its texts. */
+static double bar_width(const struct svg_legend *legend)
+{
+    return (legend->ticks > 0 ? 2 : 1) * SVG_SHADES * SWATCH;
+}
+
+static double legend_height(const struct svg_legend *legend)
+{
+    return FOOTER + (legend->ticks > 0 ? 0.6 * FOOTER : 0);
+}
+
+/* Half of the longest text below the bar: the text may reach that far beyond an end. */
+static double overhang(const struct svg_legend *legend)
+{
+    double most = 0;
+    for (size_t i = 0; i < legend->ticks; i++)
+        most = fmax(most, text_width(letters_of(legend->tick[i].text), TEXT) / 2);
+    return most;
+}
+
+static void draw_text(const struct svg *s, double x, double y, const char *text)
+{
+    if (text[0] != '\0')
+        fprintf(s->out,
+                "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n", TEXT,
+                x, y, text);
+}
+
+/* Texts below the bar that begins at x, y, each with a mark. */
+static void draw_ticks(const struct svg *s, const struct svg_legend *legend, double x, double y)
+{
+    const double mark = 90;
+    double free = -HUGE_VAL;
+    for (size_t i = 0; i < legend->ticks; i++) {
+        const struct svg_tick *tick = &legend->tick[i];
+        double at = x + tick->at * bar_width(legend),
+               wide = text_width(letters_of(tick->text), TEXT);
+        if (at - wide / 2 < free)
+            continue;
+        free = at + wide / 2 + TEXT / 2;
+        open_path(s, "s", false, 24);
+        fprintf(s->out, "M%.0f %.0fv%.0f\"/>\n", at, y, mark);
+        draw_text(s, at - wide / 2, y + mark + 0.9 * TEXT, tick->text);
+    }
+}
+
 static void draw_legend(const struct svg *s, const struct svg_legend *legend)
 {
-    double y = s->height - 0.5 * FOOTER, x = 1.3 * MARGIN + text_width(strlen(legend->low), TEXT);
-    fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
-            TEXT, MARGIN, y, legend->low);
+    double y = s->height - legend_height(legend) + 0.5 * FOOTER, over = overhang(legend);
+    double x = 1.3 * MARGIN + fmax(text_width(strlen(legend->low), TEXT), over - MARGIN);
     size_t n = legend->colour != NULL ? legend->colours : SVG_SHADES;
-    double wide = SVG_SHADES * SWATCH / fmax(SVG_SHADES, (double)n);
+    double wide = bar_width(legend) / (double)n;
+    draw_text(s, MARGIN, y, legend->low);
     for (size_t i = 0; i < n; i++) {
         char class[8] = {'q', (char)('0' + i % SVG_SHADES), 0};
         if (legend->colour != NULL)
             write_colour(class, legend->colour[i]);
-        open_path(s, class, true, 12);
-        fprintf(s->out, "M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", x + (double)i * wide, y + 30, wide,
-                SWATCH, wide);
+        open_path(s, class, !legend->seamless, 12);
+        fprintf(s->out, "M%.0f %.0fH%.0fv-%.0fH%.0fz\"/>\n", x + (double)i * wide, y + 30,
+                x + (double)(i + 1) * wide, SWATCH, x + (double)i * wide);
     }
-    fprintf(s->out, "<text fill=\"" INK "\" font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n",
-            TEXT, x + (double)n * wide + 0.3 * MARGIN, y, legend->high);
+    draw_text(s, x + bar_width(legend) + 0.3 * MARGIN, y, legend->high);
+    draw_ticks(s, legend, x, y + 30);
 }
 
 static double legend_width(const struct svg_legend *legend)
 {
-    return text_width(strlen(legend->low) + strlen(legend->high), TEXT) + SVG_SHADES * SWATCH +
-           1.6 * MARGIN;
+    double over = overhang(legend);
+    return fmax(text_width(strlen(legend->low), TEXT), over) + bar_width(legend) +
+           fmax(text_width(strlen(legend->high), TEXT), over) + 1.6 * MARGIN;
 }
 
 /* The frame around what is drawn: wide enough for the scale, the longest id and the legend. */
@@ -143,7 +199,8 @@ static void choose_frame(struct svg *s, bool scale, const struct svg_legend *leg
     double inner = fmax(s->wide, least);
     s->width = inner + 2 * MARGIN;
     s->left = MARGIN + (inner - s->wide) / 2;
-    s->height = s->high + 2 * MARGIN + (scale ? FOOTER : 0) + (legend != NULL ? FOOTER : 0);
+    s->height =
+        s->high + 2 * MARGIN + (scale ? FOOTER : 0) + (legend != NULL ? legend_height(legend) : 0);
     s->width = ceil(s->width / PIXEL) * PIXEL; /* whole pixels */
     s->height = ceil(s->height / PIXEL) * PIXEL;
 }
@@ -295,12 +352,14 @@ void svg_region_triangle(struct svg *s, int64_t region, const double *a, const d
     draw_triangle(s, class, a, b, c);
 }
 
-void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,
-                           const double *c)
+void svg_coloured_triangle(struct svg *s, uint32_t rgb, bool edges, const double *a,
+                           const double *b, const double *c)
 {
     char class[8];
     write_colour(class, rgb);
+    s->edges = edges;
     draw_triangle(s, class, a, b, c);
+    s->edges = false;
 }
 
 /* From the first place to the others, in whole units; those at the same place are left out. */

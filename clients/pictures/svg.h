@@ -31,11 +31,20 @@ struct svg {
 
 enum { SVG_SHADES = 10 };
 
-/* The meaning of the shades, from the first to the last, or of the colours 0xRRGGBB, if there are any. */
+/* A number below the bar of a legend; at: 0 at its left end, 1 at its right end. */
+struct svg_tick {
+    double at;
+    char text[32];
+};
+
+/* A bar of colours with texts beside and below it. Ticks are ascending; a tick whose text has no room is left out. */
 struct svg_legend {
-    const char *low, *high;
-    const uint32_t *colour; /* borrows `colours`; NULL: the shades */
+    const char *low, *high; /* may be "" */
+    const uint32_t *colour; /* borrows `colours` of 0xRRGGBB; NULL: the shades */
     size_t colours;
+    bool seamless;               /* there are no gaps between colours */
+    const struct svg_tick *tick; /* borrows `ticks` */
+    size_t ticks;
 };
 
 /* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in
@@ -55,9 +64,9 @@ enum { SVG_OUTSIDE = -1 };
 void svg_region_triangle(struct svg *s, int64_t region, const double *a, const double *b,
                          const double *c);
 
-/* The same in the colour 0xRRGGBB, without edges of its own. */
-void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,
-                           const double *c);
+/* The same in the colour 0xRRGGBB, with white edges or without edges of its own. */
+void svg_coloured_triangle(struct svg *s, uint32_t rgb, bool edges, const double *a,
+                           const double *b, const double *c);
 
 /* A polygon of n corners within the frame, in that colour and with white edges; with SVG_NO_COLOUR as triangles are. */
 enum { SVG_NO_COLOUR = 1 << 24 };

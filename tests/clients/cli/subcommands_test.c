@@ -518,7 +518,7 @@ TEST(every_command_reports_the_option_that_is_wrong)
         {"-u here sets", "delaunay: here is not a URL: delaunay://host:port\n"},
         {"export t - --box 1", "delaunay: unknown option --box\nTry 'delaunay export --help'.\n"},
         {"export t - --colour red",
-         "delaunay: unknown colour red; there are quality, degree and relief\n"},
+         "delaunay: unknown colour red; there are angle, quality, degree and relief\n"},
         {"export t - --viewport 1,1,0,0", "delaunay: the viewport 1,1,0,0 is not X0,Y0,X1,Y1"},
         {"export t - -f dwg", "delaunay: unknown format dwg\n"},
         {"show t --wide", "delaunay: unknown option --wide\nTry 'delaunay show --help'.\n"},
