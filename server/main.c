@@ -1,5 +1,5 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
-#include "server/catalog.h"
+#include "server/commands_json.h"
 #include "server/daemon.h"
 #include "server/ops/command_line.h"
 #include "server/repair/repair.h"
@@ -20,7 +20,7 @@ int main(int argc, char **argv)
     case COMMAND_LINE_BAD:
         return 2;
     case COMMAND_LINE_COMMANDS:
-        catalog_print(stdout);
+        commands_json_print(stdout);
         return 0;
     case COMMAND_LINE_GOOD:
         break;

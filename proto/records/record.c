@@ -2,7 +2,7 @@
 #include "proto/records/record.h"
 
 #include "proto/records/crc32c.h"
-#include "proto/records/digest.h"
+#include "proto/records/hash.h"
 
 #include <string.h>
 
@@ -345,8 +345,8 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
 uint64_t record_digest(uint64_t before, const char *bytes, size_t n)
 {
     enum { LSN_AT = 4, SYNCED_AT = 16, TYPE_AT = 24 };
-    uint64_t d = digest_bytes(before, bytes + LSN_AT, SYNCED_AT - LSN_AT);
-    d = digest_bytes(d, bytes + TYPE_AT, n - TYPE_AT);
+    uint64_t d = hash_bytes(before, bytes + LSN_AT, SYNCED_AT - LSN_AT);
+    d = hash_bytes(d, bytes + TYPE_AT, n - TYPE_AT);
     return d == 0 ? 1 : d;
 }
 

@@ -15,7 +15,7 @@
 #define SERVER_CONN_H
 
 #include "proto/buf.h"
-#include "server/disk/hold.h"
+#include "server/disk/reply_hold.h"
 #include "server/sets/budget.h"
 #include "server/system/loop.h"
 
@@ -43,7 +43,7 @@ struct conn {
     size_t owner_bytes;        /* the owner's share */
     uint64_t sent;             /* bytes sent so far */
     struct hold
-        hold; /* bytes of `out` that must not be sent before the log is durable; see hold.h */
+        hold; /* bytes of `out` that must not be sent before the log is durable; see reply_hold.h */
     struct task turn, disposal;
     uint32_t interest;   /* the events that epoll watches */
     int64_t heard_ms;    /* when bytes last came in; this and the next two in time awake (loop.h) */

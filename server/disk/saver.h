@@ -14,8 +14,8 @@
 #define SERVER_SAVER_H
 
 #include "server/disk/backoff.h"
-#include "server/disk/hold.h"
 #include "server/disk/log.h"
+#include "server/disk/reply_hold.h"
 #include "server/disk/snapshot.h"
 #include "server/sets/dataset.h"
 
@@ -24,7 +24,7 @@ enum saver_state { SAVER_IDLE, SAVER_ROTATING, SAVER_WRITING, SAVER_MENDING, SAV
 struct saver {
     struct datadir *dir; /* borrows, as all up to `event` */
     struct registry *sets;
-    struct holders *held; /* replies that wait for the log (hold.h) */
+    struct holders *held; /* replies that wait for the log (reply_hold.h) */
     struct log *log;
     const size_t *compact_at; /* bytes of log after which a snapshot is due */
     int event;                /* an eventfd */

@@ -36,8 +36,8 @@ struct answer {
     struct reactor *reactor; /* that carries out the request; NULL: it is alone in the world */
     struct buf *out;         /* borrows; the reply is appended */
     uint64_t mark;    /* the number of the reply's first byte in the output of the connection */
-    uint64_t lsn;     /* the change that the reply acknowledges (hold.h); 0: none */
-    uint64_t shown;   /* the last change that it shows (hold.h); 0: none */
+    uint64_t lsn;     /* the change that the reply acknowledges (reply_hold.h); 0: none */
+    uint64_t shown;   /* the last change that it shows (reply_hold.h); 0: none */
     uint64_t owner;   /* the id of the connection; 0: none */
     enum role role;   /* of the connection; AUTH changes it */
     unsigned token;   /* the number of the token that gave the role; 0: none */

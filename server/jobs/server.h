@@ -3,7 +3,7 @@
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
-#include "server/disk/hold.h"
+#include "server/disk/reply_hold.h"
 #include "server/jobs/answer.h"
 #include "server/jobs/reactor.h"
 #include "server/ops/auth.h"
@@ -55,7 +55,7 @@ struct server {
     struct list temporary;   /* sets whose connections have ended, to be dropped (dataset.fellow) */
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct loading loading;  /* sets that were read at the start, and are not triangulated yet */
-    struct holders held;     /* replies that wait for the disk (hold.h) */
+    struct holders held;     /* replies that wait for the disk (reply_hold.h) */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */
     struct leader

@@ -11,7 +11,7 @@
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
 #include "server/replies/stream.h"
-#include "server/session/account.h"
+#include "server/session/request_stats.h"
 #include "server/session/session_inside.h"
 #include "server/watch/watch.h"
 
@@ -424,7 +424,7 @@ void session_job_done(struct session *s, struct job *j)
     timer_clear(&s->probe);
     s->state = SESSION_READING;
     bool room = buf_reserve(a.out, REPLY_ERR_ROOM) != NULL;
-    account_job(s, j);
+    request_stats_job(s, j);
     job_finish(s->server, j, &a);
     if (a.out->failed && room)
         command_out_of_memory(s->server, &a, mark);

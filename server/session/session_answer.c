@@ -5,7 +5,7 @@
 #include "server/command/command.h"
 #include "server/replies/resp3.h"
 #include "server/replies/stream.h"
-#include "server/session/account.h"
+#include "server/session/request_stats.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 
@@ -53,11 +53,11 @@ static void account(struct session *s, const struct answer *a)
 {
     s->command = a->command;
     if (has_begun(a)) {
-        account_end(s, a, a->refused || s->refused);
+        request_stats_end(s, a, a->refused || s->refused);
         s->refused = false;
     } else if (a->next != ANSWER_WAIT || a->wait_for != WAIT_NOTHING) {
         s->refused = a->refused;
-        account_pause(s, a);
+        request_stats_pause(s, a);
     }
 }
 
@@ -203,7 +203,7 @@ bool session_step_stream(struct session *s)
     a.stream = s->stream;
     stream_refill(s->server, &a);
     if (!begun && has_begun(&a))
-        account_end(s, &a, a.refused);
+        request_stats_end(s, &a, a.refused);
     hold_reply(s, &a);
     bool delivered = session_deliver(s, &a), more = a.next == ANSWER_STREAM;
     if (!more)

@@ -3,7 +3,7 @@
 #include "proto/resp.h"
 #include "server/bodies/load.h"
 #include "server/command/command.h"
-#include "server/session/account.h"
+#include "server/session/request_stats.h"
 #include "server/session/session_inside.h"
 
 #include <string.h>
@@ -12,7 +12,7 @@ enum { FEED_BYTES = 8 * 1024 }; /* read in one step */
 
 static bool carry_out_load(struct session *s)
 {
-    account_load(s);
+    request_stats_load(s);
     if (!s->load->adds)
         session_set_deadline(s);
     struct answer a;

@@ -2,7 +2,7 @@
 #include "server/sets/digest.h"
 
 #include "core/delaunay_constraints.h"
-#include "proto/records/digest.h"
+#include "proto/records/hash.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,7 +36,7 @@ bool digest_begin(struct digest *d, const struct dataset *set)
                               bits_of(dt_tolerance(set->current->dt) + 0.0), /* -0 becomes 0 */
                               (uint64_t)set->expires_ms,
                               set->version};
-    d->value = digest_bytes(0, facts, sizeof facts);
+    d->value = hash_bytes(0, facts, sizeof facts);
     return true;
 }
 
@@ -59,14 +59,14 @@ static bool read_pages(struct digest *d, const struct dt *dt)
             if (d->field == NULL)
                 return false;
             const char *name = dt_field_name(d->field);
-            d->value = digest_bytes(d->value, name, strlen(name));
+            d->value = hash_bytes(d->value, name, strlen(name));
             d->page = 0;
             d->column++;
             continue;
         }
         if (has_values(page)) {
-            d->value = digest_bytes(d->value, &d->page, sizeof d->page);
-            d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
+            d->value = hash_bytes(d->value, &d->page, sizeof d->page);
+            d->value = hash_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
         }
         d->page += DT_FIELD_PAGE;
     }
@@ -84,7 +84,7 @@ static void begin_constraints(struct digest *d)
 {
     d->column = d->columns - 1;
     if (d->constraints > 0)
-        d->value = digest_bytes(d->value, &d->constraints, sizeof d->constraints);
+        d->value = hash_bytes(d->value, &d->constraints, sizeof d->constraints);
 }
 
 /* Reads the next constraints; *done: all have been read. */
@@ -95,7 +95,7 @@ static enum dt_status read_constraints(struct digest *d, const struct dt *dt, bo
     for (size_t i = 0; i < list.n && status == DT_OK; i++) {
         const struct dt_constraint *c = &list.v[i];
         const uint32_t words[] = {c->a, c->b, c->number << 1 | c->border};
-        d->value = digest_bytes(d->value, words, sizeof words);
+        d->value = hash_bytes(d->value, words, sizeof words);
     }
     free(list.v);
     *done = d->end == DT_NONE;
@@ -113,7 +113,7 @@ enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done)
     if (status != DT_OK)
         return status;
     if (n > 0) {
-        d->value = digest_bytes(d->value, row, n * sizeof *row);
+        d->value = hash_bytes(d->value, row, n * sizeof *row);
     } else if (!read_pages(d, dt)) {
         begin_constraints(d);
         *done = d->constraints == 0;

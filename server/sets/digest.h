@@ -1,6 +1,6 @@
 /* digest.h - the digest of a set at one moment. It covers everything that clients can see of the set, except its name and the
  * memory that it takes. Equal sets have equal digests, with any history; different sets have different digests, with a
- * negligible exception (proto/records/digest.h).
+ * negligible exception (proto/records/hash.h).
  *
  * It covers, in this order:
  *

@@ -1,5 +1,5 @@
 /* power_shim.c - records the operations of a daemon on its disk, loaded into it with LD_PRELOAD. A test can compute from
- * them what a power cut might have left (crash_state.h). It also ends the daemon at a given moment, and
+ * them what a power cut might have left (power_cut.h). It also ends the daemon at a given moment, and
  * makes the disk stall, fail and fill up.
  *
  *     POWER_ROOT         files below this directory count

@@ -1,7 +1,7 @@
 /* digest.c - see digest.h. */
 #include "tests/server/digest.h"
 
-#include "proto/records/digest.h"
+#include "proto/records/hash.h"
 #include "server/sets/digest.h"
 #include "tests/test.h"
 
@@ -32,7 +32,7 @@ uint64_t digest_dt(struct dt *dt, bool triangulated)
 
 static void add(struct dataset *set, void *ctx)
 {
-    *(uint64_t *)ctx += digest_bytes(digest_set(set), set->name, set->name_len);
+    *(uint64_t *)ctx += hash_bytes(digest_set(set), set->name, set->name_len);
 }
 
 uint64_t digest_sets(const struct registry *sets)

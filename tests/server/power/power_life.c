@@ -8,7 +8,7 @@
 
 #include "proto/records/record.h"
 #include "server/disk/recover.h"
-#include "tests/faults/crash_fate.h"
+#include "tests/faults/power_cut_random.h"
 #include "tests/server/directory.h"
 #include "tests/server/power/power_agree.h"
 #include "tests/server/power/power_disk.h"
@@ -160,7 +160,7 @@ struct moment {
     struct story *story;
     const struct circumstances *given;
     const struct power_log *log;
-    struct crash *crash;
+    struct power_cut *crash;
     size_t cut;
     struct random_fate fate;
     struct tree after;
@@ -236,7 +236,7 @@ static size_t synced_at(const struct moment *m)
 {
     for (size_t i = m->cut; i > 0; i--) {
         const struct power_op *op = &m->log->op[i - 1];
-        const char *name = crash_subject(m->crash, i - 1);
+        const char *name = power_cut_subject(m->crash, i - 1);
         if (op->kind == POWER_SYNC && op->error == 0 && is_segment(name) &&
             strcmp(name, newest_segment(m, i - 1)) == 0)
             return (size_t)op->a;
@@ -249,7 +249,7 @@ static void look(struct moment *m)
     struct states *h = &m->story->history;
     m->cut = choose_cut(m->log);
     random_fate_init(&m->fate, test_random(), m->crash, m->log);
-    m->after = crash_state(m->crash, m->cut, &m->fate.fate);
+    m->after = power_cut_state(m->crash, m->cut, &m->fate.fate);
     bool always = strcmp(m->given->policy, "always") == 0;
     history_look(h, m->log, always ? m->cut : synced_at(m), always && m->cut == m->log->n);
 }
@@ -317,7 +317,7 @@ static void check_log(const struct moment *m)
 {
     char path[PATH_BYTES];
     struct tree is = tree_read(path_in(m->story, "root", path));
-    struct tree recorded = crash_none(m->crash, m->log->n);
+    struct tree recorded = power_cut_none(m->crash, m->log->n);
     const char *name = tree_difference(&recorded, &is);
     CHECK_MSG(name == NULL, "%s is not what the log of operations says (%s)", name, m->story->dir);
     tree_free(&is);
@@ -355,7 +355,7 @@ void story_live(struct story *s, const struct circumstances *c)
     bool exact;
     struct power_log log = live(s, c, &exact);
     struct moment m = {.story = s, .given = c, .log = &log};
-    m.crash = crash_new(&s->before, &log);
+    m.crash = power_cut_new(&s->before, &log);
     if (exact)
         check_log(&m);
     history_close(&s->history);
@@ -370,6 +370,6 @@ void story_live(struct story *s, const struct circumstances *c)
     }
     tree_free(&s->before);
     s->before = m.after;
-    crash_free(m.crash);
+    power_cut_free(m.crash);
     power_log_free(&log);
 }

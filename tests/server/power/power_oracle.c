@@ -1,7 +1,7 @@
 /* power_oracle.c - the part of power_history.h about the moment of a power cut. */
 #include "tests/server/power/power_history.h"
 
-#include "proto/records/digest.h"
+#include "proto/records/hash.h"
 #include "tests/server/digest.h"
 #include "tests/test.h"
 
@@ -25,7 +25,7 @@ static uint64_t digest_own(const struct stream *s, const struct dt *dt, uint32_t
     for (uint32_t id = 0; dt != NULL && id < dt_next_id(dt); id++) {
         if (dt_get(dt, id, &p) != DT_OK || p.x != s->number)
             continue;
-        h = digest_bytes(h, &p, sizeof p);
+        h = hash_bytes(h, &p, sizeof p);
         ++*own;
     }
     return h;

@@ -4,7 +4,7 @@
  * content must still exist, in damaged.* if not under its own name. */
 #include "proto/records/record.h"
 #include "server/disk/recover.h"
-#include "tests/faults/crash_fate.h"
+#include "tests/faults/power_cut_random.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/power/power_disk.h"
@@ -250,9 +250,9 @@ static void interrupt(const struct round *r, struct tree *t, unsigned sync_fails
     tree_write(t, b->root);
     repair(b, &disk);
     struct power_log log = power_log_read(b->ops);
-    struct crash *crash = crash_new(t, &log);
+    struct power_cut *crash = power_cut_new(t, &log);
     random_fate_init(&fate, test_random(), crash, &log);
-    struct tree left = crash_state(crash, test_below((uint32_t)log.n + 1), &fate.fate);
+    struct tree left = power_cut_state(crash, test_below((uint32_t)log.n + 1), &fate.fate);
     check_kept(r, &left, &fate, "after a power cut");
     tree_write(&left, b->root);
     int status = repair(b, NULL);
@@ -264,7 +264,7 @@ static void interrupt(const struct round *r, struct tree *t, unsigned sync_fails
     tree_free(&after);
     tree_free(t);
     *t = left;
-    crash_free(crash);
+    power_cut_free(crash);
     power_log_free(&log);
 }
 

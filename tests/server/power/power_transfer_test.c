@@ -2,7 +2,7 @@
  * the directory has the old state or the new one, and the new one if the follower had acknowledged it. */
 #include "server/disk/aside.h"
 #include "server/disk/recover.h"
-#include "tests/faults/crash_fate.h"
+#include "tests/faults/power_cut_random.h"
 #include "tests/server/follow/false_leader.h"
 #include "tests/server/power/power_disk.h"
 #include "tests/test.h"
@@ -96,12 +96,12 @@ TEST_TIMEOUT(power_cut_during_a_transfer_leaves_the_old_state_or_the_new_one, 30
     struct tree before = tree_read(b.root);
     live(&b, &(struct power_disk){.root = b.root, .ops = b.ops}, TRANSFERRED, "new");
     struct power_log log = power_log_read(b.ops);
-    struct crash *crash = crash_new(&before, &log);
+    struct power_cut *crash = power_cut_new(&before, &log);
     for (size_t cut = 0; cut <= log.n; cut++) {
         for (int i = 0; i < FATES; i++) {
             struct random_fate fate;
             random_fate_init(&fate, test_random(), crash, &log);
-            struct tree left = crash_state(crash, cut, &fate.fate);
+            struct tree left = power_cut_state(crash, cut, &fate.fate);
             tree_write(&left, b.root);
             uint64_t state = state_of(&b, &fate, cut);
             CHECK_MSG(cut < log.n || state == NEW, "up to %" PRIu64 "; lost: %s", state,
@@ -112,7 +112,7 @@ TEST_TIMEOUT(power_cut_during_a_transfer_leaves_the_old_state_or_the_new_one, 30
         }
     }
     CHECK(seen[OLD] && seen[TRANSFERRED] && seen[NEW]);
-    crash_free(crash);
+    power_cut_free(crash);
     power_log_free(&log);
     tree_free(&before);
     false_leader_end(&b.leader);

@@ -1,4 +1,4 @@
-/* hold.h - the ack gate: delays replies until the log is durable.
+/* reply_hold.h - the ack gate: delays replies until the log is durable.
  *
  * Two kinds of replies are delayed. A reply that acknowledges a change would, if sent too early, promise
  * something that may be lost. A reply that shows the result of a change, of any client, could lead another
@@ -14,8 +14,8 @@
  * When the disk fails permanently, or followers are missing, the fate of the changes is unknown. Clients that wait for an
  * acknowledgement get an error; replies that only show changes are released, because there will be
  * no other state until the disk works again. */
-#ifndef SERVER_HOLD_H
-#define SERVER_HOLD_H
+#ifndef SERVER_REPLY_HOLD_H
+#define SERVER_REPLY_HOLD_H
 
 #include "server/system/list.h"
 

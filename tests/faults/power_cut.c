@@ -1,9 +1,9 @@
-/* crash_state.c - see crash_state.h. First the log is followed once, to find which file each descriptor
+/* power_cut.c - see power_cut.h. First the log is followed once, to find which file each descriptor
  * and name stood for (resolve). Then, for each state, every file has two images: what the process saw,
  * and what is on the disk. Operations are carried out on the first; the parts of them that a sync covers,
  * or that are kept, are copied to the second, sector by sector. So a sector on the disk always has the
  * content that the process saw at some moment. */
-#include "tests/faults/crash_state.h"
+#include "tests/faults/power_cut.h"
 
 #include "tests/test.h"
 
@@ -42,7 +42,7 @@ struct step {
     bool covered;
 };
 
-struct crash {
+struct power_cut {
     const struct power_log *log;
     struct node *node; /* owns */
     struct entry *entry;
@@ -52,7 +52,7 @@ struct crash {
 
 /* ---- resolving names and descriptors ---- */
 
-static int add_node(struct crash *c, bool dir, const struct tree_file *before)
+static int add_node(struct power_cut *c, bool dir, const struct tree_file *before)
 {
     c->node = realloc(c->node, (size_t)(c->nodes + 1) * sizeof *c->node);
     CHECK(c->node != NULL);
@@ -60,17 +60,17 @@ static int add_node(struct crash *c, bool dir, const struct tree_file *before)
     return c->nodes++;
 }
 
-static int find_entry(struct crash *c, const char *path);
+static int find_entry(struct power_cut *c, const char *path);
 
 /* The node that the path stands for, as far as the log has been followed. */
-static int node_of(struct crash *c, const char *path)
+static int node_of(struct power_cut *c, const char *path)
 {
     int entry = path[0] == '\0' ? NOTHING : find_entry(c, path);
     return entry == NOTHING ? ROOT : c->entry[entry].seen;
 }
 
 /* The node of the directory that the path is in. */
-static int parent_of(struct crash *c, const char *path)
+static int parent_of(struct power_cut *c, const char *path)
 {
     char parent[PATH_LIMIT];
     const char *slash = strrchr(path, '/');
@@ -89,7 +89,7 @@ static const char *last_part(const char *path)
 }
 
 /* The entry of this path, created if it is new. */
-static int find_entry(struct crash *c, const char *path)
+static int find_entry(struct power_cut *c, const char *path)
 {
     int dir = parent_of(c, path);
     for (int i = 0; i < c->entries; i++)
@@ -102,7 +102,7 @@ static int find_entry(struct crash *c, const char *path)
     return c->entries++;
 }
 
-static void take_tree(struct crash *c, const struct tree *t)
+static void take_tree(struct power_cut *c, const struct tree *t)
 {
     add_node(c, true, NULL); /* ROOT */
     for (size_t i = 0; i < t->files; i++)
@@ -114,7 +114,7 @@ static void take_tree(struct crash *c, const struct tree *t)
     }
 }
 
-static void change_name(struct crash *c, struct step *s, const char *path, int to)
+static void change_name(struct power_cut *c, struct step *s, const char *path, int to)
 {
     s->entry = find_entry(c, path);
     s->dir = c->entry[s->entry].dir;
@@ -122,7 +122,7 @@ static void change_name(struct crash *c, struct step *s, const char *path, int t
     c->entry[s->entry].seen = to;
 }
 
-static void resolve_open(struct crash *c, struct step *s, const struct power_op *op, int fds[])
+static void resolve_open(struct power_cut *c, struct step *s, const struct power_op *op, int fds[])
 {
     int node = node_of(c, op->name);
     if (node == NOTHING) {
@@ -136,7 +136,7 @@ static void resolve_open(struct crash *c, struct step *s, const struct power_op 
     fds[op->fd] = node;
 }
 
-static void resolve(struct crash *c)
+static void resolve(struct power_cut *c)
 {
     int fds[DESCRIPTORS];
     for (size_t i = 0; i < c->log->n; i++) {
@@ -173,9 +173,9 @@ static void resolve(struct crash *c)
     }
 }
 
-struct crash *crash_new(const struct tree *before, const struct power_log *log)
+struct power_cut *power_cut_new(const struct tree *before, const struct power_log *log)
 {
-    struct crash *c = calloc(1, sizeof *c);
+    struct power_cut *c = calloc(1, sizeof *c);
     CHECK(c != NULL);
     c->log = log;
     c->step = calloc(log->n + 1, sizeof *c->step);
@@ -185,7 +185,7 @@ struct crash *crash_new(const struct tree *before, const struct power_log *log)
     return c;
 }
 
-void crash_free(struct crash *c)
+void power_cut_free(struct power_cut *c)
 {
     for (int i = 0; i < c->entries; i++)
         free(c->entry[i].path);
@@ -195,7 +195,7 @@ void crash_free(struct crash *c)
     free(c);
 }
 
-const char *crash_subject(const struct crash *c, size_t number)
+const char *power_cut_subject(const struct power_cut *c, size_t number)
 {
     const struct step *s = &c->step[number];
     if (s->dir != NOTHING)
@@ -211,7 +211,7 @@ const char *crash_subject(const struct crash *c, size_t number)
 
 /* ---- which operations are covered by syncs ---- */
 
-static void cover(struct crash *c, size_t cut)
+static void cover(struct power_cut *c, size_t cut)
 {
     size_t *open = malloc((cut + 1) * sizeof *open), n = 0; /* neither covered nor lost for good */
     CHECK(open != NULL);
@@ -244,7 +244,7 @@ static void cover(struct crash *c, size_t cut)
 static void image_widen(struct image *m, size_t n)
 {
     if (n > m->cap) {
-        size_t cap = n + n / 2 + CRASH_SECTOR;
+        size_t cap = n + n / 2 + POWER_CUT_SECTOR;
         m->bytes = realloc(m->bytes, cap);
         CHECK(m->bytes != NULL);
         m->cap = cap;
@@ -271,10 +271,12 @@ static void image_cut(struct image *m, uint64_t size)
 
 static void copy_sector(struct image *to, const struct image *from, uint64_t sector)
 {
-    size_t at = (size_t)sector * CRASH_SECTOR;
-    size_t n = from->n <= at ? 0 : from->n < at + CRASH_SECTOR ? from->n - at : CRASH_SECTOR;
-    image_widen(to, at + CRASH_SECTOR);
-    memset(to->bytes + at, 0, CRASH_SECTOR);
+    size_t at = (size_t)sector * POWER_CUT_SECTOR;
+    size_t n = from->n <= at                     ? 0
+               : from->n < at + POWER_CUT_SECTOR ? from->n - at
+                                                 : POWER_CUT_SECTOR;
+    image_widen(to, at + POWER_CUT_SECTOR);
+    memset(to->bytes + at, 0, POWER_CUT_SECTOR);
     if (n > 0)
         memcpy(to->bytes + at, from->bytes + at, n);
 }
@@ -290,13 +292,13 @@ static void image_set(struct image *m, const struct tree_file *f)
 
 /* ---- carrying out ---- */
 
-static bool keeps(const struct crash *c, struct crash_fate *fate, size_t i, enum crash_part part,
-                  uint64_t sector)
+static bool keeps(const struct power_cut *c, struct power_cut_fate *fate, size_t i,
+                  enum power_cut_part part, uint64_t sector)
 {
     return c->step[i].covered || fate == NULL || fate->keeps(fate, i, part, sector);
 }
 
-static void resize(struct crash *c, size_t i, struct crash_fate *fate, uint64_t size)
+static void resize(struct power_cut *c, size_t i, struct power_cut_fate *fate, uint64_t size)
 {
     struct node *node = &c->node[c->step[i].node];
     if (size == node->seen.size)
@@ -306,13 +308,13 @@ static void resize(struct crash *c, size_t i, struct crash_fate *fate, uint64_t 
         image_cut(&node->disk, size);
 }
 
-static void write_data(struct crash *c, size_t i, struct crash_fate *fate)
+static void write_data(struct power_cut *c, size_t i, struct power_cut_fate *fate)
 {
     struct node *node = &c->node[c->step[i].node];
     const struct power_op *op = &c->log->op[i];
     uint64_t end = op->a + op->n;
     image_write(&node->seen, op->a, op->data, op->n);
-    for (uint64_t s = op->a / CRASH_SECTOR; s * CRASH_SECTOR < end; s++)
+    for (uint64_t s = op->a / POWER_CUT_SECTOR; s * POWER_CUT_SECTOR < end; s++)
         if (keeps(c, fate, i, PART_SECTOR, s))
             copy_sector(&node->disk, &node->seen, s);
     if (end < node->seen.size)
@@ -323,7 +325,7 @@ static void write_data(struct crash *c, size_t i, struct crash_fate *fate)
         node->disk.size = end;
 }
 
-static void carry_out(struct crash *c, size_t i, struct crash_fate *fate)
+static void carry_out(struct power_cut *c, size_t i, struct power_cut_fate *fate)
 {
     const struct power_op *op = &c->log->op[i];
     const struct step *s = &c->step[i];
@@ -341,7 +343,7 @@ static void carry_out(struct crash *c, size_t i, struct crash_fate *fate)
 
 /* ---- the outcome ---- */
 
-static void begin(struct crash *c)
+static void begin(struct power_cut *c)
 {
     for (int i = 0; i < c->nodes; i++) {
         image_set(&c->node[i].seen, c->node[i].before);
@@ -361,7 +363,7 @@ static uint32_t give_file(const struct node *n, struct tree *out)
 }
 
 /* All names of the directory at `path` that are on the disk, and their content. */
-static void give_names(struct crash *c, int dir, const char *path, uint32_t given[],
+static void give_names(struct power_cut *c, int dir, const char *path, uint32_t given[],
                        struct tree *out)
 {
     char at[PATH_LIMIT];
@@ -378,7 +380,7 @@ static void give_names(struct crash *c, int dir, const char *path, uint32_t give
     }
 }
 
-struct tree crash_state(struct crash *c, size_t cut, struct crash_fate *fate)
+struct tree power_cut_state(struct power_cut *c, size_t cut, struct power_cut_fate *fate)
 {
     struct tree out = {0};
     uint32_t *given = malloc((size_t)c->nodes * sizeof *given);
@@ -397,7 +399,7 @@ struct tree crash_state(struct crash *c, size_t cut, struct crash_fate *fate)
     return out;
 }
 
-struct tree crash_none(struct crash *c, size_t cut)
+struct tree power_cut_none(struct power_cut *c, size_t cut)
 {
-    return crash_state(c, cut, NULL);
+    return power_cut_state(c, cut, NULL);
 }

@@ -1,5 +1,5 @@
-/* catalog.c - see catalog.h. */
-#include "server/catalog.h"
+/* commands_json.c - see commands_json.h. */
+#include "server/commands_json.h"
 
 #include "server/commands.h"
 
@@ -56,7 +56,7 @@ static void print_command(FILE *out, const struct command *c)
     fprintf(out, "\"body\": %s}", body[c->body.rows]);
 }
 
-void catalog_print(FILE *out)
+void commands_json_print(FILE *out)
 {
     for (size_t i = 0; i < command_count; i++) {
         fputs(i == 0 ? "[\n" : ",\n", out);

@@ -1,4 +1,4 @@
-/* survey.c - finds what borders enclose; see regions.h.
+/* regions_find.c - finds what borders enclose; see regions.h.
  *
  *   1. The numbers. A border is closed if every vertex is the end of an even number of its constraints.
  *   2. The sides: for each edge and each closed border that covers it an odd number of times, the edge and the region.

@@ -1,9 +1,9 @@
-/* crash_state.h - the directories that a power cut may leave behind.
+/* power_cut.h - the directories that a power cut may leave behind.
  *
  * A sync covers operations of the process (power_log.h) that were complete before it began, as in POSIX. The sync of a file
  * covers its data and its size, the sync of a directory the names in it, and nothing else.
  * Covered operations are on the disk. Of the others, any part may be on the disk or not, as a
- * struct crash_fate decides:
+ * struct power_cut_fate decides:
  *
  *     a sector   each 512 bytes that a write has touched, independent of the rest of the write
  *     a size     that a write, a truncation or an allocation has given to a file
@@ -18,35 +18,36 @@
  *
  * Operations that a failed sync should have covered are never covered. No later sync covers them, because the kernel
  * considers them clean [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
-#ifndef TESTS_FAULTS_CRASH_STATE_H
-#define TESTS_FAULTS_CRASH_STATE_H
+#ifndef TESTS_FAULTS_POWER_CUT_H
+#define TESTS_FAULTS_POWER_CUT_H
 
 #include "tests/faults/power_log.h"
 #include "tests/faults/tree.h"
 
-enum { CRASH_SECTOR = 512 };
+enum { POWER_CUT_SECTOR = 512 };
 
-enum crash_part { PART_SECTOR, PART_SIZE, PART_NAME, PART_OLD_NAME };
+enum power_cut_part { PART_SECTOR, PART_SIZE, PART_NAME, PART_OLD_NAME };
 
 /* Decides about a part of the log's operation `number`: whether it is on the disk. */
-struct crash_fate {
-    bool (*keeps)(struct crash_fate *fate, size_t number, enum crash_part part, uint64_t sector);
+struct power_cut_fate {
+    bool (*keeps)(struct power_cut_fate *fate, size_t number, enum power_cut_part part,
+                  uint64_t sector);
 };
 
-struct crash;
+struct power_cut;
 
 /* Prepares the states of a directory that contained `before`, after the operations of a log; both are
  * borrowed. */
-struct crash *crash_new(const struct tree *before, const struct power_log *log);
-void crash_free(struct crash *c);
+struct power_cut *power_cut_new(const struct tree *before, const struct power_log *log);
+void power_cut_free(struct power_cut *c);
 
 /* The directory if the power fails after the first `cut` operations. */
-struct tree crash_state(struct crash *c, size_t cut, struct crash_fate *fate);
+struct tree power_cut_state(struct power_cut *c, size_t cut, struct power_cut_fate *fate);
 
 /* The directory if the power does not fail. */
-struct tree crash_none(struct crash *c, size_t cut);
+struct tree power_cut_none(struct power_cut *c, size_t cut);
 
 /* A name of the file or directory that operation `number` concerns; "" if there is none. */
-const char *crash_subject(const struct crash *c, size_t number);
+const char *power_cut_subject(const struct power_cut *c, size_t number);
 
 #endif

@@ -1,5 +1,5 @@
-/* digest.c - see digest.h. */
-#include "proto/records/digest.h"
+/* hash.c - see hash.h. */
+#include "proto/records/hash.h"
 
 #include <string.h>
 
@@ -24,7 +24,7 @@ static uint64_t word_of(const unsigned char *p, size_t n)
     return w;
 }
 
-uint64_t digest_bytes(uint64_t before, const void *bytes, size_t n)
+uint64_t hash_bytes(uint64_t before, const void *bytes, size_t n)
 {
     const unsigned char *p = bytes;
     uint64_t h = before + P5 + n;

@@ -1,5 +1,5 @@
-/* account.c - see account.h. */
-#include "server/session/account.h"
+/* request_stats.c - see request_stats.h. */
+#include "server/session/request_stats.h"
 
 #include "server/command/command.h"
 
@@ -41,7 +41,7 @@ static void note_slow(struct session *s, const struct stats_outcome *took)
     s->reactor->slow++;
 }
 
-void account_end(struct session *s, const struct answer *a, bool error)
+void request_stats_end(struct session *s, const struct answer *a, bool error)
 {
     struct server *server = s->server;
     int64_t limit_us = server->config->slowlog_us;
@@ -56,7 +56,7 @@ void account_end(struct session *s, const struct answer *a, bool error)
     s->noted = false;
 }
 
-void account_pause(struct session *s, const struct answer *a)
+void request_stats_pause(struct session *s, const struct answer *a)
 {
     stats_pause(&s->reactor->stats, &s->pause, a->next == ANSWER_WAIT && a->wait_for != WAIT_JOB);
     if (!s->noted)
@@ -64,7 +64,7 @@ void account_pause(struct session *s, const struct answer *a)
     s->noted = true;
 }
 
-void account_load(struct session *s)
+void request_stats_load(struct session *s)
 {
     stats_look(&s->reactor->stats);
     if (s->pause.since_ns == 0)
@@ -72,7 +72,7 @@ void account_load(struct session *s)
     stats_resume(&s->reactor->stats, &s->pause);
 }
 
-void account_job(struct session *s, const struct job *j)
+void request_stats_job(struct session *s, const struct job *j)
 {
     if (j->began_ns > j->queued_ns)
         s->pause.waited_ns += j->began_ns - j->queued_ns;

@@ -1,5 +1,5 @@
-/* hold.c - see hold.h. */
-#include "server/disk/hold.h"
+/* reply_hold.c - see reply_hold.h. */
+#include "server/disk/reply_hold.h"
 
 static void add(struct holders *in, struct hold *h, struct hold_group g)
 {

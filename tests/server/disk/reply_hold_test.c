@@ -1,5 +1,5 @@
-/* hold_test.c - which bytes wait for which change, and when connections are notified. */
-#include "server/disk/hold.h"
+/* reply_hold_test.c - which bytes wait for which change, and when connections are notified. */
+#include "server/disk/reply_hold.h"
 
 #include "tests/test.h"
 

@@ -1,6 +1,6 @@
-/* crash_state_test.c - what a power cut may leave behind, and what it may not. Each test lists the
+/* power_cut_test.c - what a power cut may leave behind, and what it may not. Each test lists the
  * operations of a process and the parts of them that are lost, and examines what is left. */
-#include "tests/faults/crash_state.h"
+#include "tests/faults/power_cut.h"
 
 #include "tests/test.h"
 
@@ -69,18 +69,19 @@ static void has_file(int fd, const char *name, const char *data, size_t n)
 
 struct loss {
     size_t number;
-    enum crash_part part;
+    enum power_cut_part part;
     uint64_t sector;
 };
 
 struct losses {
-    struct crash_fate fate;
+    struct power_cut_fate fate;
     const struct loss *v;
     size_t n;
     bool all;
 };
 
-static bool keeps(struct crash_fate *fate, size_t number, enum crash_part part, uint64_t sector)
+static bool keeps(struct power_cut_fate *fate, size_t number, enum power_cut_part part,
+                  uint64_t sector)
 {
     const struct losses *l = (const struct losses *)(const void *)fate;
     for (size_t i = 0; i < l->n; i++)
@@ -94,10 +95,10 @@ static struct tree left_after(const struct losses *l)
     struct power_log log = {.op = op, .n = ops};
     struct tree before = {0};
     struct losses fate = *l;
-    struct crash *c = crash_new(&before, &log);
+    struct power_cut *c = power_cut_new(&before, &log);
     fate.fate.keeps = keeps;
-    struct tree t = crash_state(c, ops, &fate.fate);
-    crash_free(c);
+    struct tree t = power_cut_state(c, ops, &fate.fate);
+    power_cut_free(c);
     return t;
 }
 
@@ -442,13 +443,13 @@ TEST(power_may_fail_between_any_two_operations)
     struct tree before = {0};
     has_file(A, "a", "one", 3);
     log.n = ops;
-    struct crash *c = crash_new(&before, &log);
+    struct power_cut *c = power_cut_new(&before, &log);
     for (size_t cut = 0; cut <= ops; cut++) {
-        struct tree t = crash_none(c, cut);
+        struct tree t = power_cut_none(c, cut);
         CHECK(has(&t, "a") == (cut > 0) && holds(&t, "a", "one") == (cut > 1));
         tree_free(&t);
     }
-    crash_free(c);
+    power_cut_free(c);
 }
 
 /* ---- directories ---- */
@@ -458,7 +459,7 @@ static size_t makes_directory(const char *name)
     return add((struct power_op){.kind = POWER_MKDIR, .name = name});
 }
 
-TEST(crash_state_of_a_renamed_directory_has_its_files_under_the_new_name)
+TEST(power_cut_of_a_renamed_directory_has_its_files_under_the_new_name)
 {
     makes_directory("d");
     opens(A, "d/a", NEW_FILE);
@@ -475,7 +476,7 @@ TEST(crash_state_of_a_renamed_directory_has_its_files_under_the_new_name)
     tree_free(&t);
 }
 
-TEST(crash_state_of_a_directory_that_was_made_again_has_only_the_new_files)
+TEST(power_cut_of_a_directory_that_was_made_again_has_only_the_new_files)
 {
     makes_directory("d");
     opens(A, "d/a", NEW_FILE);

@@ -1,5 +1,5 @@
-/* crash_fate.c - see crash_fate.h. */
-#include "tests/faults/crash_fate.h"
+/* power_cut_random.c - see power_cut_random.h. */
+#include "tests/faults/power_cut_random.h"
 
 #include "tests/faults/chance.h"
 
@@ -25,13 +25,13 @@ __attribute__((format(printf, 2, 3))) static void note(struct random_fate *f, co
     va_end(ap);
 }
 
-static void tell_loss(struct random_fate *f, size_t op, enum crash_part part, uint64_t sector)
+static void tell_loss(struct random_fate *f, size_t op, enum power_cut_part part, uint64_t sector)
 {
     static const char *const kind[] = {"open",   "write", "truncate", "extend", "mkdir",
                                        "rename", "link",  "unlink",   "sync",   "sent"};
     if (f->last != op)
         note(f, "%s%zu: %s %s", f->length > 0 ? "; " : "", op, kind[f->log->op[op].kind],
-             crash_subject(f->crash, op));
+             power_cut_subject(f->crash, op));
     f->last = op;
     if (part == PART_SECTOR)
         note(f, " [%" PRIu64 "]", sector);
@@ -46,7 +46,7 @@ static bool keeps_sector(const struct random_fate *f, size_t op, uint64_t sector
     return number_for(f, op, torn ? 16 + sector : 2) < f->share[PART_SECTOR];
 }
 
-static bool keeps(struct crash_fate *fate, size_t op, enum crash_part part, uint64_t sector)
+static bool keeps(struct power_cut_fate *fate, size_t op, enum power_cut_part part, uint64_t sector)
 {
     struct random_fate *f = (struct random_fate *)(void *)fate;
     bool kept;
@@ -62,7 +62,7 @@ static bool keeps(struct crash_fate *fate, size_t op, enum crash_part part, uint
     return kept;
 }
 
-void random_fate_init(struct random_fate *f, uint64_t seed, const struct crash *crash,
+void random_fate_init(struct random_fate *f, uint64_t seed, const struct power_cut *crash,
                       const struct power_log *log)
 {
     static const uint32_t share[] = {0, 0, 50, 200, 500, 800, 950, 1000, 1000};
