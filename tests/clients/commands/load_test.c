@@ -289,7 +289,7 @@ TEST(load_reports_the_option_that_is_wrong)
         {"-z", "delaunay: unknown option -z\nTry 'delaunay load --help'.\n"},
         {"-c", "delaunay: the option -c needs a value\nTry 'delaunay load --help'.\n"},
         {"--format dwg", "delaunay: unknown format dwg; there are xy, csv, geojson, node, xyz, "
-                         "gpx, las, poly, obj\n"},
+                         "gpx, las, poly, obj, asc\n"},
         {"-c x", "delaunay: --columns x is not X,Y"},
     };
     cli_begin();
