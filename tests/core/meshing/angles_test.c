@@ -55,7 +55,7 @@ TEST(a_triangle_that_is_nearly_flat_has_the_angles_of_exact_arithmetic)
 /* The long edges of the second triangle have equal lengths in doubles, and angles of 1 and 179 degrees at their ends. */
 TEST(the_largest_angle_of_a_needle_is_found_at_either_end)
 {
-    const struct dt_point before[] = {{0, 0}, {4, 0}, {2, 0.5}};
+    const struct dt_point before[] = {{0, 0}, {0x1p80, 0}, {0, 1}};
     for (int k = 0; k < 6; k++) {
         double side = k < 3 ? -1 : 1;
         const struct dt_point p[] = {{0, 0}, {0x1p60, 0}, {side, 0x1p-6}};
