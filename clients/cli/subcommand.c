@@ -153,13 +153,15 @@ const struct subcommand subcommands[] = {
      "      --max-edge E      none in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --no-labels       no levels along the lines of a picture\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
      "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
      "instance, as the\n"
      "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
      "only\n"
      "      --force           replace any file\n",
-     "--bands --format --every --base --levels --max-edge --inside --viewport --geographic --crs "
+     "--bands --format --every --base --levels --max-edge --inside --viewport --no-labels "
+     "--geographic --crs "
      "--force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,

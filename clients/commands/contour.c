@@ -14,7 +14,7 @@ enum { USUAL_LEVELS = 10, MOST_LEVELS = 1000 };
 
 struct work {
     const char *set, *field, *every, *base, *levels, *max_edge, *inside;
-    bool bands;
+    bool bands, unlabelled;
     struct shapes_file file; /* owns */
 };
 
@@ -118,7 +118,7 @@ static bool write_picture(struct work *w, FILE *out, int field)
     return w->bands
                ? surface_write_bands(out, title, &f->shapes, &f->model, box, shapes_file_unit(f))
                : surface_write_contours(out, title, &f->shapes, &f->model, field, box,
-                                        shapes_file_unit(f));
+                                        shapes_file_unit(f), !w->unlabelled);
 }
 
 static int draw(void *ctx, FILE *out)
@@ -159,6 +159,8 @@ static int read_option(struct work *w, int option, char **argv)
     if (option == 'B') {
         w->bands = true;
         w->file.shapes.kind = SHAPE_BAND;
+    } else if (option == 'N') {
+        w->unlabelled = true;
     } else if (option == 'l' && strlen(optarg) < 7000 && are_levels(optarg))
         w->levels = optarg;
     else if (option == 'l')
@@ -178,13 +180,19 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
-        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
-        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
-        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
-        {"geographic", no_argument, NULL, 'G'},     {"crs", required_argument, NULL, 'K'},
-        {"bands", no_argument, NULL, 'B'},          {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"every", required_argument, NULL, 'e'},
+                                            {"base", required_argument, NULL, 'b'},
+                                            {"levels", required_argument, NULL, 'l'},
+                                            {"max-edge", required_argument, NULL, 'm'},
+                                            {"inside", required_argument, NULL, 'i'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {"geographic", no_argument, NULL, 'G'},
+                                            {"crs", required_argument, NULL, 'K'},
+                                            {"bands", no_argument, NULL, 'B'},
+                                            {"no-labels", no_argument, NULL, 'N'},
+                                            {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

@@ -69,6 +69,17 @@ static bool enter(struct labels *l, const struct label_box *b)
     return true;
 }
 
+bool labels_take(struct labels *l, const struct label_box *box, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!is_free(l, &box[i]))
+            return false;
+    for (size_t i = 0; i < n; i++)
+        if (!enter(l, &box[i]))
+            return false;
+    return true;
+}
+
 bool labels_place(struct labels *l, double x, double y, double away, double wide, double high,
                   struct label_box *box)
 {

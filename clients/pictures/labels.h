@@ -25,6 +25,9 @@ struct labels {
 bool labels_init(struct labels *l, double width, double height, double size, size_t n);
 void labels_free(struct labels *l);
 
+/* Takes all of these places, or none if one of them is taken or not in the frame; they may overlap each other. */
+bool labels_take(struct labels *l, const struct label_box *box, size_t n);
+
 /* Finds a free place for a text that is wide x high beside the point x, y, as far away as `away`; on the upper right if that is
  * free. False if there is none. The place is taken. */
 bool labels_place(struct labels *l, double x, double y, double away, double wide, double high,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "clients/pictures/legend.h"
+#include "clients/pictures/line_labels.h"
 
 static const double *corner(const struct model *m, size_t t, size_t k)
 {
@@ -145,14 +146,32 @@ static double *find_levels(const struct shapes *lines, size_t *n)
     return level;
 }
 
-static void draw_lines(struct svg *s, const struct shapes *lines, const double *level,
-                       size_t levels)
+/* The levels of the lines, ascending. Each fifth is heavy if there are more than five. */
+struct levels {
+    const double *v;
+    size_t n;
+};
+
+static bool is_heavy(const struct levels *levels, const struct shape *line)
+{
+    const double *at =
+        levels->n > 5 ? bsearch(&line->key, levels->v, levels->n, sizeof *at, by_value) : NULL;
+    return at != NULL && (at - levels->v) % 5 == 4;
+}
+
+/* Heavy lines have numbers; if there are none, all lines. */
+static bool is_labelled(const void *ctx, const struct shape *line)
+{
+    const struct levels *levels = ctx;
+    return levels->n <= 5 || is_heavy(levels, line);
+}
+
+static void draw_lines(struct svg *s, const struct shapes *lines, const struct levels *levels)
 {
     for (size_t pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < lines->n; i++) {
             const struct shape *l = &lines->shape[i];
-            const double *at = bsearch(&l->key, level, levels, sizeof level[0], by_value);
-            bool heavy = levels > 5 && at != NULL && (at - level) % 5 == 4;
+            bool heavy = is_heavy(levels, l);
             if (heavy == (pass == 1))
                 svg_line(s, heavy, lines->xy + 2 * l->first, l->n, l->closed);
         }
@@ -169,14 +188,16 @@ static void model_bounds(const struct model *m, double *box)
 }
 
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
-                            const struct model *m, int field, const double *box, const char *unit)
+                            const struct model *m, int field, const double *box, const char *unit,
+                            bool numbers)
 {
     double around[4] = {0, 0, 1, 1};
-    size_t levels;
     struct svg s;
     struct relief r = {.style = RELIEF_BOTH};
     struct legend legend;
-    double *level = find_levels(lines, &levels);
+    struct levels levels;
+    double *level = find_levels(lines, &levels.n);
+    levels.v = level;
     surface_fit(&r, m, field);
     bool ok = legend_of_heights(&legend, &r, m->field[field]) && level != NULL;
     if (!ok) {
@@ -188,8 +209,9 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL,
               m->triangles > 0 ? legend_shown(&legend) : NULL, unit);
     ok = surface_draw_ground(&s, m, field, &r);
-    draw_lines(&s, lines, level, levels);
+    draw_lines(&s, lines, &levels);
     surface_draw_constraints(&s, m);
+    ok = (!numbers || line_labels_draw(&s, lines, is_labelled, &levels)) && ok;
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
     legend_free(&legend);

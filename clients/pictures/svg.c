@@ -403,6 +403,41 @@ void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed
         fputs("z", s->out);
 }
 
+void svg_drawn(const struct svg *s, const double *p, double *drawn)
+{
+    drawn[0] = (double)place_x(s, p);
+    drawn[1] = (double)place_y(s, p);
+}
+
+void svg_frame(const struct svg *s, double *low, double *high)
+{
+    low[0] = s->left;
+    low[1] = MARGIN;
+    high[0] = s->left + s->wide;
+    high[1] = MARGIN + s->high;
+}
+
+void svg_numbers_begin(struct svg *s, double size, double halo)
+{
+    path_end(s);
+    fprintf(s->out, "<g font-size=\"%.0f\" text-anchor=\"middle\"", size);
+    if (halo > 0)
+        fprintf(s->out, " stroke=\"#fff\" stroke-opacity=\"0.8\" stroke-width=\"%.0f\">\n", halo);
+    else
+        fputs(" fill=\"#3c2410\">\n", s->out);
+}
+
+void svg_number(struct svg *s, double x, double y, double degrees, double size, const char *text)
+{
+    fprintf(s->out, "<text x=\"%.0f\" y=\"%.0f\" transform=\"rotate(%.1f %.0f %.0f)\">%s</text>\n",
+            x, y + 0.36 * size, degrees, x, y, text);
+}
+
+void svg_numbers_end(struct svg *s)
+{
+    fputs("</g>\n", s->out);
+}
+
 void svg_hull_begin(struct svg *s)
 {
     path_end(s);

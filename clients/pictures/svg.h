@@ -85,6 +85,16 @@ void svg_hull_end(struct svg *s);
 /* A constraint, bold; only the part near the box if there is a clip. Begins where the hull has ended. */
 void svg_constraint(struct svg *s, bool border, const double *p, const double *q);
 
+/* A place as it is drawn, and the corners of what is shown: upper left, lower right. */
+void svg_drawn(const struct svg *s, const double *p, double *drawn);
+void svg_frame(const struct svg *s, double *low, double *high);
+
+/* Numbers of lines: svg_number for each, with its middle at a drawn place, turned clockwise by degrees; their height is `size`. With halo
+ * above 0, only the white lines of that width around them. Polygons and lines end where they begin. */
+void svg_numbers_begin(struct svg *s, double size, double halo);
+void svg_number(struct svg *s, double x, double y, double degrees, double size, const char *text);
+void svg_numbers_end(struct svg *s);
+
 /* The points, each a dot, and their ids beside them if there are at most 100 or
  * s->numbers is set; no id covers another, and s->unlabelled counts those without room. */
 void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);

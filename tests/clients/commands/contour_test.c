@@ -98,6 +98,18 @@ TEST(contour_ends_at_the_border_that_an_option_names)
     cli_finish();
 }
 
+/* The line at half of the height has its number; GeoJSON has none, nor has a picture that shall not. */
+TEST(contours_have_their_levels_along_them_in_pictures)
+{
+    int status;
+    make_pyramid();
+    const char *svg = cli_run(&status, "contour t z - -f svg --levels 1.25");
+    CHECK(status == 0 && count(svg, ">1.25</text>") >= 2 && count(svg, "rotate(") >= 2);
+    svg = cli_run(&status, "contour t z - -f svg --levels 1.25 --no-labels");
+    CHECK(status == 0 && count(svg, ">1.25</text>") == 0 && count(svg, "rotate(") == 0);
+    cli_finish();
+}
+
 /* Three sides of the border and a line, bold; the other three triangles pale. */
 TEST(constraints_are_bold_in_pictures_of_surfaces_and_the_outside_is_pale)
 {
