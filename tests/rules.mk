@@ -150,6 +150,13 @@ bench-simplify: $(O)/tests/bench/set/simplify
 	  timeout 120 npm install --prefix $(O)/delatin --no-audit --no-fund --ignore-scripts --silent delatin@0.2.0
 	@node tests/bench/beside_delatin.mjs $(O)/delatin $< $(SIDE) $(ERROR) | tee $(O)/bench-simplify.md
 
+# ---- bench-terrain: reads an ASCII grid and a GeoTIFF beside GDAL, which writes the points; SIDE=1000 ----
+
+.PHONY: bench-terrain
+bench-terrain: all
+	$(call need,gdal-bin,command -v gdal_translate)
+	@/usr/bin/python3 tests/bench/set/terrain_models.py $(O) $(or $(SIDE),1000) | tee $(O)/bench-terrain.md
+
 # ---- bench-bands: filled contours beside Matplotlib's, with their goal; POINTS=1000000 ----
 
 .PHONY: bench-bands

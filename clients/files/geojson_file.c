@@ -303,6 +303,17 @@ static bool read_objects(struct geojson *g, const struct json_scan *at, bool geo
     return json_take(&g->j, ']') || bad(g);
 }
 
+/* Whether the value of a member crs [GeoJSON, 2008, section 3] names longitudes and latitudes, or nothing. */
+static bool is_degrees(struct json_part value)
+{
+    static const char *const names[] = {":CRS84\"", ":CRS83\"", ":CRS27\"", ":4326\"",
+                                        ":4258\"",  ":4269\"",  ":4979\""};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (memmem(value.text, value.len, names[i], strlen(names[i])) != NULL)
+            return true;
+    return json_is(value, "null");
+}
+
 /* Reads the features of a collection at once where its type comes first, as it does in most files. */
 static bool pass_value(struct geojson *g, struct object *o, struct json_part key)
 {
@@ -313,6 +324,8 @@ static bool pass_value(struct geojson *g, struct object *o, struct json_part key
     }
     if (!json_take_value(&g->j, &value))
         return bad(g);
+    if (json_is(key, "crs") && !o->geometry)
+        g->notes->projected |= !is_degrees(value);
     if (json_is(key, "type") && value.len >= 2 && value.text[0] == '"')
         o->type = (struct json_part){value.text + 1, value.len - 2};
     return true;

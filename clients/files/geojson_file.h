@@ -9,7 +9,8 @@
 #include "clients/points/table_fields.h"
 
 struct geojson_notes {
-    bool heights;               /* there are third coordinates */
+    bool projected; /* a member crs names another system than longitudes and latitudes */
+    bool heights;   /* there are third coordinates */
     char property[FIELDS_NAME]; /* the property that has the heights instead; "": none */
     uint64_t nowhere;           /* features and geometries without a place */
     uint64_t more;              /* positions of more than three numbers */

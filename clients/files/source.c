@@ -125,6 +125,7 @@ static bool read_geojson(struct source *s, struct points_file *f, int fd)
 {
     struct geojson_notes notes;
     bool ok = geojson_file_read(f, fd, &s->table.fields, &notes);
+    s->geographic = !notes.projected;
     show_geojson(s, &f->report, &notes);
     if (ok)
         survey_note_swapped(f);
@@ -305,8 +306,8 @@ static bool finish_paths(struct source *s, struct points_file *f)
 bool source_is_geographic(const struct source *s, const struct points_file *f)
 {
     const struct plan *p = &s->table.plan;
-    bool named = is_table(s) ? p->pair == PAIR_LON_LAT && p->headed
-                             : s->form == SOURCE_GEOJSON || s->form == SOURCE_GPX || s->geographic;
+    bool named =
+        is_table(s) ? p->pair == PAIR_LON_LAT && p->headed : s->form == SOURCE_GPX || s->geographic;
     struct range x = survey_range(f, 0), y = survey_range(f, 1);
     return named && x.least >= -360 && x.greatest <= 360 && y.least >= -90 && y.greatest <= 90;
 }

@@ -25,9 +25,9 @@ struct source {
     enum source_form form; /* SOURCE_GUESS: the ending and the first bytes decide */
     struct table_file table;
     bool skip_bad;
-    bool geographic;   /* after reading: a raster says that x and y are longitude and latitude */
-    bool points_only;  /* the lines of the file do not count */
-    bool lines_border; /* lines are borders, as polygons are */
+    bool geographic;       /* after reading: GeoJSON, or a raster, has longitudes and latitudes */
+    bool points_only;      /* the lines of the file do not count */
+    bool lines_border;     /* lines are borders, as polygons are */
     uint32_t first_number; /* of the first line or polygon that the file does not number */
     struct survey_wish wish;
     char message[1400]; /* after a failure: the file, the line and why */

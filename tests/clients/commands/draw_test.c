@@ -160,6 +160,10 @@ TEST(draw_makes_a_map_where_the_file_says_that_coordinates_are_degrees)
                 {"a.geojson",
                  "{\"type\":\"MultiPoint\",\"coordinates\":[[0,5000],[10,5000],[0,7000]]}", "",
                  false},
+                {"a.geojson",
+                 "{\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"EPSG:32629\"}},"
+                 "\"type\":\"MultiPoint\",\"coordinates\":[[0,50],[10,50],[0,70]]}",
+                 "", false},
                 {"a.gpx",
                  "<gpx><wpt lat='50' lon='0'/><wpt lat='50' lon='9'/><wpt lat='70' lon='0'/></gpx>",
                  "", true}};

@@ -121,6 +121,9 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
     expect("$D run a.asc - -f node 2> /dev/null > want; $D run a.tif - -f node 2> /dev/null > got; "
            "diff want got && head -2 got",
            "3 2 1 1\n0 -6.25 53.000416666666666 0.1 1\n");
+    expect("gdal_translate -q -a_srs EPSG:4326 a.tif map.tif; "
+           "for f in a map; do $D draw $f.tif a.svg 2>&1 | grep -c 'a map of degrees'; done; true",
+           "0\n1\n");
     expect(
         "gdal_translate -q -b 1 -b 1 a.tif two.tif; $D run two.tif - || echo $?",
         "delaunay: two.tif: the raster has several bands; gdal_translate -b 1 IN OUT chooses one; "

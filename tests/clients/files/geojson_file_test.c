@@ -151,6 +151,35 @@ TEST(bad_positions_can_be_skipped_one_by_one)
     points_file_free(&file);
 }
 
+/* A collection with the member crs, before its features or behind them. */
+#define NAMED(name) "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"" name "\"}}"
+
+TEST(a_member_crs_says_that_coordinates_are_no_degrees)
+{
+    static const char *const degrees[] = {
+        "{\"type\":\"FeatureCollection\",\"features\":[" POINT(1, 2) "]}",
+        "{\"type\":\"FeatureCollection\"," NAMED(
+            "urn:ogc:def:crs:OGC:1.3:CRS84") ",\"features\":[" POINT(1, 2) "]}",
+        "{" NAMED("EPSG:4326") ",\"features\":[" POINT(1, 2) "]}",
+        "{\"type\":\"FeatureCollection\",\"crs\":null,\"features\":[" POINT(1, 2) "]}",
+        "{\"type\":\"Point\",\"coordinates\":[1,2]}"};
+    static const char *const projected[] = {
+        "{\"type\":\"FeatureCollection\"," NAMED(
+            "urn:ogc:def:crs:EPSG::32629") ",\"features\":[" POINT(1, 2) "]}",
+        "{\"type\":\"FeatureCollection\",\"features\":[" POINT(1, 2) "]," NAMED("EPSG:14326") "}",
+        "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"link\"},\"features\":[" POINT(1,
+                                                                                           2) "]}"};
+    for (size_t i = 0; i < sizeof degrees / sizeof degrees[0]; i++) {
+        expect(degrees[i], "1,2");
+        CHECK_MSG(!notes.projected, "%s", degrees[i]);
+    }
+    for (size_t i = 0; i < sizeof projected / sizeof projected[0]; i++) {
+        expect(projected[i], "1,2");
+        CHECK_MSG(notes.projected, "%s", projected[i]);
+    }
+    points_file_free(&file);
+}
+
 TEST(heights_that_are_missing_are_counted)
 {
     expect("{\"type\":\"MultiPoint\",\"coordinates\":[[0,0,1.5],[1,0],[0,1,null],[2,2,NaN],"
