@@ -15,6 +15,11 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
                              struct dt_added *out);
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work,
                                 bool disposable);
+
+/* As dt_update_add, for a batch that is small beside a set that has no grid. Searches walk from one point of the batch to the next, which
+ * is cheaper than a grid if the points are near each other. If walks are long, it makes the grid after all. */
+enum dt_status dt_update_add_walking(struct dt *t, const struct dt_point *q, size_t n,
+                                     struct dt_stop *work, struct dt_added *out);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work);
 
 /* Moves vertex v, without aliases, if its star allows that with the fixed edges that it has, which are the constraints of

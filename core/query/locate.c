@@ -161,6 +161,15 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
     return where;
 }
 
+bool dt_walk_within(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                    struct dt_point q, uint32_t *steps, uint32_t *half)
+{
+    enum dt_where where;
+    bool arrived = walk_plane(m, xy, NULL, from, q, steps, &where, half);
+    *steps = arrived ? *steps : 0;
+    return arrived;
+}
+
 /* The walk from the nearest hint was long: many thin triangles lie across its way, as within a circle of points
  * with nothing inside. From one of four other hints it may be short; otherwise it continues from where it was,
  * for a while, and then from the best of a sample. */

@@ -27,6 +27,11 @@ enum dt_where dt_find_counting(const struct dt *t, struct dt_point q, uint32_t *
 enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                       struct dt_point q, uint32_t *half);
 
+/* The same over at most *steps triangles, which it subtracts from *steps; some points are not on the line of others. False: it has not
+ * arrived, and *half is a half edge on the way. */
+bool dt_walk_within(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                    struct dt_point q, uint32_t *steps, uint32_t *half);
+
 /* ---- for walks, one by one and side by side (ahead.h) ----
  *
  *              c           A walk towards q has come to the half edge h, from a to b, which q is not to the right of. It goes

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/arrays/workers.h"
+#include "core/edit/update.h"
 #include "core/memory/memory.h"
 
 void dt_tile_free(struct dt_tile *tile)
@@ -130,12 +131,24 @@ struct arrivals {
     size_t n;
 };
 
+/* A small batch walks along the border of the tile. */
+static enum dt_status add_to_set(struct dt *t, const struct arrivals *a, struct dt_added *added)
+{
+    if (!dt_is_live(t) || dt_is_large_batch(t, a->n))
+        return dt_add_many(t, a->p, a->n, NULL, added);
+    if (!dt_coordinates_ok(&a->p->x, 2 * a->n))
+        return DT_RANGE;
+    struct dt_stop work = dt_stop_of(NULL);
+    dt_views_edit_begin(t);
+    return dt_update_add_walking(t, a->p, a->n, &work, added);
+}
+
 /* Adds the batch to the set, where it becomes local ids. */
 static enum dt_status add(struct dt_tile *tile, const struct arrivals *a, struct dt_added *added)
 {
     enum dt_status s = reserve_ids(tile, tile->points + a->n);
     if (s == DT_OK)
-        s = dt_add_many(tile->t, a->p, a->n, NULL, added);
+        s = add_to_set(tile->t, a, added);
     if (s == DT_OK)
         memcpy(tile->id + tile->points, a->id, a->n * sizeof *a->id);
     return s;

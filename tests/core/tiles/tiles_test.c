@@ -1,14 +1,17 @@
-/* tiles_test.c - tiles in one process, round by round until nothing is left to be sent, against one triangulation by brute force. */
+/* tiles_test.c - tiles in one process, round by round until nothing is left to be sent, against brute force, and if they are
+ * larger, against one set. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/delaunay_arrays.h"
 #include "core/delaunay_tiles.h"
+#include "core/set/set.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-enum { MOST = 80, TILES = 6 };
+enum { SMALL = 80, MOST = 4000, TILES = 7 };
 
 /* ---- the division of points among tiles ---- */
 
@@ -232,6 +235,17 @@ static void check_hull(struct dt_tile **tile, unsigned tiles, bool wide, const s
     free(want.v);
 }
 
+static void rows_of_one_set(const struct plan *plan, struct dt_ids *out)
+{
+    struct dt *t = set_of(plan->p, plan->n);
+    struct dt_summary sum;
+    dt_summary(t, &sum);
+    CHECK(dt_ids_reserve(out, 3 * (size_t)sum.triangles + 1) == DT_OK);
+    CHECK(dt_flat(t, false, out->v, NULL) == DT_OK);
+    out->n = 3 * (size_t)sum.triangles;
+    dt_free(t);
+}
+
 static void check_tiles(const struct plan *plan, const char *what)
 {
     struct dt_tile *tile[TILES];
@@ -244,11 +258,15 @@ static void check_tiles(const struct plan *plan, const char *what)
         append_rows(tile[k], wide, &got);
     if (got.n > 0)
         qsort(got.v, got.n / 3, 3 * sizeof *got.v, compare_rows);
-    struct brute *b = brute_new(plan->p, NULL, plan->n);
-    brute_table(b, DT_TRIANGLES, false, &want);
+    if (plan->n <= SMALL) {
+        struct brute *b = brute_new(plan->p, NULL, plan->n);
+        brute_table(b, DT_TRIANGLES, false, &want);
+        check_hull(tile, plan->tiles, wide, b);
+        brute_free(b);
+    } else {
+        rows_of_one_set(plan, &want);
+    }
     check_equal_ids(what, &got, &want);
-    check_hull(tile, plan->tiles, wide, b);
-    brute_free(b);
     free(got.v);
     free(want.v);
     for (unsigned k = 0; k < plan->tiles; k++)
@@ -257,7 +275,7 @@ static void check_tiles(const struct plan *plan, const char *what)
 
 TEST_TIMEOUT(tiles_have_the_triangles_of_brute_force_on_every_family, 120)
 {
-    static const uint32_t sizes[] = {0, 1, 2, 3, 4, 6, 9, 17, 40, MOST};
+    static const uint32_t sizes[] = {0, 1, 2, 3, 4, 6, 9, 17, 40, SMALL};
     struct dt_point p[MOST];
     for (const struct family *f = families; f->name != NULL; f++)
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
@@ -267,6 +285,18 @@ TEST_TIMEOUT(tiles_have_the_triangles_of_brute_force_on_every_family, 120)
                 divide(&plan);
                 check_tiles(&plan, f->name);
             }
+}
+
+/* Batches that are small beside the tile walk from point to point; where walks are long the tile makes its grid. */
+TEST_TIMEOUT(tiles_of_thousands_of_points_have_the_triangles_of_one_set, 120)
+{
+    static struct dt_point p[MOST];
+    for (const struct family *f = families; f->name != NULL; f++) {
+        struct plan plan = {.p = p, .n = MOST, .tiles = 2 + test_below(TILES - 1)};
+        family_points(f, p, plan.n, test_random());
+        divide(&plan);
+        check_tiles(&plan, f->name);
+    }
 }
 
 /* Points of a lattice with few columns: lines in all directions, rectangles, coincident points. */
