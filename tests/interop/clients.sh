@@ -249,6 +249,7 @@ count "the Python package, nothing skipped" python_package_passes
 count "SciPy's own tests of Delaunay and interpolation, with ours" env PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py
 count "the Python package in process equals the daemon on all families" "$python" tests/interop/in_process.py "$build"
+count "tiles equal one triangulation on all families" "$python" tests/interop/tiles.py "$build"
 count "mirrors equal the set, with kills, lost connections and pauses" "$python" tests/interop/mirrors.py "$build"
 count "the Python package can be installed, with the daemon and the library" python_package_installs
 if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
