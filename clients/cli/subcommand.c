@@ -128,6 +128,7 @@ const struct subcommand subcommands[] = {
      "      --method M        linear, natural, laplace, nearest or smooth\n"
      "      --max-edge E      nothing in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
+     "      --missing skip    as if points without a value had been deleted\n"
      "      --outside nearest beyond the hull the values at its nearest place\n"
      "      --clip SET        only inside the borders of another set\n"
      "      --crs CRS         the coordinates' reference system, EPSG:32629 for instance: in a "
@@ -136,7 +137,8 @@ const struct subcommand subcommands[] = {
      "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --inside --outside --clip --as "
+     "--format --cell --width --viewport --method --max-edge --inside --missing --outside --clip "
+     "--as "
      "--colour --crs --force",
      true, NULL},
     {"contour", command_contour, false, true,
@@ -152,6 +154,7 @@ const struct subcommand subcommands[] = {
      "      --levels L,L,...  these levels; of bands also -inf and inf\n"
      "      --max-edge E      none in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
+     "      --missing skip    as if points without a value had been deleted\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --no-labels       no levels along the lines of a picture\n"
      "      --geographic      in a picture x and y are longitude and latitude\n"
@@ -160,7 +163,8 @@ const struct subcommand subcommands[] = {
      "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
      "only\n"
      "      --force           replace any file\n",
-     "--bands --format --every --base --levels --max-edge --inside --viewport --no-labels "
+     "--bands --format --every --base --levels --max-edge --inside --missing --viewport "
+     "--no-labels "
      "--geographic --crs "
      "--force",
      true, NULL},

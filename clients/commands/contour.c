@@ -13,7 +13,7 @@
 enum { USUAL_LEVELS = 10, MOST_LEVELS = 1000 };
 
 struct work {
-    const char *set, *field, *every, *base, *levels, *max_edge, *inside;
+    const char *set, *field, *every, *base, *levels, *max_edge, *inside, *missing;
     bool bands, unlabelled;
     struct shapes_file file; /* owns */
 };
@@ -87,6 +87,8 @@ static enum delaunay_result send_request(struct delaunay_client *c, const struct
     if (w->inside != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %s",
                               strcmp(w->inside, "any") == 0 ? "" : w->inside);
+    if (w->missing != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " MISSING %.20s", w->missing);
     return delaunay_send(c, line, n);
 }
 
@@ -169,6 +171,8 @@ static int read_option(struct work *w, int option, char **argv)
         w->inside = optarg;
     else if (option == 'i')
         return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
+    else if (option == 'M')
+        w->missing = optarg;
     else if (option != 'e' && option != 'b' && option != 'm')
         return shapes_file_option(&w->file, option, argv);
     else if (!proto_is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
@@ -180,19 +184,14 @@ static int read_option(struct work *w, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"every", required_argument, NULL, 'e'},
-                                            {"base", required_argument, NULL, 'b'},
-                                            {"levels", required_argument, NULL, 'l'},
-                                            {"max-edge", required_argument, NULL, 'm'},
-                                            {"inside", required_argument, NULL, 'i'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {"crs", required_argument, NULL, 'K'},
-                                            {"bands", no_argument, NULL, 'B'},
-                                            {"no-labels", no_argument, NULL, 'N'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
+        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
+        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
+        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
+        {"geographic", no_argument, NULL, 'G'},     {"crs", required_argument, NULL, 'K'},
+        {"missing", required_argument, NULL, 'M'},  {"bands", no_argument, NULL, 'B'},
+        {"no-labels", no_argument, NULL, 'N'},      {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

@@ -222,6 +222,8 @@ static int read_option(struct work *w, int option, char **argv)
         r->inside = optarg;
     else if (option == 'O')
         r->outside = optarg;
+    else if (option == 'M')
+        r->missing = optarg;
     else if (option == 'C')
         r->clip = optarg;
     else if (option == 'A')
@@ -264,21 +266,15 @@ static int choose_form(struct work *w, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"cell", required_argument, NULL, 'c'},
-                                            {"width", required_argument, NULL, 'w'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"method", required_argument, NULL, 'm'},
-                                            {"max-edge", required_argument, NULL, 'e'},
-                                            {"colour", required_argument, NULL, 'o'},
-                                            {"color", required_argument, NULL, 'o'},
-                                            {"inside", required_argument, NULL, 'i'},
-                                            {"outside", required_argument, NULL, 'O'},
-                                            {"clip", required_argument, NULL, 'C'},
-                                            {"as", required_argument, NULL, 'A'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"crs", required_argument, NULL, 'K'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'},  {"cell", required_argument, NULL, 'c'},
+        {"width", required_argument, NULL, 'w'},   {"viewport", required_argument, NULL, 'v'},
+        {"method", required_argument, NULL, 'm'},  {"max-edge", required_argument, NULL, 'e'},
+        {"colour", required_argument, NULL, 'o'},  {"color", required_argument, NULL, 'o'},
+        {"inside", required_argument, NULL, 'i'},  {"outside", required_argument, NULL, 'O'},
+        {"missing", required_argument, NULL, 'M'}, {"clip", required_argument, NULL, 'C'},
+        {"as", required_argument, NULL, 'A'},      {"force", no_argument, NULL, 'F'},
+        {"crs", required_argument, NULL, 'K'},     {NULL, 0, NULL, 0}};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)

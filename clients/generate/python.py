@@ -103,6 +103,7 @@ AIO_HEAD = '''"""Types of delaunayd.aio: the methods of _commands.py, _constrain
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._aio_mirror import Mirror as Mirror
+from ._commands import Fields
 from ._constraints import Constraints, Inside, Quality, Regions
 from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
 from ._types import Floats, Uint32s

@@ -82,6 +82,8 @@ export interface SurfaceOptions {
   inside?: Inside;
   /** Outside the hull NaN, or the value at the nearest place of the hull; nan by default. */
   outside?: 'nan' | 'nearest';
+  /** Points without a value: NaN around them, or as if they had been deleted; nan by default. */
+  missing?: Missing;
   timeout?: number;
 }
 
@@ -89,6 +91,11 @@ export interface RasterOptions extends SurfaceOptions {
   /** The name of a set, inside whose borders alone there are values. */
   clip?: string;
 }
+
+export type Missing = 'nan' | 'skip';
+
+/** One field, or several, whose values follow each other. */
+export type Fields = string | readonly string[];
 
 /** The number of a border; true: any of them. */
 export type Inside = number | boolean;
@@ -229,18 +236,18 @@ export class Client {
     y: number,
     options?: { method?: 'linear' | 'natural' | 'laplace'; timeout?: number },
   ): Promise<Map<number, number>>;
-  interpolate(set: string, field: string, places: Points, options?: SurfaceOptions): Promise<Float64Array>;
-  interpolate<P>(set: string, field: string, places: Iterable<P>, options: Accessors<P> & SurfaceOptions): Promise<Float64Array>;
-  gradient(set: string, field: string, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
+  interpolate(set: string, field: Fields, places: Points, options?: SurfaceOptions): Promise<Float64Array>;
+  interpolate<P>(set: string, field: Fields, places: Iterable<P>, options: Accessors<P> & SurfaceOptions): Promise<Float64Array>;
+  gradient(set: string, field: Fields, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
   gradient<P>(
     set: string,
-    field: string,
+    field: Fields,
     places: Iterable<P>,
     options: Accessors<P> & Omit<SurfaceOptions, 'method'>,
   ): Promise<Float64Array>;
   raster(
     set: string,
-    field: string,
+    field: Fields,
     box: Box,
     columns: number,
     rows: number,
@@ -249,12 +256,12 @@ export class Client {
   contourLines(
     set: string,
     field: string,
-    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
+    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; missing?: Missing; timeout?: number },
   ): Promise<ContourLine[]>;
   bands(
     set: string,
     field: string,
-    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; timeout?: number },
+    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; missing?: Missing; timeout?: number },
   ): Promise<BandPolygon[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
   profile(set: string, field: string, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
@@ -267,7 +274,7 @@ export class Client {
   volume(
     set: string,
     field: string,
-    options?: { level?: number; minus?: string; inside?: Inside; box?: Box; timeout?: number },
+    options?: { level?: number; minus?: string; inside?: Inside; missing?: Missing; box?: Box; timeout?: number },
   ): Promise<{ above: number; below: number; area: number }>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;

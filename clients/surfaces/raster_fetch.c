@@ -84,6 +84,8 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
     if (r->inside != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %.20s",
                               strcmp(r->inside, "any") == 0 ? "" : r->inside);
+    if (r->missing != NULL)
+        n += (size_t)snprintf(line + n, sizeof line - n, " MISSING %.20s", r->missing);
     if (r->outside != NULL)
         n += (size_t)snprintf(line + n, sizeof line - n, " OUTSIDE %.20s", r->outside);
     if (r->clip != NULL)
@@ -134,6 +136,8 @@ enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, co
     double box[4];
     void *bytes;
     size_t n;
+    if (strchr(field, ',') != NULL)
+        return stop(fault, "a raster has one field");
     memcpy(box, request->box, sizeof box);
     if (!request->has_box)
         r = raster_bounds(c, set, box, fault);

@@ -17,6 +17,7 @@ struct raster_request {
     double max_edge;      /* 0: any */
     const char *inside;   /* the number of a border, or any; NULL: everywhere */
     const char *outside;  /* nan or nearest; NULL: nan */
+    const char *missing;  /* nan or skip; NULL: nan */
     const char *quantity, /* slope or aspect in degrees; NULL: the values */
         *clip;      /* the name of a set, inside whose borders there are values; NULL: everywhere */
     double squeeze; /* cells are 1 / squeeze as wide as high; 0: as wide */

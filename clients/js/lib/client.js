@@ -14,8 +14,10 @@ const MOST_TRIES = 10; // until the set is not edited meanwhile
 const MOST_IDS = 4096; // of a line of a request
 
 const insideWords = (inside) => option('INSIDE', inside).map((word) => ` ${word}`).join('');
-const methodWords = ({ method, maxEdge, inside, outside, clip }) =>
-  `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}${insideWords(inside)}` +
+const missingWords = (missing) => (missing ? ` MISSING ${missing}` : '');
+const fieldWords = (field) => (typeof field === 'string' ? checkField(field) : Array.from(field, checkField).join(','));
+const methodWords = ({ method, maxEdge, inside, outside, missing, clip }) =>
+  `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}${insideWords(inside)}${missingWords(missing)}` +
   `${outside ? ` OUTSIDE ${outside}` : ''}${clip ? ` CLIP ${checkSet(clip)}` : ''}`;
 const boxWords = (box, word = 'BOX') => (box ? ` ${word} ${[...box].join(' ')}` : '');
 
@@ -305,17 +307,18 @@ class Client extends Constraints {
     return new Map(rows.map(numbersOf));
   }
 
-  /** The values at places, a Float64Array; NaN where there are none. inside: as for triangles(). */
+  /** The values at places, a Float64Array; NaN where there are none. inside: as for triangles(). missing: 'skip' leaves out points
+   * without a value. Of several fields, an array of names, each place has their values. */
   async interpolate(set, field, places, { getX, getY, timeout, ...options } = {}) {
     const body = pointBytes(flatten(places, getX, getY));
-    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ ...options, clip: undefined })}`;
+    const line = `INTERPOLATEB ${checkSet(set)} ${fieldWords(field)} ${body.length / 16}${methodWords({ ...options, clip: undefined })}`;
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
   /** By how much a field grows at places, for a unit of x and of y: two numbers for each place. */
-  async gradient(set, field, places, { maxEdge, inside, getX, getY, timeout } = {}) {
+  async gradient(set, field, places, { maxEdge, inside, missing, getX, getY, timeout } = {}) {
     const body = pointBytes(flatten(places, getX, getY));
-    const line = `GRADIENTB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ maxEdge, inside })}`;
+    const line = `GRADIENTB ${checkSet(set)} ${fieldWords(field)} ${body.length / 16}${methodWords({ maxEdge, inside, missing })}`;
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
@@ -323,20 +326,20 @@ class Client extends Constraints {
    * 'aspect' they are the slope or the direction downhill there, in degrees. */
   async raster(set, field, box, columns, rows, { quantity, progress, timeout, ...options } = {}) {
     const as = quantity === undefined ? '' : ` AS ${quantity}`;
-    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords(options)}${as} BINARY`;
+    const line = `RASTER ${checkSet(set)} ${fieldWords(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords(options)}${as} BINARY`;
     return words(Float64Array, (await this.request(line, { progress, timeout })).data);
   }
 
   /** Contour lines {level, closed, coords}, higher ground on the left: at `levels`, or at base and all multiples of `every` from it. */
-  async contourLines(set, field, { levels, every, base = 0, maxEdge, inside, timeout } = {}) {
-    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${levelWords(levels, every, base)}${methodWords({ maxEdge, inside })}`;
+  async contourLines(set, field, { levels, every, base = 0, maxEdge, inside, missing, timeout } = {}) {
+    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${levelWords(levels, every, base)}${methodWords({ maxEdge, inside, missing })}`;
     return (await this.request(line, { timeout })).rows.map(contourOf);
   }
 
   /** The bands between neighbouring levels as GeoJSON Polygons with the properties low and high. The lowest level may be -Infinity and the
    * highest Infinity; `every` takes as many levels as cover the surface. */
-  async bands(set, field, { levels, every, base = 0, maxEdge, inside, timeout } = {}) {
-    const which = `${levelWords(levels, every, base)} BANDS${methodWords({ maxEdge, inside })}`;
+  async bands(set, field, { levels, every, base = 0, maxEdge, inside, missing, timeout } = {}) {
+    const which = `${levelWords(levels, every, base)} BANDS${methodWords({ maxEdge, inside, missing })}`;
     return bandsOf((await this.request(`CONTOUR ${checkSet(set)} ${checkField(field)} ${which}`, { timeout })).rows);
   }
 
@@ -386,16 +389,16 @@ class Client extends Constraints {
 
   /** The surface along straight pieces between places: distance, x, y and value of the places and of every edge and corner of the
    * triangulation between them, four numbers each. */
-  async profile(set, field, places, { maxEdge, inside, getX, getY, timeout } = {}) {
-    const line = `PROFILE ${checkSet(set)} ${checkField(field)} ${flatten(places, getX, getY).join(' ')}${methodWords({ maxEdge, inside })} BINARY`;
+  async profile(set, field, places, { maxEdge, inside, missing, getX, getY, timeout } = {}) {
+    const line = `PROFILE ${checkSet(set)} ${checkField(field)} ${flatten(places, getX, getY).join(' ')}${methodWords({ maxEdge, inside, missing })} BINARY`;
     return words(Float64Array, (await this.request(line, { timeout })).data);
   }
 
   /** {above, below, area}: the volumes between the surface of a field and a level, or the surface of another field, `minus`; and the
    * area of the triangles whose corners have values. Only what is inside borders, and in a box. */
-  async volume(set, field, { level, minus, inside, box, timeout } = {}) {
+  async volume(set, field, { level, minus, inside, missing, box, timeout } = {}) {
     const base = `${level === undefined ? '' : ` LEVEL ${Number(level)}`}${minus === undefined ? '' : ` MINUS ${checkField(minus)}`}`;
-    const line = `VOLUME ${checkSet(set)} ${checkField(field)}${base}${insideWords(inside)}${boxWords(box)}`;
+    const line = `VOLUME ${checkSet(set)} ${checkField(field)}${base}${insideWords(inside)}${missingWords(missing)}${boxWords(box)}`;
     const { keys } = await this.request(line, { timeout });
     return Object.fromEntries(Object.entries(keys).map(([key, text]) => [key, text === 'inf' ? Infinity : Number(text)]));
   }

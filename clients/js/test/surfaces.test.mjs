@@ -115,6 +115,25 @@ describe('surfaces', () => {
     await assert.rejects(client.raster('t', 'z', [0, 0, 4, 4], 2, 1, { clip: 'none' }), Refused);
   });
 
+  test('missing values are skipped, and several fields are side by side', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 8, 8, NaN], s: [1, 2, 3, 4, 5] } });
+    await client.triangulate('t');
+    const missing = 'skip';
+    assert.deepEqual(await client.interpolate('t', 'z', [2, 2]), Float64Array.of(NaN));
+    assert.deepEqual(await client.interpolate('t', 'z', [2, 2, 2, 1], { missing }), Float64Array.of(4, 2));
+    assert.deepEqual(await client.gradient('t', 'z', [1, 1], { missing }), Float64Array.of(0, 2));
+    assert.deepEqual(await client.raster('t', 'z', [0, 0, 4, 4], 1, 2, { missing }), Float64Array.of(6, 2));
+    assert.deepEqual(await client.volume('t', 'z', { missing }), { above: 64, below: 0, area: 16 });
+    assert.equal((await client.contourLines('t', 'z', { levels: [2], missing })).length, 1);
+    assert.equal((await client.bands('t', 'z', { levels: [2, 6], missing })).length, 1);
+    assert.equal((await client.profile('t', 'z', [0, 1, 0, 2], { missing }))[7], 4);
+    assert.equal((await client.contourLines('t', 'z', { levels: [2], missing: 'nan' })).length, 0);
+    assert.deepEqual(await client.interpolate('t', ['z', 's'], [0, 0, 2, 2]), Float64Array.of(0, 1, NaN, 5));
+    assert.deepEqual(await client.raster('t', ['s', 'z'], [0, 0, 4, 4], 1, 1), Float64Array.of(5, NaN));
+    await assert.rejects(client.interpolate('t', ['z', 's'], [0, 0], { missing }), Refused);
+    await assert.rejects(client.interpolate('t', ['z', 's,z'], [0, 0]), TypeError);
+  });
+
   test('the automatic radius gives one piece, and a simplified set is within the error', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3] } });
     await client.triangulate('t');

@@ -6,7 +6,7 @@ of `delaunayd.aio` each method returns an awaitable of the result described here
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _protocol as protocol
 from ._constraints import ConstraintCommands, Inside
@@ -14,6 +14,8 @@ from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Pr
 
 if TYPE_CHECKING:
     from ._types import Floats, Uint32s
+
+Fields = Union[str, Sequence[str]]
 
 
 class Commands(ConstraintCommands):
@@ -187,33 +189,41 @@ class Commands(ConstraintCommands):
     def interpolate(
         self,
         name: str,
-        field: str,
+        field: Fields,
         places: Any,
         method: str = "linear",
         max_edge: Optional[float] = None,
         inside: Inside = None,
         outside: Optional[str] = None,
+        missing: Optional[str] = None,
     ) -> Floats:
         """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace,
         nearest or smooth. None in triangles with an edge longer than max_edge, and outside the border of `inside`. Outside the hull
-        there are none, or with `outside` nearest those at the nearest place of the hull."""
+        there are none, or with `outside` nearest those at the nearest place of the hull. With `missing` skip, as if points without a
+        value had been deleted. Of several fields, a list, one search finds the values: shape (n, fields)."""
         data, n = protocol.pairs(places)
-        words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)
-        return self._ask(_values, *words, *_method(method, max_edge, inside, outside), body=data)
+        words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), _names(field), n)
+        return self._ask(_numbers(*_count(field)), *words, *_method(method, max_edge, inside, outside, missing), body=data)
 
     def gradient(
-        self, name: str, field: str, places: Any, max_edge: Optional[float] = None, inside: Inside = None
+        self,
+        name: str,
+        field: Fields,
+        places: Any,
+        max_edge: Optional[float] = None,
+        inside: Inside = None,
+        missing: Optional[str] = None,
     ) -> Floats:
-        """By how much a field grows at places of shape (n, 2), for a unit of x and of y: shape (n, 2); NaN where there is no
-        surface."""
+        """By how much a field grows at places of shape (n, 2), for a unit of x and of y: shape (n, 2), of several fields (n, fields,
+        2); NaN where there is no surface. missing: as of interpolate()."""
         data, n = protocol.pairs(places)
-        words: Tuple[Word, ...] = ("GRADIENTB", set_name(name), field_name(field), n)
-        return self._ask(_grid(2), *words, *_surface(max_edge, inside), body=data)
+        words: Tuple[Word, ...] = ("GRADIENTB", set_name(name), _names(field), n)
+        return self._ask(_numbers(*_count(field), 2), *words, *_surface(max_edge, inside, missing), body=data)
 
     def raster(
         self,
         name: str,
-        field: str,
+        field: Fields,
         box: Sequence[float],
         columns: int,
         rows: int,
@@ -223,16 +233,17 @@ class Commands(ConstraintCommands):
         outside: Optional[str] = None,
         clip: Optional[str] = None,
         quantity: Optional[str] = None,
+        missing: Optional[str] = None,
     ) -> Floats:
-        """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
-        else as interpolate(). clip: the name of a set, inside whose borders alone there are values. With the
+        """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), of several fields (rows, columns,
+        fields), the northernmost row first; else as interpolate(). clip: the name of a set, inside whose borders alone there are values. With the
         quantity "slope" or "aspect", the slope or the direction downhill there, in degrees."""
         x0, y0, x1, y1 = map(float, box)
-        words: Tuple[Word, ...] = ("RASTER", set_name(name), field_name(field), x0, y0, x1, y1, int(columns), int(rows))
-        words += _method(method, max_edge, inside, outside)
+        words: Tuple[Word, ...] = ("RASTER", set_name(name), _names(field), x0, y0, x1, y1, int(columns), int(rows))
+        words += _method(method, max_edge, inside, outside, missing)
         if clip is not None:
             words += ("CLIP", set_name(clip))
-        return self._ask(_grid(int(columns)), *words, *option("AS", quantity), "BINARY")
+        return self._ask(_numbers(int(columns), *_count(field)), *words, *option("AS", quantity), "BINARY")
 
     def contours(
         self,
@@ -243,10 +254,11 @@ class Commands(ConstraintCommands):
         base: float = 0.0,
         max_edge: Optional[float] = None,
         inside: Inside = None,
+        missing: Optional[str] = None,
     ) -> List[Contour]:
         """The contour lines of a field at levels, or at base and all multiples of `every` from it."""
-        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), *_max_edge(max_edge))
-        return self._ask(protocol.contours, *words, *option("INSIDE", inside))
+        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base))
+        return self._ask(protocol.contours, *words, *_surface(max_edge, inside, missing))
 
     def bands(
         self,
@@ -257,20 +269,27 @@ class Commands(ConstraintCommands):
         base: float = 0.0,
         max_edge: Optional[float] = None,
         inside: Inside = None,
+        missing: Optional[str] = None,
     ) -> List[Band]:
         """The polygons between neighbouring levels: the lowest may be -inf, the highest inf. With `every`, levels at base and multiples of
         `every` from it, as many as cover the surface."""
-        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), "BANDS", *_max_edge(max_edge))
-        return self._ask(protocol.bands, *words, *option("INSIDE", inside))
+        words = ("CONTOUR", set_name(name), field_name(field), *_levels(levels, every, base), "BANDS")
+        return self._ask(protocol.bands, *words, *_surface(max_edge, inside, missing))
 
     def profile(
-        self, name: str, field: str, places: Any, max_edge: Optional[float] = None, inside: Inside = None
+        self,
+        name: str,
+        field: str,
+        places: Any,
+        max_edge: Optional[float] = None,
+        inside: Inside = None,
+        missing: Optional[str] = None,
     ) -> Floats:
         """The surface of a field along straight pieces between places of shape (n, 2): rows `distance, x, y, value` of shape
         (rows, 4), for the places and for every edge and corner of the triangulation between them."""
         data, _ = protocol.pairs(places)
         words: Tuple[Word, ...] = ("PROFILE", set_name(name), field_name(field), *map(float, protocol.doubles(bytes(data))))
-        return self._ask(_grid(4), *words, *_surface(max_edge, inside), "BINARY")
+        return self._ask(_numbers(4), *words, *_surface(max_edge, inside, missing), "BINARY")
 
     def volume(
         self,
@@ -280,6 +299,7 @@ class Commands(ConstraintCommands):
         minus: Optional[str] = None,
         inside: Inside = None,
         box: Optional[Sequence[float]] = None,
+        missing: Optional[str] = None,
     ) -> Dict[str, float]:
         """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
         field, `minus`; and the `area` of the triangles whose corners have values. Only what is inside borders, and in a box (x0, y0,
@@ -289,7 +309,8 @@ class Commands(ConstraintCommands):
             words += ("LEVEL", float(level))
         if minus is not None:
             words += ("MINUS", field_name(minus))
-        return self._ask(protocol.numbers, *words, *option("INSIDE", inside), *_box("BOX", box))
+        words += option("INSIDE", inside) + option("MISSING", missing)
+        return self._ask(protocol.numbers, *words, *_box("BOX", box))
 
     def simplify(
         self, name: str, field: str, error: float, into: str, points: Optional[int] = None, ids: Optional[str] = None
@@ -327,21 +348,33 @@ class Commands(ConstraintCommands):
         return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
 
 
-def _grid(columns: int) -> Callable[[Reply], Floats]:
+def _names(field: Fields) -> str:
+    return field_name(field) if isinstance(field, str) else ",".join(map(field_name, field))
+
+
+def _count(field: Fields) -> Tuple[int, ...]:
+    """The axis of several fields."""
+    return () if isinstance(field, str) else (len(field),)
+
+
+def _numbers(*shape: int) -> Callable[[Reply], Floats]:
+    """Reads numbers of the shape (n, *shape)."""
+
     def read(reply: Reply) -> Floats:
-        rows: Floats = protocol.doubles(reply.data, columns)
+        rows: Floats = protocol.doubles(reply.data, *shape)
         return rows
 
     return read
 
 
-def _surface(max_edge: Optional[float], inside: Inside) -> Tuple[Word, ...]:
-    return _max_edge(max_edge) + option("INSIDE", inside)
+def _surface(max_edge: Optional[float], inside: Inside, missing: Optional[str]) -> Tuple[Word, ...]:
+    return _max_edge(max_edge) + option("INSIDE", inside) + option("MISSING", missing)
 
 
-def _method(method: str, max_edge: Optional[float], inside: Inside, outside: Optional[str]) -> Tuple[Word, ...]:
-    words: Tuple[Word, ...] = ("METHOD", method, *_surface(max_edge, inside))
-    return words if outside is None else words + ("OUTSIDE", outside)
+def _method(
+    method: str, max_edge: Optional[float], inside: Inside, outside: Optional[str], missing: Optional[str]
+) -> Tuple[Word, ...]:
+    return ("METHOD", method, *_surface(max_edge, inside, missing), *option("OUTSIDE", outside))
 
 
 def _levels(levels: Optional[Iterable[float]], every: Optional[float], base: float) -> Tuple[Word, ...]:
@@ -363,11 +396,6 @@ def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
         return ()
     x0, y0, x1, y1 = map(float, box)
     return (word, x0, y0, x1, y1)
-
-
-def _values(reply: Reply) -> Floats:
-    values: Floats = protocol.doubles(reply.data)
-    return values
 
 
 def _points_table(fields: int) -> Callable[[Reply], Any]:

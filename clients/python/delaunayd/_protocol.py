@@ -270,11 +270,10 @@ def uint32s(data: bytes, width: int) -> Any:
     return words
 
 
-def doubles(data: bytes, width: int = 0) -> Any:
-    """Little-endian doubles: an array, for a width other than 0 of shape (n, width), or a flat array.array without NumPy."""
+def doubles(data: bytes, *shape: int) -> Any:
+    """Little-endian doubles: an array of the shape (n, *shape), or a flat array.array without NumPy."""
     if numpy is not None:
-        flat = numpy.frombuffer(data, dtype="<f8")
-        return flat if width == 0 else flat.reshape(-1, width)
+        return numpy.frombuffer(data, dtype="<f8").reshape(-1, *shape)
     words = array("d")
     words.frombytes(data)
     if sys.byteorder == "big":

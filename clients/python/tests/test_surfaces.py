@@ -216,6 +216,38 @@ class Surfaces(WithDaemon):
         nearest = self.client.raster("t", "z", (0, 0, 4, 4), 1, 1, method="nearest", max_edge=100)
         np.testing.assert_array_equal(nearest, [[8]])
 
+    def test_missing_values_are_skipped(self):
+        self.client.load("lacking", SQUARE, fields={"z": [0, 0, 8, 8, np.nan]})
+        self.client.triangulate("lacking")
+        self.assertTrue(np.isnan(self.client.interpolate("lacking", "z", [(2, 2)])).all())
+        skip = {"missing": "skip"}
+        np.testing.assert_array_equal(self.client.interpolate("lacking", "z", [(2, 2), (2, 1)], **skip), [4, 2])
+        np.testing.assert_array_equal(self.client.raster("lacking", "z", (0, 0, 4, 4), 1, 2, **skip), [[6], [2]])
+        np.testing.assert_array_equal(self.client.gradient("lacking", "z", [(1, 1)], **skip), [[0, 2]])
+        np.testing.assert_array_equal(self.client.profile("lacking", "z", [(0, 1), (0, 2)], **skip)[:, 3], [2, 4])
+        self.assertEqual(self.client.volume("lacking", "z", **skip), {"above": 64, "below": 0, "area": 16})
+        self.assertEqual([line.level for line in self.client.contours("lacking", "z", [2], **skip)], [2])
+        self.assertEqual(len(self.client.bands("lacking", "z", [2, 6], **skip)), 1)
+        self.assertEqual(self.client.contours("lacking", "z", [2], missing="nan"), [])
+        with self.assertRaises(Refused):
+            self.client.interpolate("lacking", ["z", "z"], [(2, 2)], **skip)
+
+    def test_several_fields_are_an_axis(self):
+        self.client.load("both", SQUARE, fields={"z": [0, 0, 8, 8, 4], "s": [1, 2, 3, 4, np.nan]})
+        self.client.triangulate("both")
+        np.testing.assert_array_equal(self.client.interpolate("both", ["z", "s"], [(0, 0), (2, 2), (4, 2)]), [[0, 1], [4, np.nan], [4, 2.5]])
+        self.assertEqual(self.client.interpolate("both", ["z"], [(0, 0)]).shape, (1, 1))
+        self.assertEqual(self.client.interpolate("both", ["z", "s"], []).shape, (0, 2))
+        gradient = self.client.gradient("both", ("z", "s"), [(1, 1), (2, 2), (3, 1)])
+        self.assertEqual(gradient.shape, (3, 2, 2))
+        np.testing.assert_array_equal(gradient[:, 0], [[0, 2]] * 3)
+        raster = self.client.raster("both", ["s", "z", "s"], (0, 0, 4, 4), 5, 4)
+        self.assertEqual(raster.shape, (4, 5, 3))
+        for k, field in enumerate("szs"):
+            np.testing.assert_array_equal(raster[:, :, k], self.client.raster("both", field, (0, 0, 4, 4), 5, 4))
+        with self.assertRaises(Refused):
+            self.client.interpolate("both", ["z", "s,z"], [(0, 0)])
+
     def test_values_go_on_beyond_the_hull_and_are_clipped(self):
         self.client.set_field("t", "z", [1, 5])
         np.testing.assert_array_equal(self.client.interpolate("t", "z", [(2, -3), (9, -1)], outside="nearest"), [3, 5])

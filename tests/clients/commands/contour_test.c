@@ -85,6 +85,17 @@ TEST(contour_without_a_file_sends_the_request)
     cli_finish();
 }
 
+TEST(contour_skips_missing_values)
+{
+    int status;
+    make_pyramid();
+    cli_run_well("fset t z 4 nan  2 8");
+    CHECK(count(cli_run(&status, "contour t z - -f wkt --levels 4"), "LINESTRING") == 0);
+    const char *out = cli_run(&status, "contour t z - -f wkt --levels 4 --missing skip");
+    CHECK_MSG(status == 0 && count(out, "LINESTRING") == 1, "%s", out);
+    cli_finish();
+}
+
 TEST(contour_ends_at_the_border_that_an_option_names)
 {
     int status;

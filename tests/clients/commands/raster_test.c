@@ -86,6 +86,21 @@ TEST(raster_goes_on_beyond_the_hull_and_is_clipped)
     cli_finish();
 }
 
+TEST(raster_skips_missing_values_of_one_field)
+{
+    int status;
+    make_plane();
+    cli_run_well("add t 2 2");
+    cli_expect(
+        "raster t z - --cell 4",
+        "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 4\nNODATA_value -9999\n-9999\n");
+    cli_expect("raster t z - --cell 4 --missing skip",
+               "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 4\nNODATA_value -9999\n22\n");
+    CHECK(strstr(cli_run(&status, "raster t z - --missing zero"), "ERR SYNTAX") && status == 1);
+    CHECK(strstr(cli_run(&status, "raster t z,z -"), "a raster has one field") && status == 1);
+    cli_finish();
+}
+
 TEST(raster_writes_slopes_and_directions)
 {
     int status;
