@@ -119,6 +119,32 @@ static void print_json(const struct screen *s)
     json_finish();
 }
 
+/* ---- the legend ---- */
+
+/* A legend takes the last line, unless the picture is too small for it, or is JSON. */
+static bool has_legend(uint32_t columns, uint32_t lines)
+{
+    enum { LEAST_COLUMNS = 60, LEAST_LINES = 8 };
+    return !json_chosen() && columns >= LEAST_COLUMNS && lines >= LEAST_LINES;
+}
+
+/* The lowest height, its colour or character to those of the highest one, and the highest height. */
+static void print_legend(const struct screen *s, const char *field, bool plain)
+{
+    enum { BAR = 27 };
+    double low = s->relief.low, high = s->relief.high;
+    printf("%.20s  %.4g ", field, low);
+    for (int i = 0; i < BAR; i++) {
+        double share = (i + 0.5) / BAR, z = low * (1 - share) + high * share;
+        if (!plain)
+            put_colour(s, 4, relief_colour(&s->relief, z, 0, 0));
+        putchar(plain ? character(s, z) : ' ');
+    }
+    printf("%s %.4g\n", plain ? "" : "\033[0m", high);
+}
+
+/* ---- from the server ---- */
+
 /* Cells of a map of degrees. */
 static enum delaunay_result squeeze(struct delaunay_client *c, const char *set,
                                     struct raster_request *request, const char **fault)
@@ -139,7 +165,8 @@ static enum delaunay_result squeeze(struct delaunay_client *c, const char *set,
 int show_relief(struct delaunay_client *c, const char *set, const char *field, uint32_t columns,
                 uint32_t lines, bool plain, bool geographic)
 {
-    struct raster_request request = {.columns = columns, .most_rows = 2 * lines};
+    bool legend = has_legend(columns, lines);
+    struct raster_request request = {.columns = columns, .most_rows = 2 * (lines - legend)};
     const char *fault = NULL, *terminal = getenv("COLORTERM");
     struct grid g;
     enum delaunay_result r = DELAUNAY_OK;
@@ -159,13 +186,15 @@ int show_relief(struct delaunay_client *c, const char *set, const char *field, u
         inside.columns == g.columns && inside.rows == g.rows && relief_fit(&s.relief, &inside))
         s.inside = &inside;
     else
-        relief_fit(&s.relief, &g);
+        legend &= relief_fit(&s.relief, &g);
     if (json_chosen())
         print_json(&s);
     else if (plain)
         print_plain(&s, "", "\n");
     else
         print_colours(&s);
+    if (legend)
+        print_legend(&s, field, plain);
     raster_free(&g);
     raster_free(&inside);
     return EXIT_DONE;

@@ -6,7 +6,7 @@
 #include "clients/surfaces/grid_file.h"
 
 /* Draws the field on at most `columns` by `lines` characters, of which each has two cells one above the other; plain: in
- * characters from low to high instead of colours;
+ * characters from low to high instead of colours; the last line says which heights they are, unless there is too little room;
  * geographic: places are in degrees. Returns the exit status, having said what is wrong. */
 int show_relief(struct delaunay_client *c, const char *set, const char *field, uint32_t columns,
                 uint32_t lines, bool plain, bool geographic);

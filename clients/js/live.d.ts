@@ -49,7 +49,7 @@ export class LiveSet {
   /** The values of the points with the ids from `first` on; NaN: it has none. */
   setValues(values: ArrayLike<number>, options?: { first?: number }): void;
   /** NaN where there is no surface. */
-  interpolate(places: Points, options?: { method?: 'linear' | 'natural' | 'laplace' | 'nearest'; maxEdge?: number }): Float64Array;
+  interpolate(places: Points, options?: { method?: 'linear' | 'natural' | 'laplace' | 'nearest' | 'smooth'; maxEdge?: number }): Float64Array;
   /** Line i is at levels[i], has the places offsets[i] .. offsets[i + 1] of coords, and is closed if closed[i] is 1. */
   contours(
     levels: Iterable<number>,

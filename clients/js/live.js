@@ -5,7 +5,7 @@ const { NOPOINT, RANGE, addPoints, findCore, refusal, withPlaces } = require('./
 const { pairs } = require('./lib/points.js');
 
 const TABLES = { points: 0, coincident: 1, edges: 4, hull: 5 }; // enum dt_table
-const METHODS = ['linear', 'natural', 'laplace', 'nearest']; // enum dt_interpolation
+const METHODS = ['linear', 'natural', 'laplace', 'nearest', 'smooth']; // enum dt_interpolation
 const NONE = 0xffffffff; // in answers, for a missing id
 
 // The memory of sets that nobody refers to any more.

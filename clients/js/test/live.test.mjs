@@ -76,7 +76,7 @@ test('values between points are those of the daemon', async () => {
   await client.load('values', points, { fields: { z: values } });
   await client.triangulate('values');
   const places = any(500, 1050);
-  for (const method of ['linear', 'natural', 'laplace', 'nearest']) {
+  for (const method of ['linear', 'natural', 'laplace', 'nearest', 'smooth']) {
     assert.deepEqual(live.interpolate(places, { method }), await client.interpolate('values', 'z', places, { method }));
     const options = { method, maxEdge: 30 };
     assert.deepEqual(live.interpolate(places, options), await client.interpolate('values', 'z', places, options));

@@ -292,6 +292,32 @@ TEST(show_draws_heights_unless_the_mesh_is_requested)
     cli_finish();
 }
 
+TEST(show_has_a_legend_of_heights_where_there_is_room)
+{
+    int status;
+    char out[60000];
+    make_plane();
+    const char *plain = cli_run(&status, "show t --width 60 --height 8");
+    size_t lines = 0;
+    for (const char *p = plain; *p != '\0'; p++)
+        lines += *p == '\n';
+    CHECK_MSG(status == 0 && lines <= 8, "%s", plain);
+    CHECK_MSG(strstr(plain, "\nz  ") != NULL &&
+                  strstr(plain, " ...:::---===+++***###%%%@@@ ") != NULL,
+              "%s", plain);
+    CHECK(strstr(cli_run(&status, "show t --width 60 --height 7"), "z  ") == NULL && status == 0);
+    CHECK(strstr(cli_run(&status, "show t --width 59 --height 8"), "z  ") == NULL && status == 0);
+    CHECK(strstr(cli_run(&status, "--json show t --width 60 --height 8"), "z  ") == NULL &&
+          status == 0);
+    unsetenv("NO_COLOR");
+    setenv("COLORTERM", "truecolor", 1);
+    cli_run_on_terminal(cli_daemon.port_text, "show t --width 60 --height 8", out, sizeof out);
+    const char *legend = strstr(out, "z  ");
+    CHECK(legend != NULL && strstr(legend, "\033[48;2;70;128;88m") != NULL &&
+          strstr(legend, "\033[0m ") != NULL);
+    cli_finish();
+}
+
 TEST(show_draws_the_mesh_of_points_on_a_line_that_have_heights)
 {
     int status;
