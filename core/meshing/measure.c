@@ -87,8 +87,8 @@ static int bin_of(const struct dt_measure *m, const struct dt_shape *s)
     double dot = (s->p.x - s->r.x) * (s->q.x - s->r.x) + (s->p.y - s->r.y) * (s->q.y - s->r.y);
     double square = dot * dot, sides = s->qr * s->rp * sure;
     int bin = 0;
-    while (bin + 1 < DT_ANGLE_BINS && square < m->cosine2[bin + 1] * sides)
-        bin++;
+    for (int k = 1; k < DT_ANGLE_BINS; k++) /* without a branch, which would be unpredictable */
+        bin += square < m->cosine2[k] * sides;
     while (bin + 1 < DT_ANGLE_BINS && !dt_is_sharp(m->cosine2[bin + 1], s))
         bin++;
     return bin;

@@ -110,6 +110,31 @@ static double profiles(const triangulation &t)
     return live_ns(start, SURFACE_PROFILES);
 }
 
+/* The angle at r in degrees, in doubles. */
+static double angle(const point &r, const point &p, const point &q)
+{
+    kernel::Vector_2 u = p - r, v = q - r;
+    return std::atan2(u.x() * v.y() - u.y() * v.x(), u * v) * (180 / CGAL_PI);
+}
+
+/* Counts triangles by their least angle, and finds the least and the largest of all. */
+static double angles(const triangulation &t, size_t n)
+{
+    size_t count[12] = {};
+    double start = measure_cpu(), least = 180, largest = 0;
+    for (face f : t.finite_face_handles()) {
+        const point &a = f->vertex(0)->point(), &b = f->vertex(1)->point(),
+                    &c = f->vertex(2)->point();
+        double x = angle(a, b, c), y = angle(b, c, a), z = 180 - x - y;
+        double low = std::min(x, std::min(y, z));
+        count[static_cast<size_t>(low / 5)]++;
+        least = std::min(least, low);
+        largest = std::max(largest, std::max(x, std::max(y, z)));
+    }
+    live_keep(static_cast<uint32_t>(count[3] + static_cast<size_t>(least + largest)));
+    return live_ns(start, n);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 3)
@@ -136,6 +161,7 @@ int main(int argc, char **argv)
     ns[SURFACE_NATURAL] = measure(t, side * side, sibson, cell, from_the_last);
     ns[SURFACE_LINEAR_ANYWHERE] = measure(t, plan.k, linear, anywhere, from_above);
     ns[SURFACE_NATURAL_ANYWHERE] = measure(t, plan.k, sibson, anywhere, from_above);
+    ns[SURFACE_ANGLES] = angles(t, plan.n);
     ns[SURFACE_PROFILE] = profiles(t);
     for (double x : ns)
         std::printf("%.1f\n", x);

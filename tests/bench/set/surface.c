@@ -32,6 +32,7 @@ static const char *const name[SURFACE_KINDS] = {
     [SURFACE_VOLUME] = "the volume above a level, per point of the set",
     [SURFACE_VOLUME_BOX] = "the same in a box of a quarter of them",
     [SURFACE_VOLUME_INSIDE] = "the same inside a border around a quarter of them",
+    [SURFACE_ANGLES] = "counts of triangles by their least angle, per point of the set",
     [SURFACE_PROFILE] = "a profile from side to side, each",
 };
 
@@ -221,6 +222,20 @@ static void volume_inside(struct surface *s)
     free(found.v);
 }
 
+static void angles(struct surface *s)
+{
+    double start = measure_cpu();
+    struct dt_measure *m;
+    struct dt_shapes shapes;
+    must(dt_measure_begin(s->set, NULL, &m) == DT_OK);
+    for (bool done = false; !done;)
+        must(dt_measure_read(s->set, m, &done) == DT_OK);
+    dt_measure_end(m, &shapes);
+    dt_measure_free(m);
+    must(shapes.least < shapes.largest && shapes.area < 1);
+    s->ns[SURFACE_ANGLES] = live_ns(start, s->plan.n);
+}
+
 static void profiles(struct surface *s)
 {
     enum { SOME = 1024 };
@@ -286,6 +301,7 @@ static void measure(struct surface *s)
     bands(s);
     volume(s, SURFACE_VOLUME);
     volume(s, SURFACE_VOLUME_BOX);
+    angles(s);
     profiles(s);
 }
 

@@ -19,6 +19,7 @@ enum surface_kind {
     SURFACE_VOLUME,
     SURFACE_VOLUME_BOX,    /* of the middle quarter */
     SURFACE_VOLUME_INSIDE, /* a border around about that */
+    SURFACE_ANGLES,        /* how many triangles have which least angle */
     SURFACE_PROFILE,       /* from side to side of the unit square */
     SURFACE_KINDS
 };
