@@ -104,6 +104,13 @@ enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *tr
  * numbers for each of dt_tile_counts.hull. Returns the number of edges. Cost: linear. */
 size_t dt_tile_hull(const struct dt_tile *tile, uint64_t *edge);
 
+/* The triangle that contains each place q[n], sides included, if this tile outputs it: row[3 i .. 3 i + 2] are its global ids as in
+ * dt_tile_triangles; UINT64_MAX three times: none does. A place on an edge has several triangles; the first row that any tile finds is the
+ * first among those of all points. Exact; a coordinate that is neither finite nor within 2^201 is outside, one below 2^-142 counts as 0.
+ * DT_NOMEM. Cost: as of dt_locate_many; at the first call, the cost of dt_prepare, too. */
+enum dt_status dt_tile_locate(struct dt_tile *tile, const struct dt_point *q, size_t n,
+                              uint64_t *row);
+
 /* ---- a tile as bytes, so that it can wait on disk ----
  *
  * The bytes have the points, the ids and what has been sent: 24 bytes a point, and 8 for each point sent. The triangulation is not

@@ -123,6 +123,7 @@ _FUNCTIONS = {
     "dt_tile_points": [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p],
     "dt_tile_triangles": [c_void_p, c_bool, c_void_p, POINTER(c_size_t)],
     "dt_tile_hull": [c_void_p, c_void_p],
+    "dt_tile_locate": [c_void_p, c_void_p, c_size_t, c_void_p],
     "dt_tile_size": [c_void_p],
     "dt_tile_write": [c_void_p, c_void_p],
     "dt_tile_read": [c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],

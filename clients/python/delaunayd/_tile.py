@@ -61,7 +61,7 @@ def _check_points(points: Floats, status: int, otherwise: str) -> None:
 
 
 class Tile:
-    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points`, `triangles` and `save` needs
+    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points`, `triangles`, `hull` and `save` needs
     exclusive access to the tile."""
 
     _handle: Any = None
@@ -156,6 +156,14 @@ class Tile:
         Points on one line have every edge in both directions."""
         out = np.empty((self.counts.hull, 2), dtype=np.uint64)
         return out[: self._library.dt_tile_hull(self._handle, out.ctypes.data)]
+
+    def locate(self, places: Any) -> NDArray[Any]:
+        """The triangle that contains each place, sides included, if this tile outputs it: rows as of `triangles`, uint64, of the
+        largest number three times where there is none. The first row that any tile finds is the answer."""
+        points = _points(places)
+        rows = np.empty((len(points), 3), dtype=np.uint64)
+        check(self._library.dt_tile_locate(self._handle, points.ctypes.data, len(points), rows.ctypes.data), "places")
+        return rows
 
     def save(self, path: Any) -> None:
         """Writes a file that `load` reads. A file of that name is replaced when the new one is complete."""

@@ -83,6 +83,17 @@ class Tiles(unittest.TestCase):
             self.same(r.random((n, 2)), 9)
         self.same([(1, 1)] * 10, 4)
 
+    def test_places_have_the_first_triangle_that_any_tile_finds(self):
+        points = np.random.default_rng(7).integers(0, 30, (600, 2)).astype(float)
+        places = np.vstack([points[:50], (points[:200] + points[50:250]) / 2, [(np.nan, 0), (99, 1)]])
+        made = [Tile(points[part], part) for part in cut(points, np.arange(600), 6)]
+        run_rounds(made)
+        rows = [tile.locate(places).tolist() for tile in made]
+        found = [tuple(min(of_tiles)) for of_tiles in zip(*rows)]
+        d = Delaunay(points)
+        want = [tuple(d.simplices[row].tolist()) if row >= 0 else ((1 << 64) - 1,) * 3 for row in d.find_simplex(places, tol=0)]
+        self.assertEqual(found, want)
+
     def test_ids_beyond_32_bits(self):
         points = np.random.default_rng(3).random((500, 2))
         rows, _ = triangles_of(points, 3, np.uint64, 1 << 40)

@@ -6,6 +6,7 @@
 
 #include "core/delaunay_arrays.h"
 #include "core/delaunay_tiles.h"
+#include "core/exact/predicates.h"
 #include "core/set/set.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
@@ -235,6 +236,47 @@ static void check_hull(struct dt_tile **tile, unsigned tiles, bool wide, const s
     free(want.v);
 }
 
+static bool precedes(const uint64_t *a, const uint64_t *b)
+{
+    unsigned k = 0;
+    while (k < 2 && a[k] == b[k])
+        k++;
+    return a[k] < b[k];
+}
+
+static bool contains(const struct brute *b, const uint32_t *id, struct dt_point q)
+{
+    return dt_orient2d(b->p[id[0]], b->p[id[1]], q) >= 0 &&
+           dt_orient2d(b->p[id[1]], b->p[id[2]], q) >= 0 &&
+           dt_orient2d(b->p[id[2]], b->p[id[0]], q) >= 0;
+}
+
+/* The first rows that tiles find are the first of the sorted triangles `row` that contain the places. */
+static void check_places(struct dt_tile **tile, unsigned tiles, bool wide, const struct brute *b,
+                         const struct dt_ids *row)
+{
+    enum { PLACES = 40 };
+    struct dt_point q[PLACES];
+    uint64_t found[3 * PLACES], least[3 * PLACES];
+    for (unsigned i = 0; i < PLACES; i++)
+        q[i] = random_place(b);
+    q[7] = (struct dt_point){(double)NAN, 0};
+    memset(least, 0xff, sizeof least);
+    for (unsigned k = 0; k < tiles; k++) {
+        CHECK(dt_tile_locate(tile[k], q, PLACES, found) == DT_OK);
+        for (unsigned i = 0; i < 3 * PLACES; i += 3)
+            if (precedes(found + i, least + i))
+                memcpy(least + i, found + i, 3 * sizeof *least);
+    }
+    for (unsigned i = 0; i < PLACES; i++) {
+        size_t at = 0;
+        while (at < row->n && (i == 7 || !contains(b, row->v + at, q[i])))
+            at += 3;
+        for (unsigned k = 0; k < 3; k++)
+            CHECK(least[3 * i + k] == (at < row->n ? global(row->v[at + k], wide) : UINT64_MAX));
+    }
+}
+
 static void rows_of_one_set(const struct plan *plan, struct dt_ids *out)
 {
     struct dt *t = set_of(plan->p, plan->n);
@@ -262,6 +304,7 @@ static void check_tiles(const struct plan *plan, const char *what)
         struct brute *b = brute_new(plan->p, NULL, plan->n);
         brute_table(b, DT_TRIANGLES, false, &want);
         check_hull(tile, plan->tiles, wide, b);
+        check_places(tile, plan->tiles, wide, b, &want);
         brute_free(b);
     } else {
         rows_of_one_set(plan, &want);
@@ -409,6 +452,46 @@ TEST(boxes_that_are_none_are_refused)
           v.n == 0);
     free(v.v);
     dt_tile_free(tile);
+}
+
+/* The point at the bottom is on the hull and no extreme one: the first call does not send it. */
+static struct dt_tile *tile_with_a_tip(const double *box)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, -1}};
+    struct dt_tile *tile;
+    struct dt_tile_counts c;
+    struct dt_ids v = {0};
+    int64_t offset[6];
+    CHECK(dt_tile_new(p, (uint64_t[]){0, 1, 2, 3, 4}, 5, NULL, 1, &tile) == DT_OK);
+    CHECK(dt_tile_open(tile, box, 5, 0, offset, &v) == DT_OK);
+    dt_tile_counts(tile, &c);
+    CHECK(v.n == 16 && c.postponed > 0);
+    for (unsigned i = 0; i < 16; i++)
+        CHECK(v.v[i] == i % 4);
+    free(v.v);
+    return tile;
+}
+
+TEST(postponed_faces_are_judged_by_the_next_call_also_from_bytes_and_after_a_repeated_point)
+{
+    const double box[] = {0, -1, 4, 4, 0, -9, 4, -8, 10, 0, 11, 4, -9, 0, -8, 4, 0, 30, 4, 31};
+    for (unsigned way = 0; way < 3; way++) {
+        struct dt_tile *tile = tile_with_a_tip(box);
+        struct dt_tile_counts c;
+        struct dt_ids v = {0};
+        int64_t offset[6];
+        if (way == 1)
+            wait_on_disk(&tile);
+        if (way == 2)
+            CHECK(dt_tile_insert(tile, (struct dt_point[]){{4, 4}}, (uint64_t[]){2}, 1) == DT_OK);
+        CHECK(dt_tile_open(tile, box, 5, 0, offset, &v) == DT_OK);
+        CHECK(offset[2] - offset[1] == 1 && offset[5] - offset[4] == 0 && v.v[0] == 4);
+        dt_tile_counts(tile, &c);
+        CHECK(c.postponed == 0);
+        CHECK(dt_tile_open(tile, box, 5, 0, offset, &v) == DT_OK && v.n == 0);
+        free(v.v);
+        dt_tile_free(tile);
+    }
 }
 
 TEST(local_ids_that_do_not_exist_have_no_points)
