@@ -2,11 +2,13 @@
 #include "clients/grids/asc_grid.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "clients/reading/number.h"
 #include "proto/number.h"
@@ -41,25 +43,68 @@ static const char *const keys[KEYS] = {[NCOLS] = "ncols",
 
 static const double usual_nodata = -9999;
 
+enum { BLOCK = 1 << 17 }; /* bytes of a file in memory, and so of the longest word */
+
 struct asc {
     struct points_file *f;
-    const char *p, *end;
-    uint64_t line; /* of p, from 1 */
+    const char *p, *end; /* the text that has been read */
+    char *block;         /* owns BLOCK bytes, which have it; NULL: all of the text is there */
+    int fd;              /* where the rest comes from; -1: there is none */
+    struct value back;   /* a word that was read, and is the next one; its text is NULL: none */
+    uint64_t line;       /* of p, from 1 */
     double value[KEYS];
     bool given[KEYS];
 };
 
 /* ---- words ---- */
 
+/* Reads more behind the n bytes before a->end, which move to the front of the block. False: there is no more, or no room. */
+static bool read_more(struct asc *a, size_t n)
+{
+    if (a->fd < 0 || n == BLOCK)
+        return false;
+    memmove(a->block, a->end - n, n);
+    ssize_t got;
+    do
+        got = read(a->fd, a->block + n, BLOCK - n);
+    while (got < 0 && errno == EINTR);
+    if (got < 0)
+        points_file_stop(a->f, "%s", strerror(errno));
+    if (got <= 0)
+        a->fd = -1;
+    a->p = a->block;
+    a->end = a->block + n + (got > 0 ? got : 0);
+    return got > 0;
+}
+
+static bool pass_blanks(struct asc *a)
+{
+    do
+        for (; a->p < a->end; a->line += *a->p++ == '\n')
+            if (!text_is_space(*a->p))
+                return true;
+    while (read_more(a, 0));
+    return false;
+}
+
+/* Valid until the next one is read; empty at the end. */
 static struct value next_word(struct asc *a)
 {
-    while (a->p < a->end && text_is_space(*a->p))
-        a->line += *a->p++ == '\n';
-    const char *from = a->p;
-    while (a->p < a->end && !text_is_space(*a->p))
-        a->p++;
+    struct value word = a->back;
+    a->back.text = NULL;
     a->f->line = a->line;
-    return (struct value){from, (size_t)(a->p - from)};
+    if (word.text != NULL)
+        return word;
+    word.len = 0;
+    if (pass_blanks(a))
+        do
+            while (a->p + word.len < a->end && !text_is_space(a->p[word.len]))
+                word.len++;
+        while (a->p + word.len == a->end && read_more(a, word.len));
+    word.text = a->p;
+    a->p += word.len;
+    a->f->line = a->line;
+    return word;
 }
 
 static int key_of(struct value word)
@@ -79,7 +124,7 @@ bool asc_begins(const char *text, size_t n)
 {
     struct points_file none = {0};
     size_t mark = mark_length(text, n);
-    struct asc a = {.f = &none, .p = text + mark, .end = text + n, .line = 1};
+    struct asc a = {.f = &none, .p = text + mark, .end = text + n, .fd = -1, .line = 1};
     if (key_of(next_word(&a)) < 0)
         return false;
     struct value number = next_word(&a);
@@ -119,8 +164,6 @@ static bool read_key(struct asc *a, int key)
 static bool read_header(struct asc *a)
 {
     for (;;) {
-        const char *at = a->p;
-        uint64_t line = a->line;
         struct value word = next_word(a);
         int key = key_of(word);
         if (key >= 0) {
@@ -130,8 +173,7 @@ static bool read_header(struct asc *a)
                    !number_is_missing(word)) {
             return bad_header(a, "not a word of the header of an ASCII grid", word);
         } else {
-            a->p = at;
-            a->line = line;
+            a->back = word;
             return true;
         }
     }
@@ -219,6 +261,8 @@ static bool read_cell(struct asc *a, struct grid_notes *notes, uint32_t column, 
     struct points_file *f = a->f;
     struct value word = next_word(a);
     double v;
+    if (word.len == 0 && f->fatal) /* reading failed */
+        return false;
     if (word.len == 0)
         return points_file_stop(f,
                                 "the file ends before row %" PRIu32 ", column %" PRIu32
@@ -247,29 +291,43 @@ static bool read_values(struct asc *a, struct grid_notes *notes)
     return true;
 }
 
+static bool read_grid(struct asc *a, const struct grid_frame *frame, struct table_fields *t,
+                      struct grid_notes *notes)
+{
+    a->f->fields = 1;
+    table_fields_add(t, 2, "z", 1);
+    if (!read_header(a) || !choose_frame(a, frame, notes) || !read_values(a, notes))
+        return false;
+    bool more = next_word(a).len > 0;
+    while (frame != NULL && more) /* the program that writes it is not stopped before its end */
+        more = next_word(a).len > 0;
+    if (a->f->fatal)
+        return false;
+    return !more || points_file_stop(a->f, "there are more than %" PRIu32 " x %" PRIu32 " values",
+                                     notes->frame.columns, notes->frame.rows);
+}
+
 bool asc_text_read(struct points_file *f, const char *text, size_t n,
                    const struct grid_frame *frame, struct table_fields *t, struct grid_notes *notes)
 {
-    size_t mark = mark_length(text, n);
-    struct asc a = {.f = f, .p = text + mark, .end = text + n, .line = 1};
+    struct asc a = {.f = f, .p = text + mark_length(text, n), .end = text + n, .fd = -1, .line = 1};
     *notes = (struct grid_notes){.nodata = usual_nodata};
-    f->fields = 1;
-    table_fields_add(t, 2, "z", 1);
-    if (!read_header(&a) || !choose_frame(&a, frame, notes) || !read_values(&a, notes))
-        return false;
-    return frame != NULL || next_word(&a).len == 0 ||
-           points_file_stop(f, "there are more than %" PRIu32 " x %" PRIu32 " values",
-                            notes->frame.columns, notes->frame.rows);
+    return read_grid(&a, frame, t, notes);
 }
 
 bool asc_file_read(struct points_file *f, int fd, const struct grid_frame *frame,
                    struct table_fields *t, struct grid_notes *notes)
 {
-    char *text = NULL;
-    size_t n;
+    struct asc a = {.f = f, .block = malloc(BLOCK), .fd = fd, .line = 1};
     *notes = (struct grid_notes){.nodata = usual_nodata};
-    bool ok = points_file_read_all(f, fd, &text, &n) && asc_text_read(f, text, n, frame, t, notes);
-    free(text);
+    if (a.block == NULL)
+        return points_file_stop(f, "out of memory");
+    a.p = a.end = a.block;
+    while (a.end - a.block < 3 && read_more(&a, (size_t)(a.end - a.block)))
+        continue;
+    a.p += mark_length(a.p, (size_t)(a.end - a.p));
+    bool ok = f->fault == NULL && read_grid(&a, frame, t, notes);
+    free(a.block);
     return ok;
 }
 

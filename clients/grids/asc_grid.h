@@ -32,7 +32,7 @@ bool asc_text_read(struct points_file *f, const char *text, size_t n,
                    const struct grid_frame *frame, struct table_fields *t,
                    struct grid_notes *notes);
 
-/* The same for the whole file fd, which is read into memory. */
+/* The same for the file fd, of which a block is in memory at a time. */
 bool asc_file_read(struct points_file *f, int fd, const struct grid_frame *frame,
                    struct table_fields *t, struct grid_notes *notes);
 

@@ -1,10 +1,13 @@
 /* asc_grid_test.c - the cells of ASCII grids become points at their centres. */
 #include "clients/grids/asc_grid.h"
 
-#include <float.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/test.h"
 
@@ -174,6 +177,61 @@ TEST(a_frame_says_where_the_cells_of_a_grid_lie)
     frame.rows = 3;
     CHECK(!read_text(HEAD "1 2 3\n4 5 6\n", &frame, false));
     CHECK_STR(file.fault, "the header has other numbers of columns and rows than the raster");
+    points_file_free(&file);
+}
+
+/* Words lie across the blocks in which a file is read, and pieces of a pipe end anywhere. */
+TEST(a_file_is_read_as_its_text_is)
+{
+    enum { COLUMNS = 300, ROWS = 400 };
+    static char text[20 * COLUMNS * ROWS];
+    size_t at = (size_t)sprintf(
+        text, "\xEF\xBB\xBFncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\n", COLUMNS,
+        ROWS);
+    for (int i = 0; i < COLUMNS * ROWS; i++)
+        at += (size_t)sprintf(text + at, "%.*f%s", (int)test_below(9), test_uniform() * 1000,
+                              i % 7 == 0 ? " \r\n" : " ");
+    CHECK(read_text(text, NULL, false) && file.n == COLUMNS * ROWS);
+    for (size_t piece = 1; piece < 1 << 17; piece = piece * 97 + 2) {
+        struct points_file other = {0};
+        int pipes[2];
+        CHECK(pipe(pipes) == 0);
+        pid_t child = fork();
+        if (child == 0) {
+            for (size_t i = 0; i < at; i += piece)
+                if (write(pipes[1], text + i, at - i < piece ? at - i : piece) < 0)
+                    _exit(1);
+            _exit(0);
+        }
+        close(pipes[1]);
+        memset(&fields, 0, sizeof fields);
+        CHECK_MSG(asc_file_read(&other, pipes[0], NULL, &fields, &notes), "%s", other.fault);
+        close(pipes[0]);
+        CHECK(waitpid(child, NULL, 0) == child);
+        CHECK(other.n == file.n && other.line == file.line);
+        CHECK(memcmp(other.xy, file.xy, 2 * file.n * sizeof file.xy[0]) == 0);
+        CHECK(memcmp(other.value, file.value, file.n * sizeof file.value[0]) == 0);
+        points_file_free(&other);
+    }
+    points_file_free(&file);
+}
+
+TEST(a_file_that_cannot_be_read_or_is_too_short_is_refused)
+{
+    static const char text[] = HEAD "1 2 3 4 5";
+    FILE *f = tmpfile();
+    CHECK(f != NULL && fwrite(text, 1, sizeof text - 1, f) == sizeof text - 1 && fflush(f) == 0);
+    memset(&fields, 0, sizeof fields);
+    points_file_free(&file);
+    CHECK(lseek(fileno(f), 0, SEEK_SET) == 0 &&
+          !asc_file_read(&file, fileno(f), NULL, &fields, &notes));
+    CHECK_STR(file.fault, "the file ends before row 2, column 3 of 3 x 2 values");
+    fclose(f);
+    points_file_free(&file);
+    int folder = open("/tmp", O_RDONLY);
+    CHECK(folder >= 0 && !asc_file_read(&file, folder, NULL, &fields, &notes));
+    CHECK_STR(file.fault, strerror(EISDIR));
+    close(folder);
     points_file_free(&file);
 }
 
