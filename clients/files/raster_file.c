@@ -30,16 +30,33 @@ bool raster_begins(const char *head, size_t n)
                       memcmp(head, "II+", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
 }
 
-/* Starts gdal_translate into the format. */
-static bool start(struct points_file *f, const char *name, const char *format, pid_t *pid, int *out)
+static bool start(struct points_file *f, const char *const *word, pid_t *pid, int *out)
 {
-    const char *word[] = {"gdal_translate", "-q",       "-of", format,        "-ot",
-                          "Float64",        "-unscale", name,  "/vsistdout/", NULL};
     int failed = program_start(pid, word, -1, out);
     return failed == 0 ||
            points_file_stop(
                f, "to read this raster the program gdal_translate is needed (Debian: gdal-bin): %s",
                strerror(failed));
+}
+
+/* Starts gdal_translate into a description of the raster. */
+static bool start_frame(struct points_file *f, const char *name, pid_t *pid, int *out)
+{
+    const char *word[] = {"gdal_translate", "-q", "-of", "VRT", name, "/vsistdout/", NULL};
+    return start(f, word, pid, out);
+}
+
+/* Starts gdal_translate into an ASCII grid of cells of 1 x 1, whose first row is the northernmost one: GDAL reverses the rows of others. */
+static bool start_values(struct points_file *f, const char *name, const struct grid_frame *frame,
+                         pid_t *pid, int *out)
+{
+    char columns[16], rows[16];
+    const char *word[] = {"gdal_translate", "-q",       "-of",     "AAIGrid",     "-ot",
+                          "Float64",        "-unscale", "-a_ullr", "0",           rows,
+                          columns,          "0",        name,      "/vsistdout/", NULL};
+    snprintf(columns, sizeof columns, "%ju", (uintmax_t)frame->columns);
+    snprintf(rows, sizeof rows, "%ju", (uintmax_t)frame->rows);
+    return start(f, word, pid, out);
 }
 
 /* Waits for it; `ok`: what was read is right so far. */
@@ -59,7 +76,7 @@ static bool read_frame(struct points_file *f, const char *name, struct grid_fram
     size_t n;
     pid_t pid;
     int out;
-    if (!start(f, name, "VRT", &pid, &out))
+    if (!start_frame(f, name, &pid, &out))
         return false;
     bool ok = points_file_read_all(f, out, &text, &n);
     ok = end(f, pid, out, ok);
@@ -80,7 +97,7 @@ bool raster_file_read(struct points_file *f, const char *path, const char *membe
         snprintf(name, sizeof name, "/vsizip/{%s}/%s", path, member);
     else /* a path that begins with '-' is no option */
         snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
-    if (!read_frame(f, name, &frame) || !start(f, name, "AAIGrid", &pid, &out))
+    if (!read_frame(f, name, &frame) || !start_values(f, name, &frame, &pid, &out))
         return false;
     bool ok = asc_file_read(f, out, &frame, t, notes);
     return end(f, pid, out, ok);

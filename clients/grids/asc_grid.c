@@ -58,7 +58,7 @@ struct asc {
 
 /* ---- words ---- */
 
-/* Reads more behind the n bytes before a->end, which move to the front of the block. False: there is no more, or no room. */
+/* Reads more behind the n bytes before a->end, which move to the front of the block. False: the file has ended, or the block is full. */
 static bool read_more(struct asc *a, size_t n)
 {
     if (a->fd < 0 || n == BLOCK)

@@ -78,7 +78,7 @@ TEST(run_reads_the_centres_of_the_cells_of_an_ascii_grid)
 TEST(run_reads_other_rasters_through_gdal_translate)
 {
     static const char fake[] =
-        "printf '#!/bin/sh\\necho \"$@\" >> asked\\n[ -f \"$7\" ] || exit 9\\n"
+        "printf '#!/bin/sh\\necho \"$@\" >> asked\\n"
         "cat \"$3\".out; exit $(cat code)\\n' > gdal_translate; chmod +x gdal_translate; echo 0 > "
         "code; "
         "echo '<VRTDataset rasterXSize=\"3\" "
@@ -90,8 +90,8 @@ TEST(run_reads_other_rasters_through_gdal_translate)
     begin();
     snprintf(command, sizeof command, "%s $D run a.img - -f node; cat asked", fake);
     expect(command, GRID_NOTES("a.img") GRID_NODES
-           "-q -of VRT -ot Float64 -unscale a.img /vsistdout/\n"
-           "-q -of AAIGrid -ot Float64 -unscale a.img /vsistdout/\n");
+           "-q -of VRT a.img /vsistdout/\n"
+           "-q -of AAIGrid -ot Float64 -unscale -a_ullr 0 2 3 0 a.img /vsistdout/\n");
     expect("PATH=$PWD:$PATH; $D run B.TIF - -f node", GRID_NOTES("B.TIF") GRID_NODES);
     expect("PATH=$PWD:$PATH; $D run c - -f node", GRID_NOTES("c") GRID_NODES);
     expect(
@@ -121,6 +121,8 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
     expect("$D run a.asc - -f node 2> /dev/null > want; $D run a.tif - -f node 2> /dev/null > got; "
            "diff want got && head -2 got",
            "3 2 1 1\n0 -6.25 53.000416666666666 0.1 1\n");
+    expect("gdal_translate -q -a_ullr 0 10 4 14 a.tif up.tif; $D run up.tif - -f node 2> /dev/null",
+           "3 2 1 1\n0 1 11 0.1 1\n1 3 11 2.123456789012345 1\n2 3 13 7 1\n");
     expect("gdal_translate -q -a_srs EPSG:4326 a.tif map.tif; "
            "for f in a map; do $D draw $f.tif a.svg 2>&1 | grep -c 'a map of degrees'; done; true",
            "0\n1\n");
