@@ -146,16 +146,35 @@ static double *find_levels(const struct shapes *lines, size_t *n)
     return level;
 }
 
-/* The levels of the lines, ascending. Each fifth is heavy if there are more than five. */
+/* The levels of the lines, ascending. If there are more than five, each fifth is heavy: the multiples of five steps, as 250 and 500 of
+ * a step of 50. */
 struct levels {
     const double *v;
     size_t n;
+    double step; /* 0: they are no multiples of a step */
 };
 
-static bool is_heavy(const struct levels *levels, const struct shape *line)
+/* The least difference of two levels, if all are multiples of it. */
+static double find_step(const double *v, size_t n)
 {
-    const double *at =
-        levels->n > 5 ? bsearch(&line->key, levels->v, levels->n, sizeof *at, by_value) : NULL;
+    double step = HUGE_VAL;
+    for (size_t i = 1; i < n; i++)
+        step = fmin(step, v[i] - v[i - 1]);
+    for (size_t i = 0; i < n; i++) {
+        double times = v[i] / step;
+        if (!(fabs(times) < 1e6) || fabs(times - round(times)) > 1e-6)
+            return 0;
+    }
+    return step;
+}
+
+static bool is_heavy(const struct levels *levels, double level)
+{
+    if (levels->n <= 5)
+        return false;
+    if (levels->step > 0)
+        return fmod(round(level / levels->step), 5) == 0;
+    const double *at = bsearch(&level, levels->v, levels->n, sizeof *at, by_value);
     return at != NULL && (at - levels->v) % 5 == 4;
 }
 
@@ -163,7 +182,10 @@ static bool is_heavy(const struct levels *levels, const struct shape *line)
 static bool is_labelled(const void *ctx, const struct shape *line)
 {
     const struct levels *levels = ctx;
-    return levels->n <= 5 || is_heavy(levels, line);
+    bool any = false;
+    for (size_t i = 0; i < levels->n && !any; i++)
+        any = is_heavy(levels, levels->v[i]);
+    return !any || is_heavy(levels, line->key);
 }
 
 static void draw_lines(struct svg *s, const struct shapes *lines, const struct levels *levels)
@@ -171,7 +193,7 @@ static void draw_lines(struct svg *s, const struct shapes *lines, const struct l
     for (size_t pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < lines->n; i++) {
             const struct shape *l = &lines->shape[i];
-            bool heavy = is_heavy(levels, l);
+            bool heavy = is_heavy(levels, l->key);
             if (heavy == (pass == 1))
                 svg_line(s, heavy, lines->xy + 2 * l->first, l->n, l->closed);
         }
@@ -198,6 +220,7 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
     struct levels levels;
     double *level = find_levels(lines, &levels.n);
     levels.v = level;
+    levels.step = level != NULL ? find_step(level, levels.n) : 0;
     surface_fit(&r, m, field);
     bool ok = legend_of_heights(&legend, &r, m->field[field]) && level != NULL;
     if (!ok) {

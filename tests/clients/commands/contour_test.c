@@ -116,6 +116,12 @@ TEST(contours_have_their_levels_along_them_in_pictures)
     make_pyramid();
     const char *svg = cli_run(&status, "contour t z - -f svg --levels 1.25");
     CHECK(status == 0 && count(svg, ">1.25</text>") >= 2 && count(svg, "rotate(") >= 2);
+    /* Of more than five levels the multiples of five steps are heavy, else each fifth. */
+    svg = cli_run(&status, "contour t z - -f svg --every 0.25");
+    CHECK(status == 0 && count(svg, ">1.25</text>") >= 2 && count(svg, ">1.5</text>") == 0);
+    CHECK(count(svg, "class=\"l\"") == 1 && count(svg, "class=\"k\"") >= 1);
+    svg = cli_run(&status, "contour t z - -f svg --levels 0.52,0.6,1.1,1.3,1.7,2.1");
+    CHECK(status == 0 && count(svg, ">1.7</text>") >= 2 && count(svg, ">1.1</text>") == 0);
     svg = cli_run(&status, "contour t z - -f svg --levels 1.25 --no-labels");
     CHECK(status == 0 && count(svg, ">1.25</text>") == 0 && count(svg, "rotate(") == 0);
     cli_finish();
