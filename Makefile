@@ -4,6 +4,7 @@
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"; REACTORS=4: with four reactors
 #   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg, cells.svg, cities-ireland.svg and cities-valley.svg into build/
 #   make view       the same places on a live page in the browser; make test_web tests that page in Chromium
+#   make site       that page for a static folder, build/site: its sets are in the page, no server is needed
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include
 #   make wasm       the core in WebAssembly for clients/js, which is committed; make test_wasm compares and tests it
@@ -64,7 +65,7 @@ WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help demo view test test_binaries $(SUITES:%=test_%) faults clean asan tsan fmt
+.PHONY: all help demo view site test test_binaries $(SUITES:%=test_%) faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -92,6 +93,12 @@ $(O)/%.o: %.c
 
 view: all
 	@clients/web/view.sh $(O)/delaunayd $(O)/delaunay tests/data $(O)/web
+
+# The page without a server: a folder of static files, whose sets are in the page.
+site:
+	@rm -rf $(O)/site && mkdir -p $(O)/site && cp -L clients/web/page/* tests/data/cities.xy tests/data/terrain.xyz $(O)/site
+	@cp clients/js/browser.js $(O)/site/core.js
+	@sed -i 's/<html lang="en">/<html lang="en" data-source="local">/' $(O)/site/index.html
 
 demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg $(O)/cells.svg

@@ -63,13 +63,13 @@ soak-follow: all
 # ---- OPENINGS=200 POINTS=1000 SEED=1 ----
 
 WEB_PROGRAM = $(patsubst %,$(O)/web/test/%.mjs,$(if $(filter bench-web,$@),speed,openings))
-test_web bench-web soak-web: all
+test_web bench-web soak-web: all site
 	$(call need,nodejs chromium,command -v node && command -v npm && command -v chromium)
 	@mkdir -p $(O)/web && cp -RL clients/web/. $(O)/web
 	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  printf 'SKIP the live page: npm cannot fetch packages here\n0 passed, 0 failed, 1 skipped\n'
-	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay \
+	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay SITE=$(O)/site \
 	  $(foreach v,OPENINGS POINTS SEED,$(if $($v),$v=$($v))) timeout $(if $(filter soak-web,$@),7200,600) \
 	  $(if $(filter test_web,$@),tests/node.sh $(O)/web/test/*.test.mjs,node $(WEB_PROGRAM))
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# view.sh DAEMON CLIENT DATA BUILD - starts a daemon in memory with the demo's places and terrain, and the gateway, and prints the
+# view.sh DAEMON CLIENT DATA BUILD - starts a daemon in memory with towns of Ireland, the demo's places and terrain, and the gateway, and prints the
 # address of the page. Ends both when it is interrupted. The gateway's package is fetched to BUILD once. For `make view`.
 set -eu
 daemon=$1 client=$2 data=$3 build=$4
@@ -27,9 +27,11 @@ while ! port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$tmp/ready") || [ -z "$
     kill -0 "$pid" || exit 1
     sleep 0.05
 done
-for set in cities.xy terrain.xyz; do
-    "$client" -p "$port" load "${set%.*}" "$data/$set" >"$tmp/out" 2>&1 || { cat "$tmp/out" >&2; exit 1; }
-    "$client" -p "$port" TRIANGULATE "${set%.*}" >"$tmp/out"
+tail -n +2 "$here/page/ireland.csv" | cut -d , -f 2,3 >"$tmp/ireland.csv" # without names
+for file in "$tmp/ireland.csv" "$data/cities.xy" "$data/terrain.xyz"; do
+    set=$(basename "${file%.*}")
+    "$client" -p "$port" load "$set" "$file" >"$tmp/out" 2>&1 || { cat "$tmp/out" >&2; exit 1; }
+    "$client" -p "$port" TRIANGULATE "$set" >"$tmp/out"
 done
 echo "daemon on port $port"
 node "$build/gateway.mjs" --daemon "$port" --listen "${VIEW_LISTEN:-127.0.0.1:8080}"

@@ -5,14 +5,14 @@ const KEY_PAN = 60;
 const KEY_ZOOM = 1.4;
 
 export class Hands {
-  tool = 'move';
+  tool = 'look'; // or, to edit: 'move', 'add', 'delete'
   #pointers = new Map(); // id -> [px, py]
-  #dragged = null; // the id of the point that is being moved
+  #isDragging = false; // a point
   #began = null; // where the only pointer went down
   #hover = [0, 0];
 
-  /** acts: pan(dx, dy), zoom(factor, px, py), fit(), pointNear(px, py, pixels) -> id or null, move(id, px, py), add(px, py),
-   * remove(id), hover(px, py), theme(). Places are pixels of the canvas. */
+  /** acts: pan(dx, dy), zoom(factor, px, py), fit(), pointNear(px, py, pixels) -> id or null, grab(id), drag(px, py), drop(), add(px, py),
+   * remove(id), hover([px, py] or null), edit(), theme(). Places are pixels of the canvas. */
   constructor(canvas, acts) {
     this.acts = acts;
     const place = (e) => [e.offsetX, e.offsetY];
@@ -24,7 +24,9 @@ export class Hands {
     for (const kind of ['pointerup', 'pointercancel']) canvas.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
     canvas.addEventListener('dblclick', (e) => {
       if (this.tool === 'move') acts.add(...place(e));
+      else if (this.tool === 'look') acts.zoom(2, ...place(e));
     });
+    canvas.addEventListener('pointerleave', () => this.#pointers.size === 0 && acts.hover(null));
     canvas.addEventListener(
       'wheel',
       (e) => {
@@ -41,15 +43,23 @@ export class Hands {
     this.#pointers.set(pointer, at);
     this.#hover = at;
     this.#began = this.#pointers.size === 1 ? at : null;
-    // Only the first button of a mouse drags points.
-    this.#dragged = this.#began !== null && this.tool === 'move' && button === 0 ? this.acts.pointNear(...at, CLOSE) : null;
+    if (this.#isDragging) this.#drop(); // a second finger
+    if (this.#began === null || this.tool !== 'move' || button !== 0) return; // only the first button of a mouse drags points
+    const id = this.acts.pointNear(...at, CLOSE);
+    this.#isDragging = id !== null;
+    if (id !== null) this.acts.grab(id);
+  }
+
+  #drop() {
+    this.#isDragging = false;
+    this.acts.drop();
   }
 
   #move(pointer, at) {
     const before = this.#pointers.get(pointer);
     if (before === undefined) {
       this.#hover = at;
-      this.acts.hover(...at);
+      this.acts.hover(at);
       return;
     }
     const [first, second] = [...this.#pointers.values()];
@@ -58,8 +68,9 @@ export class Hands {
     if (second !== undefined) {
       const still = before === first ? second : first;
       this.acts.zoom(Math.hypot(at[0] - still[0], at[1] - still[1]) / Math.max(1, Math.hypot(before[0] - still[0], before[1] - still[1])), ...still);
-    } else if (this.#dragged !== null) {
-      this.acts.move(this.#dragged, ...at);
+    } else if (this.#isDragging) {
+      this.acts.hover(at);
+      this.acts.drag(...at);
     } else {
       this.acts.pan(at[0] - before[0], at[1] - before[1]);
     }
@@ -71,7 +82,7 @@ export class Hands {
     const still = this.#began !== null && at !== undefined && Math.hypot(at[0] - this.#began[0], at[1] - this.#began[1]) < 4;
     if (done && still && this.tool === 'add') this.acts.add(...at);
     if (done && still && this.tool === 'delete') this.#remove(at);
-    this.#dragged = null;
+    if (this.#isDragging) this.#drop();
     this.#began = null;
   }
 
@@ -92,8 +103,9 @@ export class Hands {
       '=': () => zoom(KEY_ZOOM),
       '-': () => zoom(1 / KEY_ZOOM),
       0: () => this.acts.fit(),
-      a: () => this.acts.add(...this.#hover),
-      Delete: () => this.#remove(this.#hover),
+      e: () => this.acts.edit(),
+      a: () => this.tool !== 'look' && this.acts.add(...this.#hover),
+      Delete: () => this.tool !== 'look' && this.#remove(this.#hover),
       t: () => this.acts.theme(),
     };
     const act = keys[e.key] ?? keys[e.key.toLowerCase()];

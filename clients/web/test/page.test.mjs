@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { ask, browser, killGateway, listen, makeSet, onPage, open, pagePort, port, settled, start, stop, until } from './stage.mjs';
+import { ask, browser, drag, killGateway, listen, makeSet, onPage, open, pagePort, port, settled, start, stop, until } from './stage.mjs';
 
 const { DELAUNAY } = process.env;
 
@@ -62,13 +62,6 @@ function different(a, b) {
     if ([0, 1, 2, 3].some((k) => Math.abs(a[i + k] - b[i + k]) > 8)) n++;
   }
   return n;
-}
-
-async function drag(page, from, to, steps = 10) {
-  await page.mouse.move(...from);
-  await page.mouse.down();
-  await page.mouse.move(...to, { steps });
-  await page.mouse.up();
 }
 
 test('the page has a WebGL 2 context', async () => {
@@ -180,6 +173,7 @@ async function unitOf(svg) {
 test('a point dragged on one page moves on the other, and both draw what a new page draws', async () => {
   await makeSet('shared', 300);
   const [one, two] = [await open('shared'), await open('shared')];
+  await one.click('#edit');
   const before = await picture(two);
   const counts = () => two.evaluate(() => window.app.scene.counts);
   const { whole } = await counts();
@@ -205,6 +199,7 @@ test('a point dragged on one page moves on the other, and both draw what a new p
 test('points are added and deleted by mouse, keyboard and touch', async () => {
   await makeSet('hands', 100);
   const page = await open('hands');
+  await page.click('#edit');
   const has = (n) => until(async () => (await ask('STAT hands'))[0].includes(` points=${n} `));
   await page.mouse.click(...(await onPage(page, 0.31, 0.33)), { count: 2 });
   await has(101);
@@ -222,9 +217,10 @@ test('points are added and deleted by mouse, keyboard and touch', async () => {
   await page.close();
 });
 
-test('where points are everywhere, the map is moved by the right button, or when that is chosen', async () => {
+test('where points are everywhere, the map is moved by the right button, or when nothing is edited', async () => {
   await makeSet('crowd', 20000);
   const page = await open('crowd');
+  await page.click('#edit');
   const centre = () => page.evaluate(() => window.app.view.x);
   const version = async () => /version=(\d+)/.exec((await ask('STAT crowd'))[0])[1];
   const before = await version();
@@ -234,9 +230,9 @@ test('where points are everywhere, the map is moved by the right button, or when
   await page.mouse.move(...to, { steps: 3 });
   await page.mouse.up({ button: 'right' });
   assert.ok(Math.abs((await centre()) - 0.4) < 0.01, 'right button');
-  await page.click('input[value=look]');
+  await page.click('#edit');
   await drag(page, to, from);
-  assert.ok(Math.abs((await centre()) - 0.5) < 0.01, 'the map is chosen');
+  assert.ok(Math.abs((await centre()) - 0.5) < 0.01, 'nothing is edited');
   assert.equal(await version(), before);
   await page.close();
 });
@@ -276,7 +272,7 @@ test('the page follows random edits of all kinds', async () => {
     await checkEqual(page, 'edited');
   }
   await ask('DROP edited');
-  await page.waitForFunction(() => /dropped/.test(document.getElementById('message').textContent) || document.getElementById('set').value !== 'edited');
+  await page.waitForFunction(() => /edited has been dropped/.test(document.getElementById('notice').textContent));
   await page.close();
 });
 

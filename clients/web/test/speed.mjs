@@ -13,6 +13,7 @@ async function timeToPicture() {
 
 async function framesWhileDragging() {
   const page = await open('hundred');
+  await page.click('#edit');
   const counts = () => page.evaluate(() => ({ ...window.app.scene.counts, at: performance.now() }));
   await page.mouse.move(...(await onPage(page, 0.5, 0.5)));
   const id = await page.evaluate(() => window.app.mesh.ids >> 1);

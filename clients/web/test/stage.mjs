@@ -121,7 +121,7 @@ async function stateOf(page) {
     const requests = performance.getEntriesByType('resource').slice(-6);
     const text = (id) => document.getElementById(id)?.innerText;
     return {
-      texts: [text('message'), text('waiting'), text('facts')],
+      texts: [text('message'), text('notice'), text('pointer'), text('waiting'), text('facts')],
       mesh: { set, kind, version, points, triangles },
       counts: scene.counts,
       document: [document.readyState, document.visibilityState],
@@ -149,6 +149,13 @@ export const onPage = (page, x, y) =>
     },
     [x, y],
   );
+
+export async function drag(page, from, to, steps = 10) {
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(...to, { steps });
+  await page.mouse.up();
+}
 
 /** Waits until the function returns something true, and returns that. */
 export async function until(what) {

@@ -1,0 +1,76 @@
+// The texts of the page: facts, messages, notices with choices, and the card of the point under the pointer.
+const LONG_S = 4; // what is waited for longer is named
+
+const $ = (id) => document.getElementById(id);
+
+function write(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}
+
+export const say = (text) => write('message', text);
+
+/** Shows facts, {name: value}, in a <dl>. */
+export function list(id, facts) {
+  const parts = Object.entries(facts).flatMap(([name, value]) => {
+    const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
+    dt.textContent = name;
+    dd.textContent = value;
+    return [dt, dd];
+  });
+  $(id).replaceChildren(...parts);
+}
+
+let noticed = ''; // what the notice says now
+
+/** Explains what is to be seen, or why nothing is, with choices [[label, act], ...]; an empty text removes the notice. */
+export function explain(text, choices = []) {
+  const now = JSON.stringify([text, ...choices.map(([label]) => label)]);
+  if (now === noticed) return;
+  noticed = now;
+  $('notice').hidden = text === '';
+  $('notice').querySelector('p').textContent = text;
+  const buttons = choices.map(([label, act]) => {
+    const button = document.createElement('button');
+    button.textContent = label;
+    button.addEventListener('click', act);
+    return button;
+  });
+  $('notice').querySelector('.buttons').replaceChildren(...buttons);
+}
+
+/** Shows the card of a point as Pick finds it, beside the point; null: none. */
+export function showCard(found, { width, height }) {
+  const card = $('pointer');
+  card.hidden = found === null;
+  card.querySelector('strong').textContent = found === null ? '' : (found.name ?? `point ${found.id}`);
+  list('point', found?.facts ?? {});
+  if (found === null) return;
+  const place = (at, size, room) => Math.max(4, Math.min(at + 14 + size > room ? at - 14 - size : at + 14, room - size - 4));
+  card.style.left = `${place(found.pixels[0], card.offsetWidth, width)}px`;
+  card.style.top = `${place(found.pixels[1], card.offsetHeight, height)}px`;
+}
+
+/** Shows which colours the values of a field have, {name, min, max}; null: there are no colours. */
+export function showLegend(field) {
+  $('legend').hidden = field === null;
+  if (field === null) return;
+  const [least, most] = [field.min, field.max].map((value) => Number(value.toPrecision(4)));
+  write('least', `${field.name} ${least}`);
+  write('most', String(most));
+}
+
+/** Names what has been waited for longer than some seconds, as countWaits returns it. */
+export function showWait(wait, other) {
+  let text = other;
+  if (wait !== null && wait.seconds >= LONG_S) {
+    const [what, set = ''] = wait.what.split(' ');
+    text = `waiting for ${what === 'AUTH' ? what : `${what} ${set}`}, ${wait.seconds} s, ${(wait.bytes / 1e6).toFixed(1)} MB so far`;
+  }
+  write('waiting', text);
+}
+
+export function fillSelect(select, names, chosen) {
+  const now = [...select.options].map((o) => o.value).join('\n');
+  if (now !== names.join('\n')) select.replaceChildren(...names.map((name) => new Option(name === '' ? 'none' : name, name)));
+  select.value = chosen ?? '';
+}

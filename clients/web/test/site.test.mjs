@@ -1,0 +1,124 @@
+// The page from a folder of static files: its sets are in the page. And the first view that a visitor gets.
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { createServer } from 'node:http';
+import { extname, join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { drag, onPage, start, stop, visit, waitFor } from './stage.mjs';
+
+const { SITE } = process.env; // what `make site` has built
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+const server = createServer(async (request, response) => {
+  const name = new URL(request.url, 'http://site').pathname.slice(1) || 'index.html';
+  const content = await readFile(join(SITE, name)).catch(() => null);
+  response.writeHead(content === null ? 404 : 200, { 'Content-Type': TYPES[extname(name)] ?? 'text/plain' }).end(content);
+});
+let at;
+
+before(async () => {
+  await start();
+  server.listen(0, '127.0.0.1');
+  await new Promise((resolve) => server.once('listening', resolve));
+  at = server.address().port;
+});
+after(async () => {
+  server.close();
+  await stop();
+});
+
+/** The mesh equals that of a new page with the same points: rings sent by edits say the same as a triangulation of everything. */
+const isWhole = (page) =>
+  page.evaluate(() => {
+    const { mesh } = window.app;
+    const at = [];
+    for (let n = 0; n < mesh.ids; n++) if (mesh.hasPoint(n)) at.push(n);
+    const live = window.delaunayd.LiveSet.from(at.flatMap((n) => [mesh.xy[2 * n], mesh.xy[2 * n + 1]]));
+    const keyOf = (c) => {
+      while (c[0] > c[1] || c[0] > c[2]) c.push(c.shift());
+      return c.join(' ');
+    };
+    const { triangles } = live.triangulation();
+    const expected = new Set();
+    for (let k = 0; k < triangles.length; k += 3) expected.add(keyOf([...triangles.subarray(k, k + 3)].map((i) => at[i])));
+    let known = 0;
+    for (let slot = 0; slot < mesh.slots; slot++) {
+      const c = [...mesh.corners.subarray(3 * slot, 3 * slot + 3)];
+      if (c[0] === c[1]) continue;
+      if (!expected.has(keyOf(c))) return `the mesh has ${c}`;
+      known++;
+    }
+    return known === expected.size && known === mesh.triangles ? 'equal' : `${known} of ${expected.size}`;
+  });
+
+const placeOf = (page, id) => page.evaluate((n) => [...window.app.mesh.xy.subarray(2 * n, 2 * n + 2)], id);
+
+test('the first view has named towns, coloured cells and one hint; a drag on a town moves it, and undo takes it back', async () => {
+  const page = await visit('', { at, size: { width: 1280, height: 800 } });
+  await waitFor(page, () => window.app.mesh.points === 485 && window.app.overlay.labels.length > 40);
+  const hint = () => page.evaluate(() => document.getElementById('notice').innerText.trim());
+  assert.equal(await hint(), 'Drag a town.');
+  const home = await placeOf(page, 2);
+  await page.mouse.move(...(await onPage(page, ...home)));
+  await waitFor(page, () => /^Cork/.test(document.getElementById('pointer').innerText));
+  const to = await onPage(page, 20, 0);
+  await drag(page, await onPage(page, ...home), to);
+  await waitFor(page, () => Math.hypot(window.app.mesh.xy[4] - 20, window.app.mesh.xy[5]) < 1);
+  await waitFor(page, () => document.getElementById('notice').hidden && /^Cork/.test(document.getElementById('pointer').innerText));
+  assert.equal(await isWhole(page), 'equal');
+  await page.click('#undo');
+  await waitFor(page, (x) => window.app.mesh.xy[4] === x, {}, home[0]);
+  assert.equal(await isWhole(page), 'equal');
+  await page.close();
+});
+
+test('names do not overlap, and where two would, the larger town has its name', async () => {
+  const page = await visit('', { at, size: { width: 1280, height: 800 } });
+  await waitFor(page, () => window.app.overlay.labels.length > 40);
+  const boxes = await page.evaluate(() => window.app.overlay.labels);
+  const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+  assert.deepEqual(boxes.filter((a, i) => boxes.some((b, k) => k < i && overlap(a, b))), []);
+  const [dx, dy] = await page.evaluate(() => window.app.view.toScreen(...window.app.mesh.xy.subarray(0, 2)));
+  assert.ok(Math.abs(boxes[0][0] - dx - 5) < 1 && boxes[0][1] < dy && dy < boxes[0][3], 'the first name is Dublin');
+  await page.close();
+});
+
+test('random edits in process give the mesh of all points, also with points in one place, on a line, and none', async () => {
+  const page = await visit('#set=ireland', { at });
+  await waitFor(page, () => window.app.mesh.points === 485);
+  await page.evaluate(async () => {
+    let state = 11;
+    const next = (n) => (state = (state * 48271) % 2147483647) % n;
+    const { connection } = window.app;
+    for (let k = 0; k < 300; k++) {
+      const place = `${next(20) * 15 - 150} ${next(20) * 15 - 150}`; // a lattice: many points on circles, some in one place
+      const line = [`ADD ireland ${place}`, `MOVE ireland ${next(485)} ${place}`, `DEL ireland ${next(785)}`][next(3)];
+      await connection().request(line).catch((error) => {
+        if (error.code !== 'NOPOINT') throw error;
+      });
+    }
+  });
+  assert.equal(await isWhole(page), 'equal');
+  await page.evaluate(async () => {
+    const { connection, mesh } = window.app;
+    for (let n = mesh.ids - 1; n >= 0; n--) if (mesh.hasPoint(n)) await connection().request(`DEL ireland ${n}`);
+  });
+  assert.deepEqual(await page.evaluate(() => [window.app.mesh.points, window.app.mesh.triangles]), [0, 0]);
+  await waitFor(page, () => /ireland is empty/.test(document.getElementById('notice').innerText));
+  await page.evaluate(async () => {
+    for (const place of ['0 0', '1 1', '2 2', '2 2', '3 3', '0 3']) await window.app.connection().request(`ADD ireland ${place}`);
+  });
+  assert.deepEqual(await page.evaluate(() => [window.app.mesh.points, window.app.mesh.triangles]), [6, 3]);
+  assert.deepEqual(page.faults, []);
+  await page.close();
+});
+
+test('the terrain and the cities are one click away', async () => {
+  const page = await visit('', { at });
+  await waitFor(page, () => window.app.mesh.points === 485);
+  for (const [name, points] of [['terrain', 14976], ['cities', 171075]]) {
+    await page.click(`#samples button[value=${name}]`);
+    await waitFor(page, (n) => window.app.mesh.points === n && document.getElementById('notice').hidden, {}, points);
+  }
+  assert.match(page.url(), /set=cities/);
+  await page.close();
+});
