@@ -32,7 +32,7 @@ export class Edits {
 
   /** A point is taken at its place [x, y]. */
   grab(id, at) {
-    this.#drag = { set: this.#set, id, from: at, to: at, next: null, isSent: false, isBusy: false, isDropped: false };
+    this.#drag = { set: this.#set, id, from: at, to: at, next: null, isMoved: false, isBusy: false, isDropped: false };
   }
 
   /** The point that was taken moves; of the places that come while a request is under way only the last one is sent. */
@@ -55,16 +55,16 @@ export class Edits {
       const place = drag.next;
       drag.next = null;
       try {
-        drag.isSent = true; // even if the reply is lost
         await this.request(`MOVE ${drag.set} ${drag.id} ${place.join(' ')}`);
-        drag.to = place;
+        [drag.to, drag.isMoved] = [place, true];
       } catch (error) {
+        if (error.code === 'LOST') drag.isMoved = true; // perhaps: the reply is lost
         this.onError(error);
       }
     }
     drag.isBusy = false;
     const { set, id, from, to } = drag;
-    if (drag.isDropped && drag.isSent && set === this.#set) this.#record({ kind: 'move', id, from, to });
+    if (drag.isDropped && drag.isMoved && set === this.#set) this.#record({ kind: 'move', id, from, to });
   }
 
   add(at) {

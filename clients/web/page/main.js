@@ -83,6 +83,7 @@ function resize() {
     c.height = Math.max(1, Math.round(clientHeight * devicePixelRatio));
   }
   scene.stale();
+  refreshSoon();
 }
 
 const THEMES = {
