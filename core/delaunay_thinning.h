@@ -25,6 +25,7 @@ struct dt_thinning {
     /* Called before memory is allocated: reserves `bytes` in all, or refuses with DT_NOMEM. NULL: there is no limit. */
     enum dt_status (*reserve)(void *ctx, size_t bytes);
     void *ctx;
+    struct dt_pages *pages; /* borrows: where large arrays come from; may be NULL */
 };
 
 struct dt_thinned {

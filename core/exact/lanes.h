@@ -1,5 +1,5 @@
-/* lanes.h - two doubles side by side, in one register where the machine has vector registers: the vectors of
- * gcc and clang, and the few instructions that these cannot express. All vectors of core/ are of this type. */
+/* lanes.h - two doubles or four floats side by side, in one register where the machine has vector registers. The types are vectors
+ * of gcc and clang; functions add the few instructions that these cannot express. All vectors of core/ are of these types. */
 #ifndef DT_LANES_H
 #define DT_LANES_H
 
@@ -96,6 +96,40 @@ static inline int dt_lanes_bits(dt_lanes_holds holds)
     return (int)__builtin_wasm_bitmask_i64x2(holds);
 #else
     return (holds[0] < 0 ? 1 : 0) | (holds[1] < 0 ? 2 : 0);
+#endif
+}
+
+/* ---- four floats ---- */
+
+typedef float dt_floats __attribute__((vector_size(16)));
+typedef int32_t dt_floats_holds __attribute__((vector_size(16))); /* -1 where it does */
+
+/* The four floats at p, which is aligned to 16. */
+static inline dt_floats dt_floats_load(const float *p)
+{
+    typedef float aligned __attribute__((vector_size(16), may_alias));
+    return *(const aligned *)p;
+}
+
+static inline dt_floats dt_floats_all(float v)
+{
+    return (dt_floats){v, v, v, v};
+}
+
+static inline dt_floats dt_floats_abs(dt_floats a)
+{
+    const dt_floats_holds magnitude = {INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX};
+    return (dt_floats)((dt_floats_holds)a & magnitude);
+}
+
+/* The greater one; b if a is a NaN. */
+static inline float dt_float_most(float a, float b)
+{
+#ifdef __SSE2__
+    typedef float four __attribute__((vector_size(16)));
+    return __builtin_ia32_maxss((four){a}, (four){b})[0];
+#else
+    return a > b ? a : b;
 #endif
 }
 

@@ -83,10 +83,10 @@ size_t dt_facets_pool_memory(uint32_t n)
     return dt_array_bytes(2 * HALF_FACTOR * ((size_t)n + 1), sizeof(uint32_t));
 }
 
-enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n)
+enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n, struct dt_pages *pages)
 {
     f->pool_room = HALF_FACTOR * ((size_t)n + 1);
-    f->pool = dt_array_new(2 * f->pool_room, sizeof *f->pool);
+    f->pool = dt_array_new_in(pages, 2 * f->pool_room, sizeof *f->pool);
     return f->pool == NULL ? DT_NOMEM : DT_OK;
 }
 
@@ -233,9 +233,9 @@ bool dt_worst_is_less(const struct dt_sample *s, const struct dt_worst *w, uint3
     return w->point == DT_NONE || dt_compare_xy(s[i].at, s[w->point].at) < 0;
 }
 
-/* The largest distance that rounding allows for a point of the block: that of the middle, the slope on the way to a side, and
- * the doubt of both values. */
-static bool cannot_count(const struct dt_bunch *b, const struct dt_plane *p, double off)
+/* Compares with the largest distance that rounding allows for a point of the block: the distance of the middle, the rise on the
+ * way to a side, and the doubt of both values. */
+bool dt_block_is_less_off(const struct dt_bunch *b, const struct dt_plane *p, double off)
 {
     double z = p->z + (p->dx * (b->at.x - p->at.x) + p->dy * (b->at.y - p->at.y));
     double rise = fabs(p->dx) * b->width + fabs(p->dy) * b->height;
@@ -247,7 +247,7 @@ void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t
                         const struct dt_plane *p)
 {
     uint32_t part, n;
-    if (cannot_count(dt_item_block(s, item), p, w->off))
+    if (dt_block_is_less_off(dt_item_block(s, item), p, w->off))
         return;
     n = dt_item_parts(s, item, &part);
     for (uint32_t end = part + n; part < end; part++)

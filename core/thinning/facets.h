@@ -58,8 +58,8 @@ enum dt_status dt_facets_reserve(struct dt_facets *f, uint32_t vertices);
 size_t dt_facets_memory(uint32_t vertices);
 size_t dt_facets_pool_memory(uint32_t n);
 
-/* Makes the pool, for n points in all. DT_NOMEM. */
-enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n);
+/* Makes the pool, for n points in all, from pages, which may be NULL. DT_NOMEM. */
+enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n, struct dt_pages *pages);
 
 /* Room for n points at the end of the pool; lists may move. Returns where it is. With the lists there are no more points than
  * the pool is for. Cost: constant, amortised over the points. */
@@ -99,6 +99,9 @@ static inline void dt_worst_add(struct dt_worst *w, const struct dt_sample *s, u
     if (off > w->off || (off == w->off && dt_worst_is_less(s, w, i)))
         *w = (struct dt_worst){off, i};
 }
+
+/* Whether the box and the range of values of a block show that all of its points are less off the plane. */
+bool dt_block_is_less_off(const struct dt_bunch *b, const struct dt_plane *p, double off);
 
 /* Adds all points of a block, how far they are off the plane. Cost: constant if they cannot count. */
 void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t item,

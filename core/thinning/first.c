@@ -63,14 +63,18 @@ struct octagon {
     double far[SIDES];
 };
 
-static void stretch(struct octagon *o, struct dt_point p)
+/* Returns whether p is farther out than all before. */
+static bool stretch(struct octagon *o, struct dt_point p)
 {
+    bool farther = false;
     const double far[SIDES] = {-p.x, -p.x - p.y, -p.y, p.x - p.y, p.x, p.x + p.y, p.y, p.y - p.x};
     for (int k = 0; k < SIDES; k++)
         if (far[k] > o->far[k]) {
             o->far[k] = far[k];
             o->corner[k] = p;
+            farther = true;
         }
+    return farther;
 }
 
 /* Whether p is strictly left of all sides that have a length. Then these turn around p, so that p is in the interior of the
@@ -90,20 +94,65 @@ static bool counts(const struct first *f, uint32_t i)
     return f->stays[i] || !isnan(f->s->v[i].z);
 }
 
+struct outer {
+    struct first *f;
+    struct dt_stop *stop;
+    struct octagon o;
+    bool known; /* the octagon is; until then it is stretched */
+};
+
+/* Whether no point of the block can be a corner of the hull, or of the octagon: its box has no such corner. */
+static bool is_block_inside(const struct outer *w, const struct dt_bunch *b)
+{
+    const double x[] = {b->at.x - b->width, b->at.x + b->width};
+    const double y[] = {b->at.y - b->height, b->at.y + b->height};
+    bool inside = true;
+    for (int k = 0; k < 4 && inside; k++) {
+        const struct dt_point corner = {x[k / 2], y[k % 2]};
+        struct octagon other = w->o;
+        inside = w->known ? has_inside(&w->o, corner) : !stretch(&other, corner);
+    }
+    return inside;
+}
+
+static void visit(struct outer *w, uint32_t i)
+{
+    const struct dt_point p = w->f->s->v[i].at;
+    if (!counts(w->f, i))
+        return;
+    if (!w->known)
+        (void)stretch(&w->o, p);
+    else if (!has_inside(&w->o, p))
+        choose(w->f, i);
+}
+
+/* Visits the points of an item, except those of blocks that are inside. */
+static void walk_outer(struct outer *w, uint32_t item)
+{
+    enum { POLLED = 6 }; /* blocks of this level have DT_POLL_MISSES points */
+    uint32_t part = 0, n = 0;
+    if (dt_item_level(item) == POLLED && dt_stopped(w->stop))
+        return;
+    if (dt_item_level(item) == 0)
+        visit(w, item);
+    else if (!is_block_inside(w, dt_item_block(w->f->s, item)))
+        n = dt_item_parts(w->f->s, item, &part);
+    for (uint32_t end = part + n; part < end; part++)
+        walk_outer(w, part);
+}
+
 /* Chooses what can be a corner of the hull. */
 static enum dt_status choose_outer(struct first *f, struct dt_stop *stop)
 {
-    struct octagon o;
+    const uint32_t level = f->s->levels, blocks = f->s->count[level];
+    struct outer w = {.f = f, .stop = stop};
     for (int k = 0; k < SIDES; k++)
-        o.far[k] = -HUGE_VAL;
-    for (struct dt_piece at = dt_pieces(0, f->s->n); dt_next_piece(stop, &at);)
-        for (uint32_t i = at.a; i < at.b; i++)
-            if (counts(f, i))
-                stretch(&o, f->s->v[i].at);
-    for (struct dt_piece at = dt_pieces(0, f->s->n); dt_next_piece(stop, &at);)
-        for (uint32_t i = at.a; i < at.b; i++)
-            if (counts(f, i) && !has_inside(&o, f->s->v[i].at))
-                choose(f, i);
+        w.o.far[k] = -HUGE_VAL;
+    for (int pass = 0; pass < 2; pass++) {
+        w.known = pass == 1;
+        for (uint32_t i = 0; i < blocks && !dt_stopped(stop); i++)
+            walk_outer(&w, dt_item_of(level, i));
+    }
     return dt_stop_status(stop);
 }
 

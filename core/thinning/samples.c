@@ -54,6 +54,43 @@ static void copy(struct dt_samples *s, const struct dt_thinning *in, const uint6
         }
 }
 
+/* ---- in floats ---- */
+
+/* The power of two by which a magnitude is multiplied to be below 1, and at least a half unless that is tiny. */
+static double unit_of(double most)
+{
+    enum { TINY = -1000 };
+    int exponent;
+    (void)frexp(most, &exponent);
+    return ldexp(1, most > 0 ? -(exponent > TINY ? exponent : TINY) : 0);
+}
+
+static void choose_units(struct dt_samples *s, const struct dt_thinning *in)
+{
+    const struct dt_box box = dt_box_of(in->point, in->n);
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (uint32_t i = 0; i < in->n; i++) {
+        least = in->value[i] < least ? in->value[i] : least;
+        most = in->value[i] > most ? in->value[i] : most;
+    }
+    s->middle = (struct dt_point){box.lo.x / 2 + box.hi.x / 2, box.lo.y / 2 + box.hi.y / 2};
+    s->per_length = unit_of(fmax(dt_box_width(&box), dt_box_height(&box)) / 2);
+    s->middle_value = least <= most ? least / 2 + most / 2 : 0;
+    s->per_value = unit_of(least <= most ? most / 2 - least / 2 : 0);
+}
+
+static void round_all(struct dt_samples *s, struct dt_stop *stop)
+{
+    for (struct dt_piece at = dt_pieces(0, s->n); dt_next_piece(stop, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            const struct dt_sample *v = &s->v[i];
+            s->rounded[i] =
+                (struct dt_rounded){(float)((v->at.x - s->middle.x) * s->per_length),
+                                    (float)((v->at.y - s->middle.y) * s->per_length),
+                                    (float)((v->z - s->middle_value) * s->per_value), 0};
+        }
+}
+
 /* ---- blocks ---- */
 
 /* Of the box from lo to hi; sides are rounded up. */
@@ -110,9 +147,10 @@ static uint32_t plan_blocks(struct dt_samples *s)
     return all;
 }
 
-static enum dt_status make_blocks(struct dt_samples *s, struct dt_stop *stop)
+static enum dt_status make_blocks(struct dt_samples *s, struct dt_pages *pages,
+                                  struct dt_stop *stop)
 {
-    s->block = dt_array_new(plan_blocks(s), sizeof *s->block);
+    s->block = dt_array_new_in(pages, plan_blocks(s), sizeof *s->block);
     if (s->block == NULL)
         return DT_NOMEM;
     for (uint32_t level = 1; level <= s->levels; level++)
@@ -125,9 +163,11 @@ static enum dt_status make_blocks(struct dt_samples *s, struct dt_stop *stop)
 enum dt_status dt_samples_init(struct dt_samples *s, const struct dt_thinning *in,
                                struct dt_stop *stop)
 {
-    uint64_t *key = dt_array_new(in->n, sizeof *key);
-    *s = (struct dt_samples){.v = dt_array_new(in->n, sizeof *s->v), .n = in->n};
-    if (key == NULL || s->v == NULL) {
+    uint64_t *key = dt_array_new_in(in->pages, in->n, sizeof *key);
+    *s = (struct dt_samples){.v = dt_array_new_in(in->pages, in->n, sizeof *s->v),
+                             .rounded = dt_array_new_in(in->pages, in->n, sizeof *s->rounded),
+                             .n = in->n};
+    if (key == NULL || s->v == NULL || s->rounded == NULL) {
         dt_array_free(key);
         return DT_NOMEM;
     }
@@ -135,21 +175,26 @@ enum dt_status dt_samples_init(struct dt_samples *s, const struct dt_thinning *i
         make_keys(in, key, stop);
         dt_sort_keys(key, in->n);
         copy(s, in, key, stop);
+        choose_units(s, in);
+        round_all(s, stop);
     }
     dt_array_free(key);
-    return dt_stop_status(stop) == DT_OK ? make_blocks(s, stop) : dt_stop_status(stop);
+    return dt_stop_status(stop) == DT_OK ? make_blocks(s, in->pages, stop) : dt_stop_status(stop);
 }
 
 void dt_samples_clear(struct dt_samples *s)
 {
     dt_array_free(s->v);
+    dt_array_free(s->rounded);
     dt_array_free(s->block);
     s->v = NULL;
+    s->rounded = NULL;
     s->block = NULL;
 }
 
 size_t dt_samples_memory(uint32_t n)
 {
-    return dt_array_bytes(n, sizeof(struct dt_sample)) + 2 * dt_array_bytes(n, sizeof(uint64_t)) +
+    return dt_array_bytes(n, sizeof(struct dt_sample)) +
+           dt_array_bytes(n, sizeof(struct dt_rounded)) + 2 * dt_array_bytes(n, sizeof(uint64_t)) +
            dt_array_bytes((size_t)n / 2 + DT_BLOCK_LEVELS, sizeof(struct dt_bunch));
 }

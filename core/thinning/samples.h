@@ -18,6 +18,12 @@ struct dt_sample {
     uint64_t index; /* in the arrays of the caller */
 };
 
+/* A point rounded to floats: as seen from the middle of all points and of the range of all values, in units that make all
+ * three at most 1. Four are in a cache line. */
+struct dt_rounded {
+    float x, y, z, unused;
+};
+
 /* The box of its points, from its middle to its sides, and the range of their values. */
 struct dt_bunch {
     struct dt_point at;
@@ -28,10 +34,14 @@ struct dt_bunch {
 enum { DT_BLOCK_LEVELS = 14, DT_BLOCK_PARTS = 4 };
 
 struct dt_samples {
-    struct dt_sample *v; /* owns n, in Morton order */
+    struct dt_sample *v;        /* owns n, in Morton order */
+    struct dt_rounded *rounded; /* owns n: the same */
     uint32_t n;
     double largest;         /* magnitude of a value */
-    struct dt_bunch *block; /* owns: those of level 1, then of level 2, and so on */
+    struct dt_point middle; /* see struct dt_rounded, as the next three */
+    double middle_value;
+    double per_length, per_value; /* powers of two */
+    struct dt_bunch *block;       /* owns: those of level 1, then of level 2, and so on */
     uint32_t start[DT_BLOCK_LEVELS + 1], count[DT_BLOCK_LEVELS + 1]; /* by level; count[0]: n */
     uint32_t levels;                                                 /* the highest one */
 };

@@ -1,4 +1,4 @@
-/* share.c - see share.h.
+/* share.c - which triangles of the star of a new vertex have which points; see share.h.
  *
  * A new vertex p replaces the facets around it by its star. Each point of theirs is found in the sector between two
  * edges of the star:
@@ -11,10 +11,10 @@
 #include "core/thinning/share.h"
 
 #include "core/edit/insert.h"
+#include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
-#include "core/query/locate.h"
 
 #include <stdlib.h>
 
@@ -63,144 +63,7 @@ static enum dt_status reserve_items(struct dt_share *h, size_t n)
     return DT_OK;
 }
 
-/* ---- from the beginning ---- */
-
-/* Whether a point on the edge of the half edge belongs to the facet on its left. */
-static bool owns_edge(const struct dt_facets *f, uint32_t half)
-{
-    const struct dt_mesh *m = &f->set->mesh;
-    return dt_compare_xy(f->xy[dt_origin(m, half)], f->xy[dt_dest(m, half)]) < 0;
-}
-
-/* The record whose facet has the point, near a half edge; DT_NONE: it is a vertex. *near becomes one there. */
-static uint32_t facet_of(const struct dt_facets *f, struct dt_point q, uint32_t *near)
-{
-    const struct dt_mesh *m = &f->set->mesh;
-    uint32_t half;
-    enum dt_where where = dt_walk(m, f->xy, *near, q, &half);
-    *near = half;
-    if (where == DT_ON_VERTEX)
-        return DT_NONE;
-    if (where != DT_ON_EDGE)
-        return dt_base(half);
-    uint32_t twin = dt_twin(m, half);
-    if (!dt_mesh_is_line(m) && (dt_is_ghost(m, half) || dt_is_ghost(m, twin)))
-        return dt_base(dt_is_ghost(m, half) ? twin : half);
-    return dt_base(owns_edge(f, half) ? half : twin);
-}
-
-/* The bases of the facets of all points and blocks, by level; DT_NONE: of none, or of several. */
-struct homes {
-    uint32_t *base; /* owns: of points, then of blocks in the order of samples.h */
-};
-
-static uint32_t *home_of(const struct homes *h, const struct dt_samples *s, uint32_t item)
-{
-    uint32_t level = dt_item_level(item), number = dt_item_number(item);
-    return &h->base[level == 0 ? number : s->n + s->start[level] + number];
-}
-
-static enum dt_status find_homes(const struct dt_facets *f, const bool *kept, struct homes *h,
-                                 struct dt_stop *stop)
-{
-    const struct dt_samples *s = f->samples;
-    uint32_t near = f->set->mesh.hull, part;
-    for (struct dt_piece at = dt_pieces(0, s->n); dt_next_piece(stop, &at);)
-        for (uint32_t i = at.a; i < at.b; i++)
-            h->base[i] = kept[i] || isnan(s->v[i].z) ? DT_NONE : facet_of(f, s->v[i].at, &near);
-    for (uint32_t level = 1; level <= s->levels; level++)
-        for (struct dt_piece at = dt_pieces(0, s->count[level]); dt_next_piece(stop, &at);)
-            for (uint32_t i = at.a; i < at.b; i++) {
-                uint32_t item = dt_item_of(level, i), n = dt_item_parts(s, item, &part);
-                uint32_t home = *home_of(h, s, part);
-                for (uint32_t k = 1; k < n; k++)
-                    home = *home_of(h, s, part + k) == home ? home : DT_NONE;
-                *home_of(h, s, item) = home;
-            }
-    return dt_stop_status(stop);
-}
-
-/* Counts the items that the item becomes in the lists, or appends them. */
-static void settle(struct dt_facets *f, const struct homes *h, uint32_t item, bool append)
-{
-    const struct dt_samples *s = f->samples;
-    uint32_t home = *home_of(h, s, item), part = 0, n = 0;
-    if (home != DT_NONE) {
-        struct dt_facet *facet = &f->facet[home / 8];
-        if (append)
-            f->pool[facet->first + facet->n] = item;
-        facet->n++;
-    } else if (dt_item_level(item) > 0) {
-        n = dt_item_parts(s, item, &part);
-    }
-    for (uint32_t k = 0; k < n; k++)
-        settle(f, h, part + k, append);
-}
-
-static void settle_all(struct dt_facets *f, const struct homes *h, bool append)
-{
-    const struct dt_samples *s = f->samples;
-    for (uint32_t i = 0; i < s->count[s->levels]; i++)
-        settle(f, h, dt_item_of(s->levels, i), append);
-}
-
-/* Writes the lists of all facets. */
-static void fill_pool(struct dt_facets *f, const struct homes *h)
-{
-    settle_all(f, h, false);
-    for (uint32_t i = 0; i < f->set->mesh.tri_end; i++) {
-        f->facet[i].first = dt_facets_take(f, f->facet[i].n);
-        f->facet[i].n = 0;
-    }
-    settle_all(f, h, true);
-}
-
-static void add_item(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
-                     const struct dt_plane *p)
-{
-    if (dt_item_level(item) == 0)
-        dt_worst_add(w, s->v, item, dt_plane_off(p, &s->v[item]));
-    else
-        dt_worst_add_block(w, s, item, p);
-}
-
-/* Finds the worst point of a facet that has its list. */
-static enum dt_status measure(struct dt_facets *f, uint32_t base, struct dt_stop *stop)
-{
-    struct dt_corners c = dt_facet_corners(f, base);
-    struct dt_plane p = dt_plane_of(&c, f->samples->largest);
-    struct dt_worst w = dt_worst_none;
-    struct dt_facet facet = f->facet[base / 8];
-    f->facet[base / 8].n = 0;
-    for (uint32_t k = 0; k < facet.n; k++) {
-        add_item(&w, f->samples, f->pool[facet.first + k], &p);
-        if (k % DT_POLL_MISSES == 0 && dt_stopped(stop))
-            return dt_stop_status(stop);
-    }
-    facet.off = w.off;
-    facet.worst = w.point;
-    dt_facet_set(f, base, &p, facet);
-    return DT_OK;
-}
-
-enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_stop *stop)
-{
-    const struct dt_samples *s = f->samples;
-    struct homes h = {dt_array_new(2 * (size_t)s->n + DT_BLOCK_LEVELS, sizeof *h.base)};
-    enum dt_status status = h.base == NULL ? DT_NOMEM : DT_OK;
-    if (f->set->mesh.vertices >= 2 && status == DT_OK) {
-        status = find_homes(f, kept, &h, stop);
-        if (status == DT_OK)
-            fill_pool(f, &h);
-        for (uint32_t i = 0; i < f->set->mesh.tri_end && status == DT_OK; i++)
-            if (dt_is_facet(f, 8 * i))
-                status = measure(f, 8 * i, stop);
-    }
-    dt_array_free(h.base);
-    return status;
-}
-
-/* ---- around a new vertex ---- */
+/* ---- the sector of a point ---- */
 
 /* Whether q, as seen from p at (x, y), is in the sector or in those after it, given that it is less than a half turn from the
  * edge where that begins. *sign: 0 if q is on the line of that edge. */
@@ -217,7 +80,7 @@ static inline bool is_after(const struct dt_sector *s, struct dt_point p, struct
 }
 
 /* The sector of q. */
-static inline uint32_t sector_of(const struct dt_share *h, struct dt_point p, struct dt_point q)
+static uint32_t sector_of(const struct dt_share *h, struct dt_point p, struct dt_point q)
 {
     if (h->on_line)
         return dt_compare_xy(p, q) < 0;
@@ -236,37 +99,6 @@ static inline uint32_t sector_of(const struct dt_share *h, struct dt_point p, st
     while (i < end && is_after(&h->sector[i], p, q, x, y, &sign))
         i++;
     return i - 1;
-}
-
-/* The same for points that are on no line of an edge, else DT_NONE. Branches would be unpredictable, so there is none for each
- * edge: bit i of `left` says whether q is left of edge i. */
-static inline uint32_t sector_at_once(const struct dt_share *h, struct dt_point p,
-                                      struct dt_point q)
-{
-    const dt_lanes x = dt_lanes_both(q.x - p.x), y = dt_lanes_both(q.y - p.y);
-    uint32_t left = 0, sure = 0, n = h->sectors;
-    for (uint32_t i = 0; i < n; i += 2) {
-        dt_lanes plus = dt_lanes_load(&h->x[i]) * y, minus = dt_lanes_load(&h->y[i]) * x;
-        dt_lanes size = dt_lanes_both(DT_ORIENT_BOUND) * (dt_lanes_abs(plus) + dt_lanes_abs(minus));
-        dt_lanes det = plus - minus;
-        left |= (uint32_t)dt_lanes_bits(det > size) << i;
-        sure |= (uint32_t)dt_lanes_bits(dt_lanes_abs(det) > size) << i;
-    }
-    const uint32_t all = (1u << n) - 1, before = (1u << h->half) - 1;
-    const uint32_t second = 0 - (~left & 1 & (h->half < n));
-    const uint32_t from = (before & second) | (1 & ~second),
-                   end = (before & ~second) | (all & second);
-    return (sure & all) == all ? (uint32_t)__builtin_ctz((~left & ~from) | ~end) - 1 : DT_NONE;
-}
-
-/* The sector of a point. */
-static inline uint32_t sector_of_point(const struct dt_share *h, struct dt_point p,
-                                       struct dt_point q)
-{
-    uint32_t of = DT_NONE;
-    if (h->sectors <= DT_SECTORS_AT_ONCE && !h->on_line)
-        of = sector_at_once(h, p, q);
-    return of != DT_NONE ? of : sector_of(h, p, q);
 }
 
 /* The same of a block that is less than a half turn from the edge: *sure is false unless all of it is on one side of the
@@ -297,11 +129,13 @@ static uint32_t sector_of_block(const struct dt_share *h, struct dt_point p,
     return sure ? i - 1 : DT_NONE;
 }
 
-/* Fetches what find_sector will read. */
+#define LOOKED_AT (-1.0f)
+
+/* Fetches what finding its sector will read. */
 static void fetch_item(const struct dt_samples *s, uint32_t item)
 {
     if (dt_item_level(item) == 0)
-        dt_fetch(&s->v[item]);
+        dt_fetch(&s->rounded[item]);
     else
         dt_fetch(dt_item_block(s, item));
 }
@@ -319,46 +153,181 @@ static enum dt_status divide(const struct dt_samples *s, struct dt_share *h, uin
     return DT_OK;
 }
 
-/* Finds the sector of an item, and how far it is off the plane there; drops the new vertex. */
-static enum dt_status find_sector(struct dt_facets *f, struct dt_share *h, uint32_t item,
-                                  uint32_t vertex)
+/* There is room. */
+static inline void add_shared(struct dt_share *h, struct dt_shared i)
+{
+    h->item[h->items++] = i;
+    h->sector[i.sector].n++;
+}
+
+/* Whether the sectors are few enough for floats. */
+static bool is_coarse(const struct dt_share *h)
+{
+    return !h->on_line && h->sectors <= DT_COARSE_SECTORS;
+}
+
+/* Adds the points of a block that floats do not show to be less off than the worst one. */
+static void add_block_coarsely(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
+                               const struct dt_sector *sector, const struct dt_coarse_plane *p)
+{
+    uint32_t part, n;
+    if (dt_block_is_less_off(dt_item_block(s, item), &sector->plane, w->off))
+        return;
+    n = dt_item_parts(s, item, &part);
+    const float least = dt_coarse_least(p, w->off);
+    for (uint32_t end = part + n; part < end; part++)
+        if (dt_item_level(part) > 0)
+            add_block_coarsely(w, s, part, sector, p);
+        else if (!(dt_coarse_plane_off(p, &s->rounded[part]) < least)) /* also if that is nan */
+            dt_worst_add(w, s->v, part, dt_plane_off(&sector->plane, &s->v[part]));
+}
+
+/* Finds the sector of a block, and its worst point, or divides it. */
+static enum dt_status share_block(struct dt_facets *f, struct dt_share *h, uint32_t item,
+                                  struct dt_point p)
+{
+    const struct dt_samples *s = f->samples;
+    uint32_t of = sector_of_block(h, p, dt_item_block(s, item));
+    if (of == DT_NONE)
+        return divide(s, h, item);
+    if (reserve_items(h, h->items + 1) != DT_OK)
+        return DT_NOMEM;
+    struct dt_sector *sector = &h->sector[of];
+    if (is_coarse(h)) {
+        const struct dt_coarse_plane plane = dt_coarse_plane(&h->coarse, of, s);
+        add_block_coarsely(&sector->worst, s, item, sector, &plane);
+    } else
+        dt_worst_add_block(&sector->worst, s, item, &sector->plane);
+    add_shared(h, (struct dt_shared){item, of, LOOKED_AT});
+    return DT_OK;
+}
+
+/* Finds the sectors of points, and how far they are off. */
+static void share_exactly(struct dt_facets *f, struct dt_share *h,
+                          const struct dt_coarse_points *points, struct dt_point p)
+{
+    const struct dt_sample *v = f->samples->v;
+    for (uint32_t k = 0; k < points->n; k++) {
+        const uint32_t item = points->item[k], of = sector_of(h, p, v[item].at);
+        struct dt_sector *s = &h->sector[of];
+        dt_worst_add(&s->worst, v, item, dt_plane_off(&s->plane, &v[item]));
+        add_shared(h, (struct dt_shared){item, of, LOOKED_AT});
+    }
+}
+
+/* The same, but about how far. */
+static void share_coarsely(struct dt_facets *f, struct dt_share *h, struct dt_coarse_points *points,
+                           struct dt_point p)
+{
+    const struct dt_sample *v = f->samples->v;
+    uint32_t doubt[DT_COARSE_POINTS], doubts = 0;
+    dt_coarse_find(&h->coarse, points);
+    for (uint32_t k = 0; k < points->n; k++)
+        if (points->sector[k] == DT_NONE) {
+            dt_fetch(&v[points->item[k]]);
+            doubt[doubts++] = k;
+        }
+    for (uint32_t i = 0; i < doubts; i++)
+        points->sector[doubt[i]] = sector_of(h, p, v[points->item[doubt[i]]].at);
+    float most[DT_COARSE_SECTORS];
+    uint32_t n[DT_COARSE_SECTORS];
+    for (uint32_t i = 0; i < h->sectors; i++) {
+        most[i] = h->sector[i].most;
+        n[i] = h->sector[i].n;
+    }
+    struct dt_shared *out = h->item + h->items;
+    for (uint32_t k = 0; k < points->n; k++) {
+        const uint32_t of = points->sector[k];
+        const float off = dt_coarse_off(&h->coarse, of, points, k);
+        out[k] = (struct dt_shared){points->item[k], of, off};
+        n[of]++;
+        most[of] = dt_float_most(off, most[of]);
+    }
+    h->items += points->n;
+    for (uint32_t i = 0; i < h->sectors; i++) {
+        h->sector[i].most = most[i];
+        h->sector[i].n = n[i];
+    }
+}
+
+static enum dt_status share_points(struct dt_facets *f, struct dt_share *h,
+                                   struct dt_coarse_points *points, struct dt_point p)
+{
+    if (reserve_items(h, h->items + points->n) != DT_OK)
+        return DT_NOMEM;
+    if (is_coarse(h))
+        share_coarsely(f, h, points, p);
+    else
+        share_exactly(f, h, points, p);
+    points->n = 0;
+    return DT_OK;
+}
+
+/* Finds the sectors of all items of the facets that have been replaced, except the new vertex. */
+static enum dt_status share_items(struct dt_facets *f, struct dt_share *h, uint32_t vertex,
+                                  struct dt_stop *stop)
 {
     const struct dt_samples *s = f->samples;
     const struct dt_point p = s->v[vertex].at;
-    if (item == vertex)
-        return DT_OK;
-    uint32_t of = dt_item_level(item) == 0 ? sector_of_point(h, p, s->v[item].at)
-                                           : sector_of_block(h, p, dt_item_block(s, item));
-    if (of == DT_NONE)
-        return divide(s, h, item);
-    if (h->items == h->item_cap && reserve_items(h, h->items + 1) != DT_OK)
-        return DT_NOMEM;
-    h->item[h->items++] = (struct dt_shared){item, of};
-    h->sector[of].n++;
-    add_item(&h->sector[of].worst, s, item, &h->sector[of].plane);
-    return DT_OK;
+    struct dt_coarse_points points = {.n = 0};
+    enum dt_status status = DT_OK;
+    h->items = 0;
+    for (size_t k = 0; k < h->olds && status == DT_OK; k++) {
+        const uint32_t item = h->old[k];
+        if (dt_item_level(item) > 0)
+            status = share_block(f, h, item, p);
+        else if (item != vertex)
+            dt_coarse_see(&h->coarse, &points, item, &s->rounded[item]);
+        if (points.n == DT_COARSE_POINTS || (k + 1 == h->olds && status == DT_OK))
+            status = share_points(f, h, &points, p);
+        if (k % DT_POLL_MISSES == DT_POLL_MISSES - 1 && dt_stopped(stop))
+            status = dt_stop_status(stop);
+    }
+    return status;
+}
+
+/* Looks at the points that may be the worst ones. */
+static void look_at(struct dt_facets *f, struct dt_share *h, const struct dt_shared *item, size_t n)
+{
+    const struct dt_sample *v = f->samples->v;
+    for (size_t k = 0; k < n; k++) {
+        struct dt_sector *s = &h->sector[item[k].sector];
+        dt_worst_add(&s->worst, v, item[k].item, dt_plane_off(&s->plane, &v[item[k].item]));
+    }
+}
+
+/* Writes the lists of the sectors, and finds their worst points. */
+static void write_lists(struct dt_facets *f, struct dt_share *h)
+{
+    const struct dt_sample *v = f->samples->v;
+    size_t n = 0;
+    uint32_t first = dt_facets_take(f, h->items);
+    for (uint32_t i = 0; i < h->sectors; i++) {
+        struct dt_sector *s = &h->sector[i];
+        s->first = first;
+        first += s->n;
+        s->most = is_coarse(h) ? s->most - 2 * h->coarse.error[i] : HUGE_VALF;
+    }
+    for (size_t k = 0; k < h->items; k++) {
+        const struct dt_shared i = h->item[k];
+        struct dt_sector *s = &h->sector[i.sector];
+        f->pool[s->first++] = i.item;
+        if (!(i.off < s->most) && !(i.off < 0)) { /* also if it or the limit is nan */
+            dt_fetch(&v[i.item]);
+            h->item[n++] = i;
+        }
+    }
+    look_at(f, h, h->item, n);
 }
 
 /* The items of the facets that have been replaced become those of sectors. */
 static enum dt_status share(struct dt_facets *f, struct dt_share *h, uint32_t vertex,
                             struct dt_stop *stop)
 {
-    enum dt_status status = DT_OK;
-    h->items = 0;
-    for (size_t k = 0; k < h->olds && status == DT_OK; k++) {
-        status = find_sector(f, h, h->old[k], vertex);
-        if (k % DT_POLL_MISSES == DT_POLL_MISSES - 1 && dt_stopped(stop))
-            status = dt_stop_status(stop);
-    }
+    enum dt_status status = share_items(f, h, vertex, stop);
     if (status != DT_OK)
         return status;
-    uint32_t first = dt_facets_take(f, h->items);
-    for (uint32_t i = 0; i < h->sectors; i++) {
-        h->sector[i].first = first;
-        first += h->sector[i].n;
-    }
-    for (size_t k = 0; k < h->items; k++)
-        f->pool[h->sector[h->item[k].sector].first++] = h->item[k].item;
+    write_lists(f, h);
     for (uint32_t i = 0; i < h->sectors; i++) {
         const struct dt_sector *s = &h->sector[i];
         dt_facet_set(
@@ -386,27 +355,28 @@ static void add_sector(struct dt_facets *f, struct dt_share *h, uint32_t base, s
 {
     struct dt_point to = f->xy[dt_origin(&f->set->mesh, base)];
     struct dt_corners c = dt_facet_corners(f, base);
-    if (h->sectors < DT_SECTORS_AT_ONCE) {
-        h->x[h->sectors] = to.x - p.x;
-        h->y[h->sectors] = to.y - p.y;
-    }
-    h->sector[h->sectors++] = (struct dt_sector){.to = to,
-                                                 .x = to.x - p.x,
-                                                 .y = to.y - p.y,
-                                                 .on_left = dt_compare_xy(p, to) < 0,
-                                                 .base = base,
-                                                 .plane = dt_plane_of(&c, f->samples->largest),
-                                                 .worst = dt_worst_none};
+    struct dt_sector *s = &h->sector[h->sectors++];
+    *s = (struct dt_sector){.to = to,
+                            .x = to.x - p.x,
+                            .y = to.y - p.y,
+                            .on_left = dt_compare_xy(p, to) < 0,
+                            .base = base,
+                            .plane = dt_plane_of(&c, f->samples->largest),
+                            .worst = dt_worst_none};
+    if (h->sectors <= DT_COARSE_SECTORS)
+        dt_coarse_add(&h->coarse, f->samples, s->x, s->y, &s->plane);
 }
 
 /* The star of the new vertex, whose records are those of the cavity. At the hull it begins behind infinity. */
-static void see_star(struct dt_facets *f, struct dt_share *h, struct dt_point p)
+static void see_star(struct dt_facets *f, struct dt_share *h, uint32_t vertex)
 {
+    const struct dt_point p = f->samples->v[vertex].at;
     const struct dt_mesh *m = &f->set->mesh;
     const struct dt_cavity *c = &f->set->scratch;
     uint32_t first = 0;
     for (uint32_t i = 0; c->open && i < c->rims; i++)
         first = c->rim[i].origin == DT_NONE ? i : first;
+    dt_coarse_begin(&h->coarse, f->samples, vertex);
     for (uint32_t k = 0, i = first; k < c->rims; k++, i = i + 1 < c->rims ? i + 1 : 0)
         if (!dt_is_ghost(m, c->record[i]))
             add_sector(f, h, c->record[i], p);
@@ -414,6 +384,7 @@ static void see_star(struct dt_facets *f, struct dt_share *h, struct dt_point p)
     for (uint32_t i = 1; !c->open && i < h->half; i++)
         if (dt_orient2d(h->sector[0].to, h->sector[i].to, p) <= 0)
             h->half = i;
+    dt_coarse_end(&h->coarse, h->half);
 }
 
 /* The lists of the facets in these records, and the sectors that replace them. */
@@ -428,7 +399,7 @@ static enum dt_status take_star(struct dt_facets *f, struct dt_share *h, uint32_
     h->on_line = false;
     for (uint32_t i = 0; i < c->rims; i++)
         take_list(f, h, c->record[i]);
-    see_star(f, h, f->samples->v[vertex].at);
+    see_star(f, h, vertex);
     return DT_OK;
 }
 
@@ -440,6 +411,7 @@ static enum dt_status take_line(struct dt_facets *f, struct dt_share *h, uint32_
     if (reserve_sectors(h, 2) != DT_OK || reserve_old(h, f->facet[base / 8].n + 1) != DT_OK)
         return DT_NOMEM;
     h->on_line = true;
+    dt_coarse_begin(&h->coarse, f->samples, vertex);
     take_list(f, h, base);
     add_sector(f, h, base, p);
     add_sector(f, h, dt_base(dt_twin(&f->set->mesh, base + 1)), p);

@@ -2,6 +2,7 @@
 #ifndef DT_SHARE_H
 #define DT_SHARE_H
 
+#include "core/thinning/coarse.h"
 #include "core/thinning/facets.h"
 
 /* A triangle of the star of a new vertex, or one of two parts of an edge: from an edge of the star to the next one. */
@@ -12,22 +13,21 @@ struct dt_sector {
     uint32_t base;      /* of its record */
     struct dt_plane plane;
     struct dt_worst worst;
+    float most;        /* of the points in floats */
     uint32_t first, n; /* items of its list */
 };
 
 /* An item, and the sector that has it. */
 struct dt_shared {
     uint32_t item, sector;
+    float off; /* of a point: about how far it is; negative: that has been looked at */
 };
-
-enum { DT_SECTORS_AT_ONCE = 16 };
 
 /* Scratch. Start with {0}. */
 struct dt_share {
     struct dt_sector *sector; /* owns cap */
     uint32_t sectors, cap;
-    double x[DT_SECTORS_AT_ONCE],
-        y[DT_SECTORS_AT_ONCE]; /* of the first sectors again, side by side */
+    struct dt_coarse coarse; /* the first sectors again */
     uint32_t
         half; /* sectors before it begin less than a half turn after the first one; open stars: all */
     bool on_line;  /* the sectors are two parts of an edge */
@@ -39,8 +39,9 @@ struct dt_share {
 
 void dt_share_clear(struct dt_share *h);
 
-/* All points that are not kept and have a value get into the lists of facets; f has a pool for them. */
-enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_stop *stop);
+/* All points that are not kept and have a value get into the lists of facets; f has a pool for them. pages may be NULL. */
+enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_pages *pages,
+                            struct dt_stop *stop);
 
 /* The worst point of the facet with that number becomes a vertex, for which there is room, and the points around it change
  * their facets. After a failure the facets can only be freed. */

@@ -76,9 +76,9 @@ static enum dt_status share_first(struct thin *t)
         memset(kept, 0, t->samples.n * sizeof *kept);
     for (uint32_t v = 0; v < f->vertices; v++)
         kept[f->sample[v]] = true;
-    enum dt_status status = dt_facets_pool(&t->facets, t->samples.n);
+    enum dt_status status = dt_facets_pool(&t->facets, t->samples.n, t->in->pages);
     if (status == DT_OK)
-        status = dt_share_all(&t->facets, kept, &t->stop);
+        status = dt_share_all(&t->facets, kept, t->in->pages, &t->stop);
     dt_array_free(kept);
     return status;
 }

@@ -166,7 +166,8 @@ static enum dt_status thin_out(struct simplify_job *j)
                                    .error = j->error,
                                    .most = j->most,
                                    .reserve = reserve_more,
-                                   .ctx = j};
+                                   .ctx = j,
+                                   .pages = j->pages};
     j->before = memory_of(j, j->cap);
     return dt_thin(&in, &j->job.options, &j->kept);
 }

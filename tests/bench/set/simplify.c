@@ -62,8 +62,9 @@ int main(int argc, char **argv)
         p[i].y = random ? random_below(side - 1) : i / side;
         z[i] = height(p[i].x, p[i].y, side);
     }
+    struct dt_pages *pages = dt_pages_new(SIZE_MAX);
     const struct dt_thinning in = {
-        .point = p, .value = z, .n = n, .error = atof(argv[2]), .most = UINT32_MAX};
+        .point = p, .value = z, .n = n, .error = atof(argv[2]), .most = UINT32_MAX, .pages = pages};
     for (int run = 0; run < atoi(argv[3]); run++) {
         double start = measure_cpu();
         if (dt_thin(&in, NULL, &out) != DT_OK)
@@ -72,6 +73,7 @@ int main(int argc, char **argv)
         dt_pages_release(out.kept);
     }
     printf("%u %.17g %.3f\n", out.n, out.error, least);
+    dt_pages_free(pages);
     free(p);
     free(z);
     return 0;

@@ -24,7 +24,7 @@ static struct dt_thinning *waves(uint32_t n, bool lattice)
         p[i] = (struct dt_point){x, y};
         z[i] = 100 * sin(x / 50) * cos(y / 70) + 5 * sin(x / 7) + (double)(test_random() % 8) / 8;
     }
-    *t = (struct dt_thinning){p, z, n, NULL, 0, 1, UINT32_MAX, NULL, NULL};
+    *t = (struct dt_thinning){p, z, n, NULL, 0, 1, UINT32_MAX, NULL, NULL, NULL};
     return t;
 }
 

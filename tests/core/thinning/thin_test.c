@@ -143,7 +143,8 @@ static uint32_t thin_out(const struct input *in, uint32_t *kept, uint32_t n, dou
 
 static struct dt_thinned thinned(const struct input *in, double error, uint32_t most)
 {
-    struct dt_thinning t = {in->p, in->z, in->n, in->c, in->constraints, error, most, NULL, NULL};
+    struct dt_thinning t = {in->p, in->z, in->n, in->c, in->constraints,
+                            error, most,  NULL,  NULL,  NULL};
     struct dt_thinned out;
     enum dt_status status = dt_thin(&t, NULL, &out);
     CHECK_MSG(status == DT_OK, "%s", dt_status_text(status));
@@ -400,7 +401,7 @@ TEST(constraints_that_cross_where_no_point_is_are_refused)
     const struct dt_point p[] = {{0, 0}, {4, 4}, {0, 4}, {4, 0}, {2, 1}};
     const double z[5] = {0};
     const struct dt_constraint c[] = {{0, 1, false, 0}, {2, 3, false, 0}};
-    struct dt_thinning in = {p, z, 5, c, 2, 1, 9, NULL, NULL};
+    struct dt_thinning in = {p, z, 5, c, 2, 1, 9, NULL, NULL, NULL};
     struct dt_thinned out;
     CHECK(dt_thin(&in, NULL, &out) == DT_CROSSES && out.kept == NULL);
 }
@@ -408,7 +409,7 @@ TEST(constraints_that_cross_where_no_point_is_are_refused)
 TEST(fewer_points_than_must_stay_are_refused)
 {
     struct input in = {.p = {{0, 0}, {4, 0}, {0, 4}, {1, 1}}, .z = {0, 0, 0, 5}, .n = 4};
-    struct dt_thinning t = {in.p, in.z, in.n, NULL, 0, 1, 2, NULL, NULL};
+    struct dt_thinning t = {in.p, in.z, in.n, NULL, 0, 1, 2, NULL, NULL, NULL};
     struct dt_thinned out;
     CHECK(dt_thin(&t, NULL, &out) == DT_TOOBIG && out.least == 3 && out.kept == NULL);
     out = thinned(&in, 1, 3);
