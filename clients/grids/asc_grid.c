@@ -237,7 +237,8 @@ static bool choose_frame(struct asc *a, const struct grid_frame *frame, struct g
 
 static bool is_nodata(double v, double nodata)
 {
-    return v == nodata || (fabs(nodata) >= 0x1p100 && (float)v == (float)nodata);
+    return v == nodata || v == (double)(float)nodata ||
+           (fabs(nodata) >= 0x1p100 && (float)v == (float)nodata);
 }
 
 /* One rounding where a step is 0 [fma: IEEE 754-2019, section 5.4.1]. */

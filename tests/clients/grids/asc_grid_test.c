@@ -86,6 +86,7 @@ TEST(cells_without_a_value_are_left_out_and_counted)
                 "-3.402823466385289e+38 5 nan\n",
            one, 1);
     CHECK(notes.empty == 5);
+    expect(HEAD "NODATA_value -9999.1\n-9999.099609375 -9999.1 nan\nnan 5 nan\n", one, 1);
     expect(HEAD "nan nan nan\nnan nan nan\n", NULL, 0);
     CHECK(notes.empty == 6);
 }
