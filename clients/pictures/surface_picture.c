@@ -154,7 +154,7 @@ struct levels {
     double step; /* 0: they are no multiples of a step */
 };
 
-/* The least difference of two levels, if all are multiples of it. */
+/* The least difference of two levels; 0 unless all levels are its multiples. */
 static double find_step(const double *v, size_t n)
 {
     double step = HUGE_VAL;

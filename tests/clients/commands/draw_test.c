@@ -263,6 +263,9 @@ TEST(pictures_are_pale_outside_borders_and_coloured_by_number_inside)
     snprintf(command, sizeof command, "draw %s - --colour quality", cli_path("a.gmt"));
     svg = cli_run(&status, command);
     CHECK(status == 0 && strstr(svg, "class=\"o\"") != NULL && strstr(svg, "class=\"r3\"") == NULL);
+    snprintf(command, sizeof command, "draw %s - --colour angle", cli_path("a.gmt"));
+    svg = cli_run(&status, command);
+    CHECK(status == 0 && strstr(svg, "class=\"o\"") != NULL && strstr(svg, "class=\"t\"") == NULL);
     snprintf(command, sizeof command, "draw %s - --inside any", cli_path("a.gmt"));
     svg = cli_run(&status, command);
     CHECK(status == 0 && strstr(svg, "class=\"o\"") == NULL && strstr(svg, "class=\"t\"") != NULL);

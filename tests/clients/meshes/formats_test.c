@@ -353,6 +353,9 @@ TEST(export_colours_numbers_and_viewport)
     CHECK(status == 0 && strstr(svg, "class=\"q8\"") != NULL && strstr(svg, "class=\"t\"") == NULL);
     CHECK(strstr(svg, ">4</text>") != NULL && strstr(svg, ">5</text>") == NULL);
     CHECK(strstr(svg, "triangulation of 5 of 6 points<") != NULL && strstr(svg, ">flat<") != NULL);
+    svg = cli_run(&status, "export t - --colour angle --viewport=-1,-1,5,5");
+    CHECK(status == 0 && strstr(svg, "fill=\"#96caaf\" stroke=\"#fff\"") != NULL); /* 45 degrees */
+    CHECK(strstr(svg, ">least angle</text>") != NULL && strstr(svg, ">60\u00b0</text>") != NULL);
     svg = cli_run(&status, "export t - --viewport 50,1,51,2"); /* a box without points */
     CHECK(status == 0 && strstr(svg, "class=\"t\"") != NULL && strstr(svg, "of 0 of 6") != NULL);
     svg = cli_run(&status, "export t - --colour degree");
