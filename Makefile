@@ -19,7 +19,7 @@
 #   make generate   after a change of the table of commands: the parts of the clients that follow from it (Python 3)
 #   make lint       dependencies, formatting, static analysis; make fmt formats
 #   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients,
-#                   bench-python, bench-bands, bench-polygons, bench-js
+#                   bench-python, bench-dask, bench-bands, bench-polygons, bench-js
 #   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, load-herd, load-watch,
 #                   load-follow, stress
 #   make clean      removes build/

@@ -93,9 +93,10 @@ class Triangles(unittest.TestCase):
 
     def test_uniform_points_need_at_most_five_rounds(self):
         points = np.random.default_rng(2).random((40000, 2))
-        with triangulate(points, tile=3000) as tin:
-            self.assertLessEqual(tin.stats()["rounds"], 5)
-            self.assertEqual(tin.stats()["tiles"], 14)
+        tin = triangulate(points, tile=3000)
+        self.assertLessEqual(tin.stats()["rounds"], 5)
+        self.assertEqual(tin.stats()["tiles"], 14)
+        self.check(tin, points, "uniform")
 
     def test_there_is_one_lazy_chunk_for_each_tile(self):
         points = np.random.default_rng(3).random((1000, 2))

@@ -77,6 +77,11 @@ def of_array(points: NDArray[Any], values: Optional[NDArray[Any]]) -> List[Chunk
 
 def npy_header(array: Any) -> bytes:
     """What a .npy file has before the data of a C-contiguous array of this shape and type."""
+    return npy_header_of(array.shape, array.dtype)
+
+
+def npy_header_of(shape: Tuple[int, ...], dtype: Any = "<f8") -> bytes:
+    """The same of a shape and a type. Its length is 128 bytes, for two dimensions at most."""
     content, npy = io.BytesIO(), cast(Any, np.lib.format)
-    npy.write_array_header_1_0(content, {"descr": npy.dtype_to_descr(array.dtype), "fortran_order": False, "shape": array.shape})
+    npy.write_array_header_1_0(content, {"descr": npy.dtype_to_descr(np.dtype(dtype)), "fortran_order": False, "shape": shape})
     return content.getvalue()

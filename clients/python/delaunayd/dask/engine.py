@@ -56,6 +56,14 @@ class Engine:
         with module("dask.diagnostics", "the bar").ProgressBar():
             return list(dask.compute(*tasks))
 
+    def run_blocks(self, name: str, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]]) -> List[Any]:
+        """The same for calls some of whose arguments are delayed values of dask."""
+        tasks = [dask.delayed(function)(*call, dask_key_name="delaunayd-%s-%s" % (name, uuid.uuid4().hex)) for call in calls]
+        if self.client is not None:
+            results: List[Any] = self.client.gather(self.client.compute(tasks))
+            return results
+        return list(dask.compute(*tasks))
+
     def memory(self) -> Tuple[int, int]:
         """The bytes of memory that each thread of a worker may use, the least of all workers, and the number of threads."""
         if self.client is not None:

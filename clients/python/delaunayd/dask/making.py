@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, List, Optional
 
 import numpy as np
 
-from . import chunks as _chunks, reading
+from . import limits, reading
 from .chunks import Chunk
 from .engine import Engine
 from .results import Tin
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .._types import Floats
 
 TILE = 10_000_000
-_SAMPLE = 1 << 20  # points that the cuts of tiles are chosen from
+_SAMPLE = 1 << 16  # points that the cuts of tiles are chosen from, and 2^10 more for each tile
 
 
 def triangulate(
@@ -51,9 +51,11 @@ def triangulate(
     folder = tempfile.mkdtemp(prefix="delaunayd-", dir=spill)
     try:
         found = reading.chunks_of(points, values, engine, folder)
-        sample = _sample(found.chunks)
         total = sum(chunk.n for chunk in found.chunks)
-        tiling = tiling_of(sample, max(1, -(-total // tile)))
+        tiles = max(1, -(-total // tile))
+        limits.check_memory(engine, min(tile, total), total)
+        limits.check_disk(folder, total, found.values)
+        tiling = tiling_of(_sample(found.chunks, _SAMPLE + (tiles << 10)), tiles)
         return tin_of(engine, folder, found.chunks, found.values, tiling, keep)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
@@ -67,12 +69,13 @@ def tin_of(engine: Engine, folder: str, chunks: List[Chunk], values: bool, tilin
     dtype = "<u4" if first[-1] < 2**32 else "<u8"
     course = Course(engine, Job(folder, values, dtype, tuple(first[:-1])), chunks, tiling, keep)
     course.split()
+    limits.check_memory(engine, max((state.points for state in course.tiles.values()), default=0), first[-1])
     return Tin(engine, course.run(), keep)
 
 
-def _sample(chunks: List[Chunk]) -> Floats:
+def _sample(chunks: List[Chunk], size: int) -> Floats:
     total = max(1, sum(chunk.n for chunk in chunks))
-    parts = [chunk.sample(max(1, _SAMPLE * chunk.n // total), seed) for seed, chunk in enumerate(chunks) if chunk.n > 0]
+    parts = [chunk.sample(max(1, size * chunk.n // total), seed) for seed, chunk in enumerate(chunks) if chunk.n > 0]
     return np.concatenate([np.empty((0, 2)), *parts])
 
 

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import importlib.util
+import itertools
+import math
+import os
 import shutil
 import weakref
-from typing import Any, Dict
+from typing import TYPE_CHECKING, Any, Dict, List
 
 import numpy as np
 
-from . import tasks
+from .._triangulation import Triangulation
+from . import contours, spill, surfaces, tasks
+from .band import points_type, xy_of
+from .chunks import npy_header_of
 from .engine import Engine
-from .imported import array, dask
+from .imported import array, dask, module
 from .rounds import Outcome
+
+if TYPE_CHECKING:
+    from .._protocol import Contour
+    from .._types import NDArray
 
 
 class Tin:
@@ -20,6 +31,7 @@ class Tin:
     def __init__(self, engine: Engine, outcome: Outcome, keep: bool):
         self._engine, self._outcome, self._keep = engine, outcome, keep
         self._job = outcome.job
+        self._rasters = 0
         self._end = weakref.finalize(self, shutil.rmtree, self._job.folder, True)
 
     def close(self) -> None:
@@ -45,6 +57,99 @@ class Tin:
         ]
         return array.concatenate(parts) if parts else array.zeros((0, 3), dtype=dtype)
 
+    def to_npy(self, path: str) -> None:
+        """Writes the triangles to one .npy file; the tiles write at the same time. There is no such file until it is complete."""
+        path = os.path.abspath(path)
+        tiles = self._outcome.tiles
+        first = [0, *itertools.accumulate(tile.triangles for tile in tiles)]
+        header = npy_header_of((first[-1], 3), self._job.dtype)
+        scratch = spill.scratch_of(path)
+        try:
+            spill.allocate(scratch, header, len(header) + first[-1] * 3 * np.dtype(self._job.dtype).itemsize)
+            at = [len(header) + row * 3 * np.dtype(self._job.dtype).itemsize for row in first]
+            calls = [(self._job.folder, tile.number, scratch, here) for tile, here in zip(tiles, at)]
+            self._engine.run("triangles", tasks.copy, calls)
+            os.replace(scratch, path)
+        except BaseException:
+            spill.remove(scratch)
+            raise
+
+    def to_parquet(self, path: str) -> None:
+        """Writes the triangles as a folder of Parquet files with the columns a, b and c. Needs pandas, and pyarrow or fastparquet."""
+        if not any(importlib.util.find_spec(name) for name in ("pyarrow", "fastparquet")):
+            raise ImportError("to_parquet needs pyarrow or fastparquet, and neither is installed")
+        frames = module("dask.dataframe", "to_parquet")
+        frames.from_dask_array(self.triangles, columns=["a", "b", "c"]).to_parquet(path)
+
+    # ---- the surface ----
+
+    def locate(self, places: Any) -> NDArray[Any]:
+        """The corners of the triangle that contains each place of shape (k, 2), as a row of `triangles` has them: shape (k, 3); rows of
+        places outside have the greatest number of the type, 2^32 - 1 or 2^64 - 1. Exact. On an edge or a point it is the first of the
+        triangles that meet there."""
+        wanted = np.ascontiguousarray(places, dtype=np.float64)
+        if wanted.ndim != 2 or wanted.shape[1] != 2:
+            raise ValueError("places must have the shape (k, 2), not %s" % (wanted.shape,))
+        self._needs_points()
+        corners = np.full((len(wanted), 3), np.iinfo(self._job.dtype).max, dtype=self._job.dtype)
+        calls = [(self._job, tile, wanted) for tile in self._outcome.tiles]
+        for rows, found in self._engine.run("locate", surfaces.locate, calls):
+            better = _less(found, corners[rows])
+            corners[rows[better]] = found[better]
+        return corners
+
+    def raster(self, bounds: Any, shape: Any, method: str = "linear") -> Any:
+        """The values at the centres of the cells of a box, two opposite corners (x0, y0, x1, y1), the northernmost row first, nan outside the hull: a dask array
+        of the shape (rows, columns) on disk. The method is linear."""
+        if method != "linear":
+            raise ValueError("the method of rasters in tiles is linear, not %s" % method)
+        self._needs_points()
+        self._needs_values()
+        x0, y0, x1, y1 = map(float, bounds)
+        grid = surfaces.Grid((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), *map(int, shape))
+        self._rasters += 1
+        name = "raster-%d" % self._rasters
+        self._engine.run("raster", surfaces.raster, [(self._job, tile, grid, name) for tile in self._outcome.tiles])
+        path = spill.path_of(self._job.folder, name) + ".npy"
+        spill.write(path, [npy_header_of((grid.rows, grid.columns))])
+        out = np.memmap(path, dtype="<f8", mode="r+", offset=spill.HEADER, shape=(grid.rows, grid.columns))
+        out[:] = np.nan
+        flat = out.reshape(-1)
+        for tile in reversed(self._outcome.tiles):
+            part = spill.path_of(self._job.folder, name, tile.number)
+            found = spill.read_arrays(part)
+            flat[found["cells"]] = found["values"]
+            spill.remove(part)
+        out.flush()
+        return array.from_array(np.load(path, mmap_mode="r"), chunks=("auto", -1))
+
+    def contours(self, levels: Any) -> List[Contour]:
+        """The contour lines at levels, with the higher ground on the left, each as (level, closed, line): those of a daemon's CONTOUR, byte for byte,
+        in the same order. They must fit into the memory of this process."""
+        self._needs_points()
+        self._needs_values()
+        wanted = tuple(sorted(set(map(float, levels))))
+        if any(math.isnan(level) for level in wanted):
+            raise ValueError("a level is not a number")
+        parts = self._engine.run("contours", contours.pieces, [(self._job, tile, wanted) for tile in self._outcome.tiles])
+        return [line for k, level in enumerate(wanted) for line in contours.joined(level, [part[k] for part in parts])]
+
+    def hull(self) -> NDArray[Any]:
+        """The numbers of the points of the hull, counterclockwise from the smallest; those of a line from end to end."""
+        self._needs_points()
+        found = self._engine.run("hull", surfaces.hull, [(self._job, tile) for tile in self._outcome.tiles])
+        points = np.sort(np.concatenate([np.empty(0, dtype=points_type(False)), *found]), order="id")
+        numbers: NDArray[Any] = points["id"][Triangulation(xy_of(points), 1).hull()].astype(self._job.dtype)
+        return numbers
+
+    def _needs_points(self) -> None:
+        if not self._keep:
+            raise ValueError("the points are not there any more: triangulate(..., keep=True) keeps them")
+
+    def _needs_values(self) -> None:
+        if not self._job.values:
+            raise ValueError("the points have no values")
+
     def stats(self) -> Dict[str, Any]:
         """points, coincident, triangles, tiles (those with points), rounds, and halo: how many points tiles have received, all added."""
         tiles = self._outcome.tiles
@@ -56,3 +161,11 @@ class Tin:
             "rounds": self._outcome.rounds,
             "halo": sum(tile.halo for tile in tiles),
         }
+
+
+def _less(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether each row of a is before the row of b."""
+    less: NDArray[np.bool_] = np.zeros(len(a), dtype=bool)
+    for k in reversed(range(3)):
+        less = (a[:, k] < b[:, k]) | ((a[:, k] == b[:, k]) & less)
+    return less

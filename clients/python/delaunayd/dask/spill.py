@@ -9,7 +9,7 @@ import contextlib
 import io
 import os
 import uuid
-from typing import TYPE_CHECKING, Any, Dict, Iterable
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator
 
 import numpy as np
 
@@ -17,25 +17,66 @@ if TYPE_CHECKING:
     from .._types import NDArray
 
 
+HEADER = 128  # bytes, of a .npy file with a table
+
+
 def path_of(folder: str, kind: str, *numbers: int) -> str:
     """The file of this kind for a chunk, a tile, or a round and two tiles."""
     return os.path.join(folder, "-".join([kind, *map(str, numbers)]))
 
 
-def write(path: str, parts: Iterable[Any]) -> None:
-    """Writes arrays or bytes, one after the other. OSError names the file; there is then no file of this name, or the old one."""
-    scratch = "%s.%s" % (path, uuid.uuid4().hex)
+@contextlib.contextmanager
+def _complete(path: str) -> Iterator[Any]:
+    """A file that gets its name when everything is written. OSError names the file; there is then no file of this name, or the old one."""
+    scratch = scratch_of(path)
     try:
         with open(scratch, "wb", buffering=0) as out:
-            for part in parts:
-                rest = memoryview(part).cast("B") if len(part) > 0 else memoryview(b"")
-                while len(rest) > 0:
-                    rest = rest[out.write(rest) :]
+            yield out
         os.replace(scratch, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            os.remove(scratch)
-        raise OSError(error.errno, error.strerror, path) from None
+    except BaseException as error:
+        remove(scratch)
+        if isinstance(error, OSError) and error.filename is None and error.errno is not None:
+            raise OSError(error.errno, error.strerror, path) from None
+        raise
+
+
+def _put(out: Any, parts: Iterable[Any]) -> None:
+    for part in parts:
+        rest = memoryview(part).cast("B") if len(part) > 0 else memoryview(b"")
+        while len(rest) > 0:
+            rest = rest[out.write(rest) :]
+
+
+def scratch_of(path: str) -> str:
+    """A name for a file that is not complete."""
+    return "%s.%s" % (path, uuid.uuid4().hex)
+
+
+def allocate(path: str, header: bytes, size: int) -> None:
+    """Makes a file of this size that begins with the header. OSError: there is no space for it."""
+    with open(path, "wb", buffering=0) as out:
+        out.write(header)
+        try:
+            os.posix_fallocate(out.fileno(), 0, size)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, path) from None
+
+
+def write(path: str, parts: Iterable[Any]) -> None:
+    """Writes arrays or bytes, one after the other."""
+    with _complete(path) as out:
+        _put(out, parts)
+
+
+def write_behind(path: str, parts: Iterable[Any], header: Callable[[], bytes]) -> None:
+    """The same behind a header of 128 bytes, which is known only after the parts."""
+    with _complete(path) as out:
+        out.seek(HEADER)
+        _put(out, parts)
+        first = header()
+        assert len(first) == HEADER
+        out.seek(0)
+        _put(out, [first])
 
 
 def write_arrays(path: str, **arrays: Any) -> None:

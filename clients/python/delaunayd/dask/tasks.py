@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .._triangulation import Triangulation
+from .._tile import Tile
 from . import band, spill
 from .chunks import Chunk
 from .tiling import Tiling
@@ -67,8 +67,8 @@ def split(job: Job, number: int, chunk: Chunk, tiling: Tiling) -> List[Piece]:
 
 
 def _box(xy: Floats) -> Tuple[float, float, float, float]:
-    (x0, y0), (x1, y1) = xy.min(axis=0).tolist(), xy.max(axis=0).tolist()
-    return x0, y0, x1, y1
+    x, y = xy[:, 0], xy[:, 1]  # one by one: a reduction along rows of two takes eight times as long
+    return float(x.min()), float(y.min()), float(x.max()), float(y.max())
 
 
 def own_points(job: Job, tile: int, chunks: Tuple[int, ...], with_values: bool) -> Tuple[Floats, NDArray[Any], Optional[Floats]]:
@@ -100,24 +100,54 @@ def _fill(file: Any, array: NDArray[Any]) -> None:
 def build(job: Job, tile: int, chunks: Tuple[int, ...]) -> Sent:
     """Triangulates the own points. Writes what is done, the band, and what to send."""
     xy, ids, z = own_points(job, tile, chunks, job.values)
-    triangulation = Triangulation(xy, 1)
-    opened = band.open_tile(xy, triangulation, job.boxes, tile)
-    triangles, hull = triangulation.simplices, triangulation.hull()
-    coincident = int(triangulation.counts.coincident)
-    flat = len(triangles) == 0
-    sent = hull.astype(np.int64) if flat else np.unique(np.concatenate([np.empty(0, dtype=np.int64), *opened.to.values()]))
-    sent = np.sort(sent)
-    done, walls = band.divide(triangles, sent, len(ids))
+    own = Tile(xy, np.arange(len(ids), dtype=np.uint64))
+    counts = own.counts
+    if counts.triangles == 0:  # a line or a place
+        _, band_rows = np.unique(xy + 0.0, axis=0, return_index=True)
+        band_rows = np.sort(band_rows)
+        to = _to_all(job, tile, band.ends(xy[band_rows]))
+    else:
+        offsets, rows = own.open(job.boxes, tile)
+        band_rows = np.unique(np.concatenate([rows, *_postponed(own, job, tile).values()])).astype(np.int64)
+        to = _to(offsets, np.searchsorted(band_rows, rows))
+    triangles = own.triangles(np.uint32)
+    del own
+    done, walls = band.divide(triangles, band_rows, len(ids))
     count = _write_done(job, tile, triangles, done, ids)
-    points = _points(job, xy, ids, z, sent)
-    spill.write_arrays(
-        spill.path_of(job.folder, "band", tile), points=points, walls=ids[walls], hull=_points(job, xy, ids, z, hull)
-    )
-    to = {other: np.searchsorted(sent, rows) for other, rows in opened.to.items()}
+    points = _points(job, xy, ids, z, band_rows)
+    spill.write_arrays(spill.path_of(job.folder, "band", tile), points=points, walls=ids[walls])
     _send(job, 1, tile, points, to)
-    pairs = _pairs(points["id"], to)
-    spill.write_arrays(spill.path_of(job.folder, "state", tile, 1), foreign=points[:0], sent=pairs)
-    return Sent(tile, tuple(to), opened.deferred, done=count, coincident=coincident, ends=xy[hull[[0, -1]]] if flat else None)
+    spill.write_arrays(
+        spill.path_of(job.folder, "state", tile, 1), foreign=points[:0], sent=_pairs(points["id"], to)
+    )
+    line = band.xy_of(points)[band.ends(band.xy_of(points))] if counts.triangles == 0 else None
+    return Sent(tile, tuple(to), line is not None, done=count, coincident=counts.coincident, ends=line)
+
+
+def _to_all(job: Job, tile: int, rows: Numbers) -> Dict[int, Numbers]:
+    return {other: rows for other, box in enumerate(job.boxes) if other != tile and not np.isnan(box[0])}
+
+
+def _open(tile: Tile, job: Job, number: int) -> Dict[int, Numbers]:
+    """What other tiles need of this one, by all of its faces."""
+    found = _to(*tile.open(job.boxes, number))
+    for other, rows in _postponed(tile, job, number).items():
+        found[other] = np.concatenate([found[other], rows]) if other in found else rows
+    return found
+
+
+def _postponed(tile: Tile, job: Job, number: int) -> Dict[int, Numbers]:
+    """What Tile.open returns until it has judged all faces."""
+    found: Dict[int, Numbers] = {}
+    while tile.counts.postponed > 0:
+        for other, rows in _to(*tile.open(job.boxes, number)).items():
+            found[other] = np.concatenate([found[other], rows]) if other in found else rows
+    return found
+
+
+def _to(offsets: NDArray[Any], rows: Numbers) -> Dict[int, Numbers]:
+    """What Tile.open returns, tile by tile."""
+    return {int(k): rows[offsets[k] : offsets[k + 1]] for k in np.flatnonzero(np.diff(offsets))}
 
 
 def _write_done(job: Job, tile: int, triangles: Any, done: NDArray[np.bool_], ids: NDArray[Any]) -> int:
@@ -152,42 +182,52 @@ def _received(job: Job, tile: int, turn: int, senders: Tuple[int, ...]) -> NDArr
     return np.concatenate([np.empty(0, dtype=dtype), *found])
 
 
-def _band_of(folder: str, tile: int, foreign: NDArray[Any]) -> band.Band:
-    found = spill.read_arrays(spill.path_of(folder, "band", tile))
-    points = np.concatenate([found["points"], foreign])
-    order = np.argsort(points["id"], kind="stable")
-    return band.Band(points[order], order < len(found["points"]), found["walls"])
-
-
 def exchange(job: Job, tile: int, before: int, turn: int, senders: Tuple[int, ...], full: bool) -> Sent:
-    """Inserts what was sent in the turn before, and sends what is new. `before`: the turn of the tile's last state. Points that the tile
-    has already are ignored."""
+    """Inserts what was sent in the turn before, and sends what is new. `before`: the turn of the tile's last state. `full`: a line
+    follows the rule, too. Owners send a point to a tile once, so no point comes twice."""
     state = spill.read_arrays(spill.path_of(job.folder, "state", tile, before))
     foreign = np.concatenate([state["foreign"], _received(job, tile, turn - 1, senders)])
-    own = spill.read_arrays(spill.path_of(job.folder, "band", tile))["points"]["id"]
-    _, first = np.unique(foreign["id"], return_index=True)
-    foreign = foreign[first]
-    foreign = foreign[~np.isin(foreign["id"], own)]
-    now = _band_of(job.folder, tile, foreign)
-    opened = now.open(job.boxes, tile, full)
+    points = spill.read_arrays(spill.path_of(job.folder, "band", tile))["points"]
+    now = Tile(band.xy_of(points), points["id"])
+    now.insert(band.xy_of(foreign), foreign["id"])
+    deferred = now.counts.triangles == 0 and not full
+    found = _to_all(job, tile, band.ends(band.xy_of(points))) if deferred else _open(now, job, tile)
     to = {}
-    for other, rows in opened.to.items():
-        rows = rows[~np.isin(_pairs(now.points["id"], {other: rows}), state["sent"])]
+    for other, rows in found.items():
+        rows = rows[~np.isin(_pairs(points["id"], {other: rows}), state["sent"])]
         if len(rows) > 0:
             to[other] = rows
-    _send(job, turn, tile, now.points, to)
-    sent = np.concatenate([state["sent"], _pairs(now.points["id"], to)])
+    _send(job, turn, tile, points, to)
+    sent = np.concatenate([state["sent"], _pairs(points["id"], to)])
     spill.write_arrays(spill.path_of(job.folder, "state", tile, turn), foreign=foreign, sent=sent)
-    return Sent(tile, tuple(to), opened.deferred, halo=len(foreign))
+    return Sent(tile, tuple(to), deferred, halo=len(foreign))
 
 
 def finish(job: Job, tile: int, last: int) -> int:
     """Writes the rest of the triangles; returns their number. `last`: the turn of the tile's last state."""
-    state = spill.read_arrays(spill.path_of(job.folder, "state", tile, last))
-    now = _band_of(job.folder, tile, state["foreign"])
+    points, now = band_of(job.folder, tile, last)
     rest = now.rest()
-    spill.write(spill.path_of(job.folder, "rest", tile), [now.points["id"][rest].astype(job.dtype)])
+    spill.write(spill.path_of(job.folder, "rest", tile), [points["id"][rest].astype(job.dtype)])
     return len(rest)
+
+
+def band_of(folder: str, tile: int, last: int) -> Tuple[NDArray[Any], band.Band]:
+    """The points of a tile's band and its foreign points, by number, and their triangulation."""
+    found = spill.read_arrays(spill.path_of(folder, "band", tile))
+    points = np.concatenate([found["points"], spill.read_arrays(spill.path_of(folder, "state", tile, last))["foreign"]])
+    order = np.argsort(points["id"], kind="stable")
+    return points[order], band.Band(points[order], order < len(found["points"]), found["walls"])
+
+
+def copy(folder: str, tile: int, path: str, at: int) -> None:
+    """Writes the triangles of a tile into a file that exists, from byte `at` on."""
+    with open(path, "r+b", buffering=0) as out:
+        out.seek(at)
+        for kind in ("done", "rest"):
+            with open(spill.path_of(folder, kind, tile), "rb") as file:
+                rest = os.fstat(file.fileno()).st_size
+                while rest > 0:
+                    rest -= os.copy_file_range(file.fileno(), out.fileno(), rest)
 
 
 def triangles(folder: str, tile: int, dtype: str) -> NDArray[Any]:

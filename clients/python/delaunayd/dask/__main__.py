@@ -1,0 +1,101 @@
+"""python -m delaunayd.dask: triangulates files without a script."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import sys
+import tempfile
+from typing import Any, List, Optional
+
+import numpy as np
+
+from .imported import module
+from .making import TILE, triangulate
+from .results import Tin
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m delaunayd.dask",
+        description="The Delaunay triangulation of the points of files (.npy, .csv, .csv.gz, .las, .laz), in tiles, by processes of this machine or "
+        "on a cluster of Dask. Writes DIR/triangles.npy: rows of three points, numbered by their rows in all files.",
+    )
+    parser.add_argument("files", nargs="+", metavar="FILE", help="points x,y or x,y,z")
+    parser.add_argument("--out", required=True, metavar="DIR", help="the folder of the results; it is made if it does not exist")
+    parser.add_argument(
+        "--raster", nargs=6, metavar=("X0", "Y0", "X1", "Y1", "COLUMNS", "ROWS"), help="also DIR/raster.npy: z at the centres of cells"
+    )
+    parser.add_argument("--contours", nargs="+", type=float, metavar="LEVEL", help="also DIR/contours.geojson: lines of equal z")
+    parser.add_argument("--tile", type=int, default=TILE, metavar="N", help="about how many points a tile has (default: %(default)s)")
+    parser.add_argument("--workers", type=int, default=None, metavar="N", help="processes (default: as many as processors)")
+    parser.add_argument("--memory", default="auto", metavar="SIZE", help="the memory of each process, such as 3GB (default: its share)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="use a cluster of Dask that runs, instead of own processes")
+    parser.add_argument("--spill", metavar="DIR", help="where files wait that are removed at the end (default: in --out)")
+    parser.add_argument("--quiet", action="store_true", help="no progress bars")
+    return parser
+
+
+def _write_raster(tin: Tin, path: str, words: List[str]) -> None:
+    box, (columns, rows) = list(map(float, words[:4])), map(int, words[4:])
+    np.save(path, tin.raster(box, (rows, columns)).compute())
+
+
+def _write_contours(tin: Tin, path: str, levels: List[float]) -> None:
+    with open(path, "w", encoding="utf-8") as out:
+        out.write('{"type":"FeatureCollection","features":[')
+        for k, line in enumerate(tin.contours(levels)):
+            places = line.line.tolist()
+            feature = {
+                "type": "Feature",
+                "properties": {"level": line.level},
+                "geometry": {"type": "LineString", "coordinates": places + places[:1] if line.closed else places},
+            }
+            out.write(("," if k > 0 else "") + "\n" + json.dumps(feature, separators=(",", ":")))
+        out.write("\n]}\n")
+
+
+def _cluster(options: argparse.Namespace, folder: str) -> Any:
+    distributed = module("distributed", "python -m delaunayd.dask")
+    if options.scheduler:
+        return distributed.Client(options.scheduler)
+    memory = options.memory if re.fullmatch(r"auto|[0-9.]+ *[kMGT]?i?B?", options.memory) else None
+    if memory is None:
+        raise ValueError("--memory %s is not a size such as 3GB" % options.memory)
+    return distributed.Client(
+        n_workers=options.workers or len(os.sched_getaffinity(0)), threads_per_worker=1, processes=True, memory_limit=memory,
+        dashboard_address=None, local_directory=folder,
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Carries out what the command line says."""
+    os.makedirs(options.out, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=options.spill or options.out) as folder, _cluster(options, folder) as client:
+        surface = options.raster is not None or options.contours is not None
+        with triangulate(
+            options.files, tile=options.tile, client=client, spill=folder, keep=surface, progress=not options.quiet
+        ) as tin:
+            tin.to_npy(os.path.join(options.out, "triangles.npy"))
+            if options.raster is not None:
+                _write_raster(tin, os.path.join(options.out, "raster.npy"), options.raster)
+            if options.contours is not None:
+                _write_contours(tin, os.path.join(options.out, "contours.geojson"), options.contours)
+            print(json.dumps(tin.stats()))
+
+
+def main(words: Optional[List[str]] = None) -> int:
+    """The exit status."""
+    options = _parser().parse_args(words)
+    try:
+        run(options)
+    except (OSError, ValueError, MemoryError, ImportError) as error:
+        print("delaunayd.dask: %s" % error, file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,88 @@
+"""Uniform points from a .npy file to a .npy file of triangles by delaunayd.dask on a cluster of processes, beside one triangulation in process.
+
+    tiles.py POINTS [TILE [WORKERS]]     a table for Markdown; the folder is $TMPDIR
+"""
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+sys.path.insert(0, "clients/python")
+os.environ["PYTHONPATH"] = os.path.abspath("clients/python")
+BLOCK = 1 << 22
+
+
+def write_points(path, n):
+    """Uniform points, the same for equal n."""
+    points = np.lib.format.open_memmap(path, mode="w+", dtype=np.float64, shape=(n, 2))
+    for at in range(0, n, BLOCK):
+        points[at : at + BLOCK] = np.random.default_rng(at).random((len(points[at : at + BLOCK]), 2))
+
+
+def of_process():
+    """Processor time and the peak of memory of this process."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+
+
+def alone(path):
+    """One triangulation in process; prints processor time, bytes, and the digest of the sorted triangles."""
+    from delaunayd.spatial import Delaunay
+
+    points = np.load(path)
+    begin = time.process_time()
+    triangles = Delaunay(points, workers=1).simplices
+    print(time.process_time() - begin, of_process()[1], digest(triangles.astype(np.uint32)))
+
+
+def digest(triangles):
+    """The same for the same triangles in any order."""
+    with np.errstate(over="ignore"):
+        mixed = np.zeros(len(triangles), dtype=np.uint64)
+        for column in triangles.T:
+            mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
+            mixed ^= mixed >> np.uint64(29)
+        return "%d:%x:%x" % (len(triangles), int(mixed.sum()), int(np.bitwise_xor.reduce(mixed * mixed | np.uint64(1))))
+
+
+def main():
+    from distributed import Client, LocalCluster
+
+    from delaunayd.dask import triangulate
+
+    n = int(float(sys.argv[1]))
+    tile = int(float(sys.argv[2])) if len(sys.argv) > 2 else max(1, n // 6)
+    workers = int(sys.argv[3]) if len(sys.argv) > 3 else 2
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = folder + "/points.npy", folder + "/triangles.npy"
+        write_points(source, n)
+        cluster = LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit="3GB", local_directory=folder
+        )
+        with cluster, Client(cluster) as client:
+            before = [cpu for cpu, _ in client.run(of_process).values()]
+            begin = time.time()
+            with triangulate(source, tile=tile, spill=folder, keep=False) as tin:
+                tin.to_npy(target)
+                wall, stats = time.time() - begin, tin.stats()
+            after = list(client.run(of_process).values())
+        cpu = sum(cpu for cpu, _ in after) - sum(before)
+        found = digest(np.load(target, mmap_mode="r"))
+        said = subprocess.check_output([sys.executable, __file__, "--alone", source], text=True).split() if n <= 40_000_000 else None
+    print("| points | tiles | workers | ns wall | ns processor | rounds | halo, % | peak of a worker, MB | alone, ns processor | alone, MB |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| %d | %d | %d | %.0f | %.0f | %d | %.2f | %.0f | %s | %s |" % (
+        n, stats["tiles"], workers, wall / n * 1e9, cpu / n * 1e9, stats["rounds"], 100 * stats["halo"] / n,
+        max(peak for _, peak in after) / 1e6, "%.0f" % (float(said[0]) / n * 1e9) if said else "-",
+        "%.0f" % (int(said[1]) / 1e6) if said else "-"))
+    if said and said[2] != found:
+        sys.exit("the triangles differ: %s, not %s" % (found, said[2]))
+
+
+if __name__ == "__main__":
+    alone(sys.argv[2]) if sys.argv[1] == "--alone" else main()
