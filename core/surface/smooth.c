@@ -53,26 +53,53 @@ struct kept {
 };
 
 struct dt_smoother {
-    struct patch patch; /* of the last triangle */
+    struct dt_smoother *next; /* in the ring: of the next surface */
+    struct patch patch;       /* of the last triangle */
     uint32_t mask;
     struct kept kept[]; /* mask + 1; a point has one place among them */
 };
 
-struct dt_smoother *dt_smoother_new(uint32_t points)
+static struct dt_smoother *new_smoother(uint32_t points)
 {
     struct dt_smoother *s = malloc(sizeof *s + points * sizeof *s->kept);
     if (s == NULL)
         return NULL;
+    s->next = s;
     s->mask = points - 1;
-    dt_smoother_forget(s);
+    s->patch.base = DT_NONE;
+    for (uint32_t i = 0; i < points; i++)
+        s->kept[i].vertex = DT_NONE;
     return s;
 }
 
-void dt_smoother_forget(struct dt_smoother *s)
+struct dt_smoother *dt_smoothers_new(uint32_t points, uint32_t n)
 {
-    s->patch.base = DT_NONE;
-    for (uint32_t i = 0; i <= s->mask; i++)
-        s->kept[i].vertex = DT_NONE;
+    struct dt_smoother *first = new_smoother(points);
+    for (uint32_t i = 1; first != NULL && i < n; i++) {
+        struct dt_smoother *s = new_smoother(points);
+        if (s == NULL) {
+            dt_smoothers_free(first);
+            return NULL;
+        }
+        s->next = first->next;
+        first->next = s;
+    }
+    return first;
+}
+
+void dt_smoothers_free(struct dt_smoother *s)
+{
+    struct dt_smoother *at = s;
+    while (at != NULL) {
+        struct dt_smoother *next = at->next != s ? at->next : NULL;
+        free(at);
+        at = next;
+    }
+}
+
+struct dt_smoother *dt_smoother_next(const struct dt_smoother *s)
+{
+    return s->next;
 }
 
 /* ---- slopes ---- */

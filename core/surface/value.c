@@ -50,6 +50,26 @@ static bool is_natural(const struct dt_valuer *v)
 
 enum { FEW_SLOPES = 256, MANY_SLOPES = 1 << 14 }; /* that are kept */
 
+/* The number of surfaces. */
+static uint32_t surfaces_of(const struct dt_valuer *v)
+{
+    uint32_t n = 0;
+    for (const struct dt_surface *k = v->s; k != NULL; k = k->next)
+        n++;
+    return n;
+}
+
+/* Makes smoothers, which keep about this many slopes together. */
+static enum dt_status keep_slopes(struct dt_valuer *v, uint32_t slopes)
+{
+    uint32_t surfaces = surfaces_of(v);
+    while (slopes > 1 && slopes > MANY_SLOPES / surfaces)
+        slopes /= 2;
+    dt_smoothers_free(v->smoother);
+    v->smoother = dt_smoothers_new(slopes, surfaces);
+    return v->smoother == NULL ? DT_NOMEM : DT_OK;
+}
+
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               const struct dt_options *opt)
 {
@@ -62,9 +82,8 @@ enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const str
     for (const struct dt_surface *k = s; k != NULL; k = k->next)
         v->numbers += dt_surface_numbers(k);
     enum dt_status status = is_natural(v) ? dt_readable_delaunay(t) : dt_readable(t);
-    if (status == DT_OK && s->how == DT_SMOOTH &&
-        (v->smoother = dt_smoother_new(FEW_SLOPES)) == NULL)
-        status = DT_NOMEM;
+    if (status == DT_OK && s->how == DT_SMOOTH)
+        status = keep_slopes(v, FEW_SLOPES);
     return status == DT_OK && s->inside ? dt_enclosure_of(t, s->number, &v->enclosure) : status;
 }
 
@@ -77,13 +96,8 @@ enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n)
             return DT_NOMEM;
         memset(v->fetched, 0xff, 2 * DT_BLOCKS * sizeof *v->fetched);
     }
-    if (v->s->how == DT_SMOOTH && n >= WORTH) {
-        struct dt_smoother *more = dt_smoother_new(MANY_SLOPES);
-        if (more == NULL)
-            return DT_NOMEM;
-        free(v->smoother);
-        v->smoother = more;
-    }
+    if (v->s->how == DT_SMOOTH && n >= WORTH && keep_slopes(v, MANY_SLOPES) != DT_OK)
+        return DT_NOMEM;
     return is_natural(v) ? dt_natural_keep(v, n) : DT_OK;
 }
 
@@ -91,7 +105,7 @@ void dt_valuer_clear(struct dt_valuer *v)
 {
     free(v->circle);
     free(v->fetched);
-    free(v->smoother);
+    dt_smoothers_free(v->smoother);
     dt_weigher_clear(&v->weigher);
     free(v->ids.v);
 }
@@ -331,44 +345,54 @@ double dt_value_along(struct dt_valuer *v, uint32_t half, struct dt_double2 shar
     return between(from, to, share);
 }
 
-/* The numbers of the surface v->s. */
+/* The numbers of the surface v->s at a place that dt_place_find has found, not beyond the hull. */
+static enum dt_status value_found(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                                  uint32_t half, double *out)
+{
+    return v->s->quantity == DT_HEIGHT ? value_at(v, q, where, half, out)
+                                       : dt_slope_at(v, where, half, out);
+}
+
+/* The numbers of the surface v->s. *where: as dt_place_find has found. */
 static enum dt_status find_value(struct dt_valuer *v, struct dt_point q, uint32_t *half,
-                                 double *out)
+                                 enum dt_where *where, double *out)
 {
     enum dt_status s;
-    bool height = v->s->quantity == DT_HEIGHT, beyond = v->s->beyond && height;
+    bool beyond = v->s->beyond && v->s->quantity == DT_HEIGHT;
+    *where = DT_OUTSIDE;
     if (beyond && *half != DT_NONE && dt_is_ghost(&v->t->mesh, *half)) {
         *half = dt_base(*half);
         if (value_near_ghost(v, q, half, out, &s))
             return s;
     }
-    enum dt_where where = dt_place_find(v->t, q, *half, half);
-    if (!height)
-        return dt_slope_at(v, where, *half, out);
-    if (where == DT_OUTSIDE && beyond)
+    *where = dt_place_find(v->t, q, *half, half);
+    if (*where == DT_OUTSIDE && beyond)
         return value_outside(v, q, half, out);
-    return value_at(v, q, where, *half, out);
+    return value_found(v, q, *where, *half, out);
 }
 
-/* Makes the surface the one whose numbers are computed. */
+/* Makes the surface after the last one, or the first one, the one whose numbers are computed. */
 static void choose(struct dt_valuer *v, const struct dt_surface *s)
 {
     v->s = s;
-    v->edge.ghost = DT_NONE; /* it has values of the other one, */
-    if (v->smoother != NULL) /* and so do slopes */
-        dt_smoother_forget(v->smoother);
+    v->edge.ghost = DT_NONE; /* it has values of the other one */
+    if (v->smoother != NULL)
+        v->smoother = dt_smoother_next(v->smoother);
 }
 
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
 {
     const struct dt_surface *first = v->s;
-    enum dt_status s = find_value(v, q, half, out);
+    enum dt_where where;
+    enum dt_status s = find_value(v, q, half, &where, out);
     if (first->next == NULL)
         return s;
-    for (const struct dt_surface *k = first->next; s == DT_OK && k != NULL; k = k->next) {
+    for (const struct dt_surface *k = first->next; k != NULL; k = k->next) {
         out += dt_surface_numbers(v->s);
         choose(v, k);
-        s = find_value(v, q, half, out);
+        if (s == DT_OK)
+            s = where == DT_OUTSIDE ? find_value(v, q, half, &where, out)
+                                    : value_found(v, q, where, *half, out);
     }
     choose(v, first);
     return s;
@@ -387,8 +411,9 @@ static inline bool is_level(const struct dt_point *a, const struct dt_point *b,
 static inline void fetch_values(const struct dt_valuer *v, uint32_t half)
 {
     const uint32_t *corner = v->t->mesh.half + dt_base(half);
-    for (int k = 0; k < 3; k++)
-        dt_fetch(dt_value_place(v->s, v->t->points.id[corner[k]]));
+    for (const struct dt_surface *s = v->s; s != NULL; s = s->next)
+        for (int k = 0; k < 3; k++)
+            dt_fetch(dt_value_place(s, v->t->points.id[corner[k]]));
 }
 
 /* Fetches the values at the corners beyond the edges of n triangles, which are natural neighbours of most places inside. */
@@ -403,9 +428,10 @@ static void fetch_beyond(const struct dt_valuer *v, const uint32_t *triangle, ui
             dt_fetch(&t->points.xy[apex[i]]);
         }
     }
-    for (uint32_t i = 0; i < 3 * n; i++)
-        if (apex[i] != DT_NONE)
-            dt_fetch(dt_value_place(v->s, t->points.id[apex[i]]));
+    for (const struct dt_surface *s = v->s; s != NULL; s = s->next)
+        for (uint32_t i = 0; i < 3 * n; i++)
+            if (apex[i] != DT_NONE)
+                dt_fetch(dt_value_place(s, t->points.id[apex[i]]));
 }
 
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n)
@@ -470,6 +496,7 @@ static enum dt_status one_in_row(struct dt_valuer *v, const uint32_t *half, cons
                                  double y, uint32_t n, double *out)
 {
     enum dt_status s = DT_OK;
+    enum dt_where where;
     uint32_t numbers = dt_surface_numbers(v->s);
     bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside &&
                   v->s->quantity == DT_HEIGHT;
@@ -478,8 +505,18 @@ static enum dt_status one_in_row(struct dt_valuer *v, const uint32_t *half, cons
                                      : values_in_triangles(v, half, x, y, n, out, &s);
     for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)
         if (doubtful >> i & 1)
-            s = find_value(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &out[i * numbers]);
+            s = find_value(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &where,
+                           &out[i * numbers]);
     return s;
+}
+
+/* Puts the numbers of n places of one surface among the numbers of all. */
+static inline void spread(const struct dt_valuer *v, const double *number, uint32_t n, double *out)
+{
+    const size_t step = v->numbers, numbers = dt_surface_numbers(v->s);
+    for (uint32_t k = 0; k < numbers; k++)
+        for (uint32_t i = 0; i < n; i++)
+            out[i * step + k] = number[i * numbers + k];
 }
 
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
@@ -490,15 +527,14 @@ enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const
     double number[2 * DT_ROOM];
     if (v->numbers == 1)
         return one_in_row(v, half, x, y, n, out);
-    for (const struct dt_surface *k = first; s == DT_OK && k != NULL; k = k->next) {
-        uint32_t numbers = dt_surface_numbers(k);
-        choose(v, k);
-        s = one_in_row(v, half, x, y, n, number);
-        for (uint32_t i = 0; i < n * numbers; i++)
-            out[i / numbers * (size_t)v->numbers + i % numbers] = number[i];
-        out += numbers;
+    for (const struct dt_surface *k = first; k != NULL; k = k->next) {
+        if (s == DT_OK)
+            s = one_in_row(v, half, x, y, n, number);
+        if (s == DT_OK)
+            spread(v, number, n, out);
+        out += dt_surface_numbers(k);
+        choose(v, k->next != NULL ? k->next : first);
     }
-    choose(v, first);
     return s;
 }
 
@@ -520,8 +556,9 @@ void dt_fetch_vertices(struct dt_valuer *v, uint32_t block)
     v->fetched[DT_BLOCKS + block % DT_BLOCKS] = block;
     for (uint32_t i = first; i < next && i < p->end; i += 4)
         dt_fetch(&p->xy[i]);
-    for (uint32_t i = first; i < next && i < p->end; i++)
-        dt_fetch(dt_value_place(v->s, p->id[i]));
+    for (const struct dt_surface *s = v->s; s != NULL; s = s->next)
+        for (uint32_t i = first; i < next && i < p->end; i++)
+            dt_fetch(dt_value_place(s, p->id[i]));
     for (uint32_t i = next; i < next + DT_BLOCK_VERTICES && i < p->end; i += 16)
         dt_fetch(&p->id[i]);
 }

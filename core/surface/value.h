@@ -39,7 +39,8 @@ struct dt_valuer {
     const struct dt_surface *sloped_of;
     double slope[2]; /* its numbers */
     struct dt_foot_edge edge;
-    struct dt_smoother *smoother; /* owns; DT_SMOOTH */
+    struct dt_smoother *
+        smoother; /* DT_SMOOTH: of the surface whose numbers are computed; owns those of all surfaces, in a ring */
     struct dt_weigher weigher;
     struct dt_ids ids; /* owns */
 };
@@ -177,11 +178,11 @@ struct dt_smoother;
  * number. */
 #define DT_SMOOTH_FLAT 0x1p-30
 
-/* Keeps slopes at up to `points` points, a power of 2. NULL: out of memory. free() ends it. */
-struct dt_smoother *dt_smoother_new(uint32_t points);
-
-/* Values have changed. Cost: the points. */
-void dt_smoother_forget(struct dt_smoother *s);
+/* A ring of n smoothers, each of which keeps slopes at up to `points` points, a power of 2. NULL: out of memory. The caller frees
+ * it. */
+struct dt_smoother *dt_smoothers_new(uint32_t points, uint32_t n);
+void dt_smoothers_free(struct dt_smoother *s); /* NULL: nothing */
+struct dt_smoother *dt_smoother_next(const struct dt_smoother *s);
 
 /* The value at q, inside the triangle of the half edge; and on an edge, by the linear weights of its ends, the smaller id first. nan
  * where a value is missing; HUGE_VAL where numbers are beyond the range of doubles. DT_NOMEM, DT_TOOLONG, DT_CANCELLED. Cost: the

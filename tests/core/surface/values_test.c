@@ -261,6 +261,59 @@ TEST(values_of_many_places_are_those_of_each)
     }
 }
 
+/* The surfaces of one search, each alone; enough places that data is kept from one to the next. */
+static void check_several(const struct dt *t, enum dt_interpolation how, const struct dt_point *q,
+                          const struct dt_raster *cells, size_t n)
+{
+    enum { SURFACES = 3 };
+    struct dt_surface s[SURFACES];
+    double *got = malloc(n * SURFACES * sizeof *got), *want = malloc(n * sizeof *want);
+    size_t done;
+    CHECK(got != NULL && want != NULL);
+    for (int k = 0; k < SURFACES; k++) {
+        s[k] = (struct dt_surface){.how = how, .max_edge = HUGE_VAL, .beyond = true};
+        s[k].next = k + 1 < SURFACES ? &s[k + 1] : NULL;
+        CHECK(dt_surface_begin(&s[k], dt_field_find(t, "xyz" + k, 1), NULL) == DT_OK);
+    }
+    CHECK((cells != NULL ? dt_raster_values(t, s, cells, 0, n, NULL, got, &done)
+                         : dt_values(t, s, q, n, NULL, got, &done)) == DT_OK);
+    for (int k = 0; k < SURFACES; k++) {
+        s[k].next = NULL;
+        CHECK((cells != NULL ? dt_raster_values(t, &s[k], cells, 0, n, NULL, want, &done)
+                             : dt_values(t, &s[k], q, n, NULL, want, &done)) == DT_OK);
+        for (size_t i = 0; i < n; i++)
+            check_same(got[i * SURFACES + (size_t)k], want[i],
+                       cells != NULL ? dt_raster_centre(cells, i) : q[i]);
+        dt_surface_end(&s[k]);
+    }
+    free(got);
+    free(want);
+}
+
+TEST(values_of_several_surfaces_are_those_of_each)
+{
+    enum { N = 300, SIDE = 40, PLACES = SIDE * SIDE };
+    static struct dt_point p[N], q[PLACES];
+    static double z[N];
+    const struct dt_raster cells = {{-1, -1}, {21, 21}, SIDE, SIDE};
+    uint32_t missing;
+    for (int i = 0; i < N; i++)
+        p[i] = (struct dt_point){test_below(20), test_below(20)};
+    for (int i = 0; i < PLACES; i++)
+        q[i] = (struct dt_point){test_below(44) / 2.0 - 1, test_uniform() * 20};
+    struct dt *t = set_of(p, N);
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < N; i++)
+            z[i] = test_below(12) == 0 ? (double)NAN : test_uniform() * pow(1000, k);
+        CHECK(dt_field_set_run(t, "xyz" + k, 1, 0, z, N, NULL, &missing) == DT_OK);
+    }
+    for (int how = 0; how <= METHODS; how++) {
+        check_several(t, all_methods[how], q, NULL, PLACES);
+        check_several(t, all_methods[how], q, &cells, PLACES);
+    }
+    dt_free(t);
+}
+
 TEST(values_need_a_triangulation)
 {
     struct dt *t = dt_new(0);
