@@ -113,8 +113,9 @@ enum dt_status dt_tile_locate(struct dt_tile *tile, const struct dt_point *q, si
 
 /* ---- a tile as bytes, so that it can wait on disk ----
  *
- * The bytes have the points, the ids and what has been sent: 24 bytes a point, and 8 for each point sent. The triangulation is not
- * among them, because it is rebuilt in less time than most disks need for its 70 bytes a point. The order of bytes is the machine's. */
+ * The bytes have the points, the ids and what has been sent: 24 bytes a point, and 8 for each point sent. The triangulation is rebuilt,
+ * which takes 130 to 200 ns of processor time a point; it would be 70 bytes a point to write and to read. The order of bytes is
+ * the machine's. */
 
 size_t dt_tile_size(const struct dt_tile *tile);              /* cost: constant */
 void dt_tile_write(const struct dt_tile *tile, uint8_t *out); /* dt_tile_size bytes */

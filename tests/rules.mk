@@ -164,6 +164,12 @@ bench-terrain: all
 	$(call need,gdal-bin,command -v gdal_translate)
 	@/usr/bin/python3 tests/bench/set/terrain_models.py $(O) $(or $(SIDE),1000) | tee $(O)/bench-terrain.md
 
+# ---- bench-tiles: a triangulation in tiles beside that of the same points in one set: FAMILY=uniform POINTS=1000000 TILES=4 ----
+
+.PHONY: bench-tiles
+bench-tiles: $(O)/tests/bench/set/tiles
+	@$< $(or $(FAMILY),uniform) $(or $(POINTS),1000000) $(or $(TILES),4) 7 | tee $(O)/bench-tiles.md
+
 # ---- bench-bands: filled contours beside Matplotlib's, with their goal; POINTS=1000000 ----
 
 .PHONY: bench-bands

@@ -27,6 +27,15 @@
  * 10. d errs by 5 u d + 3 u reach, where reach = (r + 2 e) (1 + 2^-46), as |x|, |y| <= reach.
  * 11. If d^2 > reach^2 as rounded, then d > (1 - 4 u) reach, and the exact distance exceeds (1 - 12 u) reach > r + 2 e.
  *
+ * Deep inside a box, without a division: the disc is within the diameter 2 R of a, and (2 R)^2 = |b|^2 |c|^2 |c - b|^2 / area^2. d is the distance
+ * of a from the nearest side of the box.
+ *
+ * 12. If size <= 2^20 |area|, then the area errs by 4 u size < 2^-30 of itself; d errs by u of itself. The product of the three squares errs
+ *     by 14 u of itself.
+ * 13. So if (1 + 2^-20) |b|^2 |c|^2 |c - b|^2 < d^2 area^2 as rounded, then 2 R < d, if nothing overflows or underflows.
+ * 14. If the left side overflows, the test is false. If only the right side does, the inequality holds. If the right side exceeds 2^-900, then the
+ *     left side, rounded, errs by at most 2^-1000 more by underflow, which the factor covers.
+ *
  * Flat triangles. dt_centre rounds each coordinate of the centre once: it errs by at most u (|x| + |y|) <= e / 2 for e = 2^-52 (|x| + |y|).
  * The distance of a from the rounded centre, of which hypot errs by less than 4 u, takes the place of r in steps 6, 10 and 11. */
 #ifndef DT_DISC_H
@@ -49,6 +58,21 @@ struct dt_disc {
 #define DT_DISC_SLIP 0x1p-44         /* of the square: step 5 */
 #define DT_DISC_INSIDE (1 + 0x1p-17) /* step 9 */
 #define DT_DISC_REACH (1 + 0x1p-46)  /* step 10 */
+
+/* Whether the disc of a, b, c, counterclockwise, is certainly deep inside the box: most discs of a large tile are. */
+static inline bool dt_disc_deep(struct dt_point a, struct dt_point b, struct dt_point c,
+                                const struct dt_box *box)
+{
+    double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
+    double ex = c.x - b.x, ey = c.y - b.y;
+    double left = bx * cy, right = by * cx, area = left - right;
+    double squares = (bx * bx + by * by) * (cx * cx + cy * cy) * (ex * ex + ey * ey);
+    double l = a.x - box->lo.x, r = box->hi.x - a.x, d = a.y - box->lo.y, u = box->hi.y - a.y;
+    double x = l < r ? l : r, y = d < u ? d : u, least = x < y ? x : y;
+    double room = (least * least) * (area * area);
+    bool round = fabs(left) + fabs(right) <= 0x1p20 * area;
+    return least > 0 && round && squares * (1 + 0x1p-20) < room && room > 0x1p-900;
+}
 
 /* Whether the disc of a, b, c, counterclockwise, is as steps 1 to 5 require. */
 static inline bool dt_disc_of(struct dt_point a, struct dt_point b, struct dt_point c,

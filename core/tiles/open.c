@@ -79,6 +79,8 @@ static bool disc_meets(const void *shape, const struct dt_box *box)
 static enum dt_status judge_triangle(struct judge *j, const uint32_t *corner)
 {
     struct dt_point a = j->xy[corner[0]], b = j->xy[corner[1]], c = j->xy[corner[2]];
+    if (j->apart && dt_disc_deep(a, b, c, &j->tile->box))
+        return DT_OK;
     struct dt_disc disc;
     bool sure = dt_disc_of(a, b, c, &disc);
     if (sure && j->apart && dt_disc_inside(&disc, &j->tile->box))

@@ -30,6 +30,15 @@ static void *room(size_t n, size_t size)
     return p;
 }
 
+/* In huge pages, as NumPy has large arrays. */
+static uint32_t *array(struct dt_pages *pages, size_t n)
+{
+    uint32_t *v = dt_pages_grow(pages, NULL, 0, (n + 1) * sizeof *v);
+    if (v == NULL)
+        must(DT_NOMEM);
+    return v;
+}
+
 /* ---- the division ---- */
 
 struct input {
@@ -163,12 +172,12 @@ static void read_rows(struct run *r)
         struct dt_tile_counts c;
         size_t rows;
         dt_tile_counts(r->tile[k], &c);
-        uint32_t *v = room(3 * c.triangles, sizeof *v);
+        uint32_t *v = array(r->in->pages, 3 * c.triangles);
         double start = measure_cpu();
         must(dt_tile_triangles(r->tile[k], false, v, &rows));
         r->f->rows += measure_cpu() - start;
         r->f->triangles += rows;
-        free(v);
+        dt_pages_release(v);
         dt_tile_free(r->tile[k]);
     }
 }
@@ -196,7 +205,7 @@ static size_t in_one(const struct input *in, struct figures *f)
     struct dt *t = dt_new_in(0, in->pages);
     struct dt_added added;
     struct dt_summary sum;
-    uint32_t *v = room(6 * in->n, sizeof *v);
+    uint32_t *v = array(in->pages, 6 * in->n);
     double start = measure_cpu();
     must(t == NULL ? DT_NOMEM : dt_add(t, in->p, in->n, &added));
     must(dt_triangulate(t, NULL));
@@ -204,7 +213,7 @@ static size_t in_one(const struct input *in, struct figures *f)
     f->one = measure_cpu() - start;
     dt_summary(t, &sum);
     dt_free(t);
-    free(v);
+    dt_pages_release(v);
     return sum.triangles;
 }
 

@@ -74,7 +74,21 @@ TEST(a_disc_meets_every_box_that_has_a_point_of_it)
     CHECK(in > 25000 && flat > 5000);
 }
 
-/* The sides of the box are near the circle, and the points tested are next to them, outside. */
+/* The disc of p has no point next to a side of the box, outside. */
+static void check_inside(const struct dt_point p[3], struct dt_point c, const struct dt_box *box)
+{
+    const struct dt_point beyond[4] = {{nextafter(box->lo.x, -HUGE_VAL), c.y},
+                                       {nextafter(box->hi.x, HUGE_VAL), c.y},
+                                       {c.x, nextafter(box->lo.y, -HUGE_VAL)},
+                                       {c.x, nextafter(box->hi.y, HUGE_VAL)}};
+    for (unsigned k = 0; k < 4; k++)
+        if (dt_coordinate_ok(beyond[k].x) && dt_coordinate_ok(beyond[k].y))
+            CHECK(dt_incircle(p[0], p[1], p[2], beyond[k]) < 0);
+    for (unsigned k = 0; k < 3; k++)
+        CHECK(dt_box_contains(box, p[k]));
+}
+
+/* The sides of the box are near the circle. */
 TEST(a_disc_inside_a_box_has_no_point_beyond_its_sides)
 {
     unsigned inside = 0, close = 0;
@@ -91,17 +105,32 @@ TEST(a_disc_inside_a_box_has_no_point_beyond_its_sides)
             continue;
         inside++;
         close += r < 1.001 * hypot(p[0].x - c.x, p[0].y - c.y);
-        const struct dt_point beyond[4] = {{nextafter(box.lo.x, -HUGE_VAL), c.y},
-                                           {nextafter(box.hi.x, HUGE_VAL), c.y},
-                                           {c.x, nextafter(box.lo.y, -HUGE_VAL)},
-                                           {c.x, nextafter(box.hi.y, HUGE_VAL)}};
-        for (unsigned k = 0; k < 4; k++)
-            if (dt_coordinate_ok(beyond[k].x) && dt_coordinate_ok(beyond[k].y))
-                CHECK(dt_incircle(p[0], p[1], p[2], beyond[k]) < 0);
-        for (unsigned k = 0; k < 3; k++)
-            CHECK(dt_box_contains(&box, p[k]));
+        check_inside(p, c, &box);
     }
     CHECK(inside > 5000 && close > 500);
+}
+
+/* The box is about as far from a corner as the diameter of the circle, which another corner may be near. */
+TEST(a_disc_deep_inside_a_box_is_within_its_sides)
+{
+    unsigned deep = 0, close = 0;
+    for (unsigned i = 0; i < 200000; i++) {
+        struct dt_point p[3];
+        if (!random_triangle(p))
+            continue;
+        struct dt_point c = dt_centre(p[0], p[1], p[2]), a = p[0];
+        double r = hypot(a.x - c.x, a.y - c.y);
+        double d = 2 * r * (1 + ldexp(test_uniform() - 0.4, -(int)test_below(30)));
+        struct dt_box box = {{a.x - d, a.y - d}, {a.x + d, a.y + d}};
+        if (!dt_disc_deep(p[0], p[1], p[2], &box))
+            continue;
+        deep++;
+        close += d < 2.001 * r;
+        double blur = 0x1p-50 * (fabs(c.x) + fabs(c.y) + fabs(a.x) + fabs(a.y)); /* of r and box */
+        CHECK(d + blur > 2 * r);
+        check_inside(p, c, &box);
+    }
+    CHECK(deep > 10000 && close > 1000);
 }
 
 /* Tests that always report a meeting would be safe, and useless. */
