@@ -41,12 +41,13 @@ TEST(a_right_triangle_has_an_angle_of_90_degrees_at_any_size)
     }
 }
 
-/* With N = 2^52 and e = 2^-60, twice the area is 1 - e: the difference of two products of about N^2. Double words lose all bits of
- * that difference. */
+/* With N = 2^52, twice the area is 1 + b - a: the difference of two products of about N^2 with factors as N - a, of which double words
+ * keep too few bits. */
 TEST(a_triangle_that_is_nearly_flat_has_the_angles_of_exact_arithmetic)
 {
-    const double n = 0x1p52, e = 0x1p-60, least = 0x1p-105 * 57.295779513082323;
-    struct dt_point r = {e, 0}, p = {n + 1, n}, q = {n, n - 1};
+    const double n = 0x1p52, a = 0.3, b = 0.7;
+    const double least = (1 + b - a) * 0x1p-105 * 57.295779513082323;
+    struct dt_point r = {a, b}, p = {n + 1, n}, q = {n, n - 1};
     struct dt_angles angles = angles_of(r, q, p);
     CHECK(fabs(dt_degrees(angles.least) - least) < least * 1e-12);
     CHECK(dt_degrees(angles.largest) == 180);
