@@ -146,7 +146,12 @@ enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struc
     enum dt_status status = dt_region_check(t, number);
     if (status == DT_OK && !dt_has_closed_border(t))
         status = DT_OPEN;
-    double *value = status == DT_OK ? malloc(PIECE * sizeof *value) : NULL;
+    bool marked = false;
+    if (status == DT_OK)
+        status = dt_mask_by_edges(t, number, r, opt, bits, &marked);
+    if (status != DT_OK || marked)
+        return status;
+    double *value = malloc(PIECE * sizeof *value);
     if (status == DT_OK && value == NULL)
         status = DT_NOMEM;
     for (uint64_t at = 0; status == DT_OK && at < n; at += PIECE) {

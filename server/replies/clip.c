@@ -10,7 +10,7 @@
 enum {
     CELLS_AT_ONCE = 4096,   /* are marked by the reactor, about a millisecond of work, */
     CELLS_SHORT = 1 << 22,  /* or by a worker in some milliseconds */
-    WORKSPACE = 1024 * 1024 /* bytes, of dt_raster_inside */
+    WORKSPACE = 1024 * 1024 /* bytes, of dt_raster_inside, beside a bit for each cell */
 };
 
 bool clip_ready(struct server *s, struct answer *a, struct dataset *other)
@@ -38,7 +38,8 @@ struct clip_job {
 static void run_job(struct job *job)
 {
     struct clip_job *j = (struct clip_job *)job;
-    job->status = job_reserve(job, WORKSPACE);
+    const struct dt_raster *r = &j->q.raster;
+    job->status = job_reserve(job, WORKSPACE + (size_t)((uint64_t)r->columns * r->rows / 8));
     if (job->status == DT_OK)
         job->status =
             dt_raster_inside(job->dt, DT_NONE, &j->q.raster, &job->options, j->q.places.kept);

@@ -1,6 +1,7 @@
 /* inside_test.c - surfaces that end at borders: the inside is the same as without borders, and there is nothing outside. */
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
+#include "tests/core/polls.h"
 #include "tests/core/surface/values.h"
 #include "tests/test.h"
 
@@ -248,5 +249,81 @@ TEST(regions_of_a_view_are_those_of_now_until_borders_or_points_change)
     CHECK(dt_add(t, &(struct dt_point){3, 1}, 1, &added) == DT_OK && dt_surveyed(t));
     CHECK(!dt_view_has_regions(t, v));
     dt_view_end(v);
+    dt_free(t);
+}
+
+/* Two stars, one in the other, with their own numbers: in a set of many points. */
+static struct dt *stars(uint32_t corners)
+{
+    enum { OTHERS = 4000 };
+    const uint32_t n = 2 * corners + OTHERS;
+    struct dt_point *p = malloc(n * sizeof *p);
+    double *z = calloc(n, sizeof *z);
+    struct dt_constraint *c = malloc(2 * corners * sizeof *c);
+    size_t added;
+    uint32_t missing;
+    CHECK(p != NULL && z != NULL && c != NULL);
+    for (uint32_t i = 0; i < n; i++)
+        p[i] = (struct dt_point){test_uniform() * 4 - 2, test_uniform() * 4 - 2};
+    for (uint32_t i = 0; i < 2 * corners; i++) {
+        double angle = 6.283185307179586 * i / corners,
+               far = (i % 2 + 1) * (i < corners ? 0.7 : 0.3);
+        p[i] = (struct dt_point){far * cos(angle), far * sin(angle)};
+        c[i] = (struct dt_constraint){i, i / corners * corners + (i + 1) % corners, true,
+                                      i < corners ? 1 : 2};
+    }
+    struct dt *t = set_with(p, z, n);
+    CHECK(dt_constrain(t, c, 2 * corners, NULL, &added, &missing) == DT_OK);
+    CHECK(dt_survey(t, NULL) == DT_OK);
+    free(p);
+    free(z);
+    free(c);
+    return t;
+}
+
+/* Borders of few edges are followed, so triangles are not looked at; the raster of values looks at them. */
+TEST(marks_of_large_rasters_are_where_the_surface_has_values)
+{
+    enum { SIDE_CELLS = 220, CELLS = SIDE_CELLS * SIDE_CELLS };
+    static double value[CELLS];
+    static uint8_t bits[CELLS / 8 + 1];
+    const struct dt_raster raster[] = {{{-1.5, -1.5}, {1.5, 1.5}, SIDE_CELLS, SIDE_CELLS},
+                                       {{0.1, -9}, {0.9, 0.4}, SIDE_CELLS, SIDE_CELLS - 1},
+                                       {{-1e30, -1}, {1e30, 1}, SIDE_CELLS, 7}};
+    struct dt *t = stars(300);
+    struct dt_surface s = surface_in(t, DT_LINEAR);
+    s.inside = true;
+    for (size_t k = 0; k < sizeof raster / sizeof *raster; k++)
+        for (uint32_t number = 0; number < 3; number++) {
+            const uint64_t n = (uint64_t)raster[k].columns * raster[k].rows;
+            size_t done;
+            s.number = number == 0 ? DT_NONE : number;
+            CHECK(dt_raster_values(t, &s, &raster[k], 0, n, NULL, value, &done) == DT_OK);
+            CHECK(dt_raster_inside(t, s.number, &raster[k], NULL, bits) == DT_OK);
+            for (uint64_t i = 0; i < n; i++)
+                CHECK_MSG((bits[i / 8] >> i % 8 & 1) == !isnan(value[i]), "cell %d", (int)i);
+        }
+    dt_surface_end(&s);
+    dt_free(t);
+}
+
+TEST(marking_cells_polls_its_flag)
+{
+    static uint8_t bits[1000 * 1000 / 8];
+    const struct dt_raster r = {{-1.5, -1.5}, {1.5, 1.5}, 1000, 1000};
+    atomic_bool cancel = false;
+    struct dt_options opt = {.cancel = &cancel};
+    struct dt *t = stars(300);
+    polls_begin();
+    CHECK(dt_raster_inside(t, DT_NONE, &r, &opt, bits) == DT_OK);
+    polls_end();
+    CHECK_MSG(polls_longest_ms() < 20, "%g ms", polls_longest_ms());
+    uint64_t polls = polls_count();
+    CHECK(polls > 300);
+    for (uint64_t n = 1; n <= polls; n += polls / 5 + 1) {
+        polls_cancel_at(n);
+        CHECK(dt_raster_inside(t, DT_NONE, &r, &opt, bits) == DT_CANCELLED);
+    }
+    polls_cancel_at(0);
     dt_free(t);
 }
