@@ -253,6 +253,8 @@ static void share_coarsely(struct dt_facets *f, struct dt_share *h, struct dt_co
 static enum dt_status share_points(struct dt_facets *f, struct dt_share *h,
                                    struct dt_coarse_points *points, struct dt_point p)
 {
+    if (points->n == 0) /* there may be no array of items yet */
+        return DT_OK;
     if (reserve_items(h, h->items + points->n) != DT_OK)
         return DT_NOMEM;
     if (is_coarse(h))
