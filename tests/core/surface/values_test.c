@@ -273,7 +273,7 @@ static void check_several(const struct dt *t, enum dt_interpolation how, const s
     for (int k = 0; k < SURFACES; k++) {
         s[k] = (struct dt_surface){.how = how, .max_edge = HUGE_VAL, .beyond = true};
         s[k].next = k + 1 < SURFACES ? &s[k + 1] : NULL;
-        CHECK(dt_surface_begin(&s[k], dt_field_find(t, "xyz" + k, 1), NULL) == DT_OK);
+        CHECK(dt_surface_begin(&s[k], dt_field_find(t, &"xyz"[k], 1), NULL) == DT_OK);
     }
     CHECK((cells != NULL ? dt_raster_values(t, s, cells, 0, n, NULL, got, &done)
                          : dt_values(t, s, q, n, NULL, got, &done)) == DT_OK);
@@ -305,7 +305,7 @@ TEST(values_of_several_surfaces_are_those_of_each)
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < N; i++)
             z[i] = test_below(12) == 0 ? (double)NAN : test_uniform() * pow(1000, k);
-        CHECK(dt_field_set_run(t, "xyz" + k, 1, 0, z, N, NULL, &missing) == DT_OK);
+        CHECK(dt_field_set_run(t, &"xyz"[k], 1, 0, z, N, NULL, &missing) == DT_OK);
     }
     for (int how = 0; how <= METHODS; how++) {
         check_several(t, all_methods[how], q, NULL, PLACES);
