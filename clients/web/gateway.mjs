@@ -20,6 +20,7 @@ const HEADERS = {
   'X-Content-Type-Options': 'nosniff',
 };
 const LONGEST_MESSAGE = 1 << 20; // bytes of a page's request
+const LONGEST_POINTER = 1024; // bytes
 
 async function serve(daemon, request, response) {
   const { pathname } = new URL(request.url, 'http://page');
@@ -64,7 +65,15 @@ function isOwn({ headers: { origin, host } }) {
 /** An http.Server that is not listening yet; daemon: {host, port}. */
 export function createGateway(daemon) {
   const server = createServer((request, response) => serve(daemon, request, response));
-  const sockets = new WebSocketServer({ server, path: '/daemon', verifyClient: ({ req }) => isOwn(req), maxPayload: LONGEST_MESSAGE });
+  const verifyClient = ({ req }) => isOwn(req);
+  const sockets = new WebSocketServer({ noServer: true, verifyClient, maxPayload: LONGEST_MESSAGE });
+  const pointers = new WebSocketServer({ noServer: true, verifyClient, maxPayload: LONGEST_POINTER });
+  pointers.on('connection', (page) => passPointer(pointers, page));
+  server.on('upgrade', (request, socket, head) => {
+    const found = { '/daemon': sockets, '/pointers': pointers }[new URL(request.url, 'http://page').pathname];
+    if (found === undefined) socket.destroy();
+    else found.handleUpgrade(request, socket, head, (page) => found.emit('connection', page));
+  });
   sockets.on('connection', (page) => {
     const socket = connect({ ...daemon, noDelay: true });
     const stream = createWebSocketStream(page);
@@ -73,6 +82,36 @@ export function createGateway(daemon) {
     pipeline(stream, socket, ended);
   });
   return server;
+}
+
+let pages = 0; // that have sent a pointer
+
+/** Passes the pointer of a page, {set, place: [x, y] or null}, to the other pages that show the same set, as {number, place}. */
+function passPointer(pointers, page) {
+  const number = pages++;
+  const pass = (place) => {
+    const text = JSON.stringify({ number, place });
+    for (const other of pointers.clients) if (other !== page && other.shown === page.shown && page.shown) other.send(text);
+  };
+  page.on('error', () => {});
+  page.on('close', () => pass(null));
+  page.on('message', (data) => {
+    const { set, place } = pointerOf(data);
+    if (set !== page.shown) pass(null);
+    page.shown = set;
+    pass(place);
+  });
+}
+
+/** Reads a message of a page; whatever it says, the set is a text or null, and the place two numbers or null. */
+function pointerOf(data) {
+  try {
+    const { set, place } = JSON.parse(data);
+    const isPlace = Array.isArray(place) && place.length === 2 && place.every(Number.isFinite);
+    return { set: typeof set === 'string' ? set : null, place: isPlace ? place : null };
+  } catch {
+    return { set: null, place: null };
+  }
 }
 
 /** {host, port} of `HOST:PORT`, `[HOST]:PORT` or `PORT`. */

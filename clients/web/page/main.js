@@ -8,6 +8,7 @@ import { Follower } from './follow.js';
 import { Hands } from './hands.js';
 import { Local } from './local.js';
 import { Mesh } from './mesh.js';
+import { Others } from './others.js';
 import { THEMES as LINES, Overlay, stepOf } from './overlay.js';
 import { explain, fillSelect, list, say, showCard, showLegend, showWait } from './panel.js';
 import { Pick } from './pick.js';
@@ -165,8 +166,6 @@ function showFacts(perSecond = 0) {
 
 /* ---- files ---- */
 
-const nameOfFile = () => `${follower.set ?? 'delaunay'}`;
-
 function save(blob, name) {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
@@ -178,23 +177,25 @@ function save(blob, name) {
 const ground = () => getComputedStyle(document.body).backgroundColor;
 
 async function savePNG() {
+  if (follower.set === null) return;
   const { width, height } = canvas.mesh;
   const picture = new OffscreenCanvas(width, height);
   const context = picture.getContext('2d');
   context.fillStyle = ground();
   context.fillRect(0, 0, width, height);
   for (const layer of [canvas.mesh, canvas.overlay]) context.drawImage(layer, 0, 0);
-  save(await picture.convertToBlob(), `${nameOfFile()}.png`);
+  save(await picture.convertToBlob(), `${follower.set}.png`);
 }
 
 function saveSVG() {
+  if (follower.set === null) return;
   const context = new SvgContext(view, ground());
   const { coloured, edged, edge, range } = scene.style;
   const colourOf = (value) => (coloured && !Number.isNaN(value) ? viridis((value - range[0]) / (range[1] - range[0] || 1)) : null);
   const [red, green, blue] = edge.map((v) => Math.round(255 * v));
   drawTriangles(context, view, mesh, colourOf, edged ? `rgb(${red} ${green} ${blue} / ${edge[3] / 2})` : null);
   overlay.paint(context, view, mesh);
-  save(new Blob([String(context)], { type: 'image/svg+xml' }), `${nameOfFile()}.svg`);
+  save(new Blob([String(context)], { type: 'image/svg+xml' }), `${follower.set}.svg`);
 }
 
 /** Reads a file of points into a new set: at once if the sets are in this page, otherwise after a question. */
@@ -279,6 +280,7 @@ const follower = new Follower({
   most: Number(given('most') ?? MOST_POINTS),
   onShow: (box, dots) => {
     edits.begin(follower.set);
+    others?.point(follower.set, null);
     if (fitNext && follower.kind === 'whole') view.fit(box);
     if (follower.kind === 'whole') fitNext = false;
     if (follower.kind === 'whole') sizeOfSet = Math.max(box[2] - box[0], box[3] - box[1]);
@@ -322,7 +324,7 @@ let fitNext = false; // the view is to show all of the next mesh
 async function follow(set, { keepView = false } = {}) {
   say(`loading ${set} ...`);
   overlay.clear();
-  const kept = given('set') === set || given('set') === null ? givenView() : null;
+  const kept = !keepView && [set, null].includes(given('set')) ? givenView() : null;
   if (kept !== null) Object.assign(view, kept);
   fitNext = !keepView && kept === null;
   try {
@@ -424,7 +426,7 @@ function explainSet({ points, triangulated }) {
   } else if (Number(points) === 0) {
     explain(`${set} is empty. Choose Edit, then double-click on the map to add a point.`);
   } else {
-    explain(isFirst && !edits.canUndo ? 'Drag a town.' : '');
+    explain(isFirst ? 'Drag a town.' : '');
   }
 }
 
@@ -479,7 +481,10 @@ function refreshSoon() {
 const edits = new Edits({
   request: (line) => connection.request(line),
   onChange: () => {
-    if (edits.canUndo && isFirst) explain('');
+    if (edits.canUndo && isFirst) {
+      isFirst = false;
+      explain('');
+    }
     $('undo').disabled = !edits.canUndo;
     $('redo').disabled = !edits.canRedo;
   },
@@ -544,10 +549,21 @@ const acts = {
   drop: () => edits.drop(),
   add: (px, py) => edits.add(view.toPlane(px, py)),
   remove: (id) => edits.remove(id),
-  hover: (at) => pick.look(at),
+  hover: (at) => {
+    pick.look(at);
+    others?.point(follower.set, at === null ? null : view.toPlane(...at));
+  },
   edit: () => setTool(hands.tool === 'look' ? chosenTool() : 'look'),
   theme: () => chooseTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'),
 };
+
+const others = isLocal
+  ? null
+  : new Others(socketURL('pointers'), () => {
+      overlay.pointers = others.places;
+      overlay.stale();
+      requestDraw();
+    });
 
 const hands = new Hands(canvas.overlay, acts);
 
@@ -582,11 +598,17 @@ async function resume() {
   }
 }
 
+/** The address of a WebSocket of the gateway. */
+function socketURL(name) {
+  const url = new URL(name, location.href);
+  url.protocol = url.protocol.replace('http', 'ws');
+  url.hash = '';
+  return url;
+}
+
 function connect(handlers) {
   if (isLocal) return new Local(Object.fromEntries(Object.entries(SAMPLES).map(([name, { file }]) => [name, file])), handlers);
-  const url = new URL('daemon', location.href);
-  url.protocol = url.protocol.replace('http', 'ws');
-  return new Connection(url, handlers);
+  return new Connection(socketURL('daemon'), handlers);
 }
 
 async function start() {

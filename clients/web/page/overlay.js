@@ -8,7 +8,8 @@ import { placesOf } from './sample.js';
 const MOST_CELLS = 20000; // on the screen; more would be nothing but lines
 const MOST_HULL = 100000; // points on the hull, for it to be shown
 const MOST_COLOURED = 3000; // cells on the screen that get colours of their own
-const LEAST_SPACING = 9; // pixels between points, about, from which on they are drawn
+const LEAST_SPACING = 14; // pixels between points, about, from which on they are drawn
+const MOST_ROUND = 700; // points on the screen that are drawn as circles
 const MOST_SCANNED = 500000; // points of a mesh of which those in view are looked for
 const SCALE_BAR = 120; // pixels, at most
 
@@ -27,6 +28,7 @@ export class Overlay {
   colours = THEMES.light;
   names = new Map(); // id -> name
   unit = ''; // of the plane, for the scale bar
+  pointers = new Map(); // number -> [x, y] of other people's pointers
   labels = []; // boxes of the names on the screen
   /** {place: [x, y], triangle: [[x, y], ...]} under the pointer. */
   mark = null;
@@ -116,6 +118,7 @@ export class Overlay {
     this.labels = this.layers.names ? writeLabels(context, view, mesh, this.names, this.colours) : [];
     if (this.mark !== null) this.#drawMark(context, view);
     this.#drawScale(context, view);
+    this.#drawPointers(context, view);
   }
 
   #fillCells(context, view) {
@@ -151,12 +154,32 @@ export class Overlay {
       if (seen.push(view.toScreen(xy[k], xy[k + 1])) > most) return;
     }
     context.fillStyle = this.colours.points;
-    context.beginPath();
+    // Thousands of circles would keep a graphics process without a graphics card busy for seconds; squares do not.
     for (const [x, y] of seen) {
-      context.moveTo(x, y);
-      context.arc(x, y, 2.2, 0, 2 * Math.PI);
+      if (seen.length > MOST_ROUND) {
+        context.fillRect(x - 1.5, y - 1.5, 3, 3);
+      } else {
+        context.beginPath();
+        context.arc(x, y, 2.2, 0, 2 * Math.PI);
+        context.fill();
+      }
     }
-    context.fill();
+  }
+
+  #drawPointers(context, view) {
+    for (const [number, place] of this.pointers) {
+      const [x, y] = view.toScreen(...place);
+      context.fillStyle = `hsl(${(number * 137.508) % 360} 80% 45%)`;
+      context.strokeStyle = this.colours.halo;
+      context.lineWidth = 1.5;
+      context.beginPath();
+      context.moveTo(x, y);
+      context.lineTo(x + 5, y + 15);
+      context.lineTo(x + 12, y + 9);
+      context.closePath();
+      context.fill();
+      context.stroke();
+    }
   }
 
   #drawScale(context, view) {

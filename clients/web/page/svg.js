@@ -53,6 +53,10 @@ export class SvgContext {
     this.#add(`fill="none" stroke="${this.strokeStyle}" stroke-width="${this.lineWidth}"`);
   }
 
+  fillRect(x, y, width, height) {
+    this.#parts.push(`<rect x="${round(x)}" y="${round(y)}" width="${width}" height="${height}" fill="${this.fillStyle}"/>`);
+  }
+
   measureText(text) {
     this.#measure.font = this.font;
     return this.#measure.measureText(text);

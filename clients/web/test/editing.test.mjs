@@ -102,6 +102,28 @@ test('a connection lost in the middle of a drag leaves a set that undo puts righ
   await page.close();
 });
 
+test('the pointer of another person on the same set is shown, moves, and goes when the person goes', async () => {
+  await makeSet('met', 30);
+  await makeSet('elsewhere', 30);
+  const [one, two, far] = [await open('met'), await open('met'), await open('elsewhere')];
+  const seen = (page) => page.evaluate(() => [...window.app.overlay.pointers.values()]);
+  const isNear = async (page, x, y) => (await seen(page)).some((p) => Math.hypot(p[0] - x, p[1] - y) < 0.01);
+  await one.mouse.move(...(await onPage(one, 0.3, 0.6)));
+  await until(() => isNear(two, 0.3, 0.6));
+  await one.mouse.move(...(await onPage(one, 0.7, 0.2)));
+  await until(() => isNear(two, 0.7, 0.2));
+  assert.deepEqual([(await seen(two)).length, await seen(far), await seen(one)], [1, [], []]);
+  await one.select('#set', 'elsewhere');
+  await until(async () => (await seen(two)).length === 0);
+  await two.mouse.move(...(await onPage(two, 0.5, 0.5)));
+  await one.select('#set', 'met');
+  await two.mouse.move(...(await onPage(two, 0.4, 0.5)));
+  await until(() => isNear(one, 0.4, 0.5));
+  await two.close();
+  await until(async () => (await seen(one)).length === 0);
+  for (const page of [one, far]) await page.close();
+});
+
 test('the card is about the point that is there now', async () => {
   await ask('ADD card 0 0  4 0  4 4  0 4  2 2  2.2 3', 'TRIANGULATE card', 'FSET card z 4 1.5');
   const page = await open('card');

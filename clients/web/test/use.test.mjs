@@ -43,7 +43,7 @@ test('the address keeps the set, the view, the layers and the theme, and a page 
 });
 
 test('the theme is the system’s, also when it changes, until one is chosen', async () => {
-  const page = await visit('#set=used', { visited: () => {} });
+  const page = await visit('#set=used');
   await system(page, 'dark');
   await until(async () => (await themeOf(page)) === 'dark');
   await system(page, 'light');
