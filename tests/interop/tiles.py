@@ -1,6 +1,6 @@
 """Tiles of the Python package (delaunayd._tile), round by round until nothing is left to be sent, beside one triangulation, on all families of
 tests/oracle/families.c: triangles and hull edges. Two kinds of tiles: those of a k-d tree, some of which wait in files, and random
-ones, whose boxes overlap.
+ones, whose boxes overlap. delaunayd.dask does the same by its own tiles and bands; its triangles and hulls are compared, too.
 
     tiles.py BUILD_DIR [FAMILY...]
 """
@@ -10,10 +10,12 @@ import subprocess
 import sys
 import tempfile
 
+import dask
 import numpy as np
 
 sys.path.insert(0, "clients/python")
 from delaunayd._tile import Tile  # noqa: E402
+from delaunayd.dask import triangulate  # noqa: E402
 from delaunayd.spatial import Delaunay  # noqa: E402
 
 ROUNDS = 10  # far more than any family needs
@@ -88,8 +90,19 @@ def compare(points, parts, random):
     same("postponed", sum(c.postponed for c in counts), 0)
 
 
+def compare_dask(points, tiles):
+    want = Delaunay(points)
+    with triangulate(points, tile=-(-len(points) // tiles)) as tin:
+        rows = tin.triangles.compute()
+        same("triangles of delaunayd.dask", rows[np.lexsort(rows.T[::-1])], want.simplices)
+        same("the hull of delaunayd.dask", tin.hull(), want._now.triangulation.hull())
+        stats = tin.stats()
+    same("points and coincident ones", (stats["points"], stats["coincident"]), (len(points), len(want._coincident)))
+
+
 def main():
     build, chosen = sys.argv[1], sys.argv[2:]
+    dask.config.set(scheduler="synchronous")
     chosen = chosen or families(build)
     for family in chosen:
         for n, tiles in ((1, 2), (2, 3), (5, 9), (30, 4), (300, 6), (3000, 12), (20000, 40)):
@@ -97,6 +110,7 @@ def main():
             points = points_of(build, family, n, n)
             try:
                 compare(points, cut(points, np.arange(n), tiles), random)
+                compare_dask(points, tiles)
                 if n <= 300:
                     compare(points, scatter(points, tiles, random), random)
             except AssertionError as error:

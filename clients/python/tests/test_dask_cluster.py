@@ -4,6 +4,7 @@ import os
 import signal
 import tempfile
 import unittest
+from unittest import mock
 
 try:
     import dask
@@ -44,6 +45,16 @@ class OnACluster(unittest.TestCase):
         for name in ("uniform", "lattice, shuffled", "cross", "duplicates", "line up"):
             self.check(triangulate(sets[name], tile=700), sets[name])
 
+    def test_an_error_leaves_nothing(self):
+        points = np.random.default_rng(2).random((200000, 2))
+        points[7777] = np.nan
+        with tempfile.TemporaryDirectory() as folder, mock.patch("delaunayd.dask.chunks.ROWS", 5000):
+            with self.assertRaisesRegex(ValueError, "points, row 7777: nan, nan is not a point"):
+                triangulate(points, tile=20000, spill=folder)
+            self.assertEqual(os.listdir(folder), [])
+        with self.assertRaisesRegex(MemoryError, "use tile="):
+            triangulate(points[:7000], tile=1 << 20, client=Small(self.client))
+
     def test_a_worker_that_is_killed_changes_nothing(self):
         points = np.random.default_rng(1).random((300000, 2))
         victims = [info["pid"] for info in self.client.run(lambda: {"pid": os.getpid()}).values()]
@@ -57,6 +68,19 @@ class OnACluster(unittest.TestCase):
         tin = triangulate(points, tile=20000, client=Deadly(self.client, kill_in_the_middle))
         self.assertEqual(killed, ["delaunayd-build", "delaunayd-round"])
         self.check(tin, points)
+
+
+class Small:
+    """A client whose workers have very little memory."""
+
+    def __init__(self, client):
+        self._client = client
+
+    def __getattr__(self, name):
+        return getattr(self._client, name)
+
+    def scheduler_info(self):
+        return {"workers": {"w": {"memory_limit": 1 << 20, "nthreads": 1}}}
 
 
 class Deadly:

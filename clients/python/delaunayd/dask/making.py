@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from typing import TYPE_CHECKING, Any, List, Optional
 
@@ -13,6 +12,7 @@ from .chunks import Chunk
 from .engine import Engine
 from .results import Tin
 from .rounds import Course
+from .spill import remove_folder
 from .tasks import Job
 from .tiling import Tiling, tiling_of
 
@@ -58,7 +58,7 @@ def triangulate(
         tiling = tiling_of(_sample(found.chunks, _SAMPLE + (tiles << 10)), tiles)
         return tin_of(engine, folder, found.chunks, found.values, tiling, keep)
     except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
+        remove_folder(folder)
         raise
 
 

@@ -6,7 +6,6 @@ import importlib.util
 import itertools
 import math
 import os
-import shutil
 import weakref
 from typing import TYPE_CHECKING, Any, Dict, List
 
@@ -32,7 +31,7 @@ class Tin:
         self._engine, self._outcome, self._keep = engine, outcome, keep
         self._job = outcome.job
         self._rasters = 0
-        self._end = weakref.finalize(self, shutil.rmtree, self._job.folder, True)
+        self._end = weakref.finalize(self, spill.remove_folder, self._job.folder)
 
     def close(self) -> None:
         """Removes the files; arrays that are not computed yet cannot be computed any more."""

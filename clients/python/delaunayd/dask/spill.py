@@ -8,6 +8,8 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import shutil
+import time
 import uuid
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator
 
@@ -89,6 +91,15 @@ def write_arrays(path: str, **arrays: Any) -> None:
 def read_arrays(path: str) -> Dict[str, NDArray[Any]]:
     with np.load(path) as found:
         return dict(found)
+
+
+def remove_folder(path: str) -> None:
+    """Removes the folder. A task that still runs may make a file meanwhile, but none once the folder is gone."""
+    for _ in range(50):
+        shutil.rmtree(path, ignore_errors=True)
+        if not os.path.exists(path):
+            return
+        time.sleep(0.1)
 
 
 def remove(*paths: str) -> None:
