@@ -127,7 +127,7 @@ static size_t round_of(struct dt_tile **tile, unsigned tiles, const double *box)
         sent += vertex[k].n;
     }
     for (unsigned k = 0; k < tiles; k++)
-        for (unsigned to = 0; to < tiles; to++)
+        for (unsigned to = 0; to < tiles && vertex[k].n > 0; to++)
             deliver(tile[k], tile[to], vertex[k].v + offset[k][to],
                     (size_t)(offset[k][to + 1] - offset[k][to]));
     for (unsigned k = 0; k < tiles; k++)
