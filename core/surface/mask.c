@@ -3,8 +3,8 @@
  *       row ----(--------)-----(------      A row is outside in the west. It changes sides at each edge that it crosses: an edge
  *               a        b     c            contains its lower end, not its upper one. Cells on an edge are inside.
  *
- * Which cell of a row is the first one to the east of an edge, and which are on the edge, is decided exactly. Edges are found along
- * the constraints that are borders, so triangles are not looked at. */
+ * Exact signs decide which cell of a row is the first one to the east of an edge, and which cells are on the edge. Edges are found
+ * along the constraints that are borders, so triangles are not looked at. */
 #include "core/constraints/enforce.h"
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
