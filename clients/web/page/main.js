@@ -350,7 +350,7 @@ const refreshSets = latest(async () => {
   if (wanted === null && given('set') === null && names.includes(FIRST)) beginFirst();
   wanted ??= given('set') ?? names[0] ?? null;
   if (!names.includes(follower.set) && follower.set !== null) {
-    follower.set = null;
+    Object.assign(follower, { set: null, kind: null });
     clear();
   }
   if (follower.set === null && names.includes(wanted)) await follow(wanted);

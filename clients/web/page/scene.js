@@ -262,6 +262,7 @@ export class Scene {
 
   /** Sends what an event has changed (the result of Mesh.apply), and draws that part of the picture again. */
   update({ points, slots, box }) {
+    if (box !== null) this.#tiles.change(slots, box);
     if (this.isLost) return; // everything will be sent again
     const gl = this.#gl;
     const mesh = this.#mesh;
@@ -284,9 +285,7 @@ export class Scene {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
     this.counts.bytes += 20 * points.length + 12 * slots.length;
-    if (box === null) return;
-    this.#tiles.change(slots, box);
-    this.#change(box);
+    if (box !== null) this.#change(box);
   }
 
   #change(box) {
