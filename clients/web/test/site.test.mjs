@@ -55,8 +55,7 @@ const placeOf = (page, id) => page.evaluate((n) => [...window.app.mesh.xy.subarr
 test('the first view has named towns, coloured cells and one hint; a drag on a town moves it, and undo takes it back', async () => {
   const page = await visit('', { at, size: { width: 1280, height: 800 } });
   await waitFor(page, () => window.app.mesh.points === 485 && window.app.overlay.labels.length > 40);
-  const hint = () => page.evaluate(() => document.getElementById('notice').innerText.trim());
-  assert.equal(await hint(), 'Drag a town.');
+  await waitFor(page, () => document.getElementById('notice').innerText.trim() === 'Drag a town.');
   const home = await placeOf(page, 2);
   await page.mouse.move(...(await onPage(page, ...home)));
   await waitFor(page, () => /^Cork/.test(document.getElementById('pointer').innerText));
