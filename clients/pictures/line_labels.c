@@ -138,7 +138,7 @@ static bool add_number(struct work *w, const struct candidate *c, const char *te
 static bool label_stretch(struct work *w, size_t n, const char *text, double length, double from,
                           double to)
 {
-    struct candidate c[CANDIDATES];
+    struct candidate c[CANDIDATES] = {0};
     size_t found = 0, i = 0;
     double step = fmax((to - length - from) / CANDIDATES, length / 8);
     for (double at = from; at + length <= to && found < CANDIDATES; at += step) {

@@ -496,7 +496,7 @@ static enum dt_status one_in_row(struct dt_valuer *v, const uint32_t *half, cons
                                  double y, uint32_t n, double *out)
 {
     enum dt_status s = DT_OK;
-    enum dt_where where;
+    enum dt_where where = DT_INSIDE;
     uint32_t numbers = dt_surface_numbers(v->s);
     bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside &&
                   v->s->quantity == DT_HEIGHT;

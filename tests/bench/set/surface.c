@@ -90,6 +90,7 @@ static void make_cells(struct surface *s, bool areas, struct dt_cells *c,
 {
     struct dt_bounds b = {0};
     struct dt_point lo, hi;
+    *made = NULL;
     for (bool done = false; !done;)
         must(dt_bounds_read(s->set, NULL, &b, 1 << 16, &done) == DT_OK);
     dt_bounds_grow(&b, &lo, &hi);
