@@ -191,7 +191,8 @@ static void fill_rows(struct mask *k)
 enum dt_status dt_mask_by_edges(const struct dt *t, uint32_t number, const struct dt_raster *r,
                                 const struct dt_options *opt, uint8_t *bits, bool *few)
 {
-    const uint64_t n = (uint64_t)r->columns * r->rows, bytes = (n + 7) / 8;
+    const uint64_t n = (uint64_t)r->columns * r->rows;
+    const size_t bytes = (size_t)((n + 7) / 8);
     struct mask k = {.t = t, .r = r, .bits = bits, .stop = dt_stop_of(opt)};
     enum dt_status status = dt_enclosure_of(t, number, &k.in);
     *few = status == DT_OK && t->constraints->declared.borders <= MOST;
