@@ -58,7 +58,8 @@ void log_close_mark(struct log *log, bool writes);
  * write: the state becomes LOG_FAILED. */
 uint64_t log_append(struct log *log, struct record *r);
 
-/* The same for a record bytes[n] of another log, whose lsn is the next one here. */
+/* The same for records bytes[n] of another log, whose lsns are the next ones here: one record, or all of a LOAD. Returns the
+ * lsn of the last one. */
 uint64_t log_append_copy(struct log *log, const char *bytes, size_t n);
 
 /* Appends a LOAD of n items (from dt_pages_grow), or none, in records of r->type, together with values (NULL: none) and

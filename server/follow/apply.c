@@ -19,6 +19,7 @@ void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *
     *p = (struct apply){.server = s, .resume = resume};
     p->load.pages = s->pages;
     p->load.memory = server_reservation(s, BUDGET_LOADS);
+    p->copies = server_reservation(s, BUDGET_LOADS);
     p->waiter.wake = on_wake;
     p->waiter.writes = true;
 }
@@ -30,10 +31,17 @@ static void forget_next(struct apply *p)
     p->next = NULL;
 }
 
+static void forget_copies(struct apply *p)
+{
+    buf_free(&p->copied);
+    reservation_set(&p->copies, 0);
+}
+
 void apply_clear(struct apply *p)
 {
     queue_served(&p->waiter);
     assembly_clear(&p->load);
+    forget_copies(p);
     forget_next(p);
     buf_free(&p->out);
 }
@@ -203,15 +211,45 @@ static bool is_known(const struct apply *p, const struct record *r, const struct
     return p->next == NULL && set != NULL && r->lsn <= set->current->lsn;
 }
 
+/* Keeps a record of a LOAD until the last one comes; false: out of memory. */
+static bool keep_copy(struct apply *p, const char *bytes, size_t n)
+{
+    if (!reservation_resize(&p->copies, buf_len(&p->copied) + n))
+        return false;
+    char *to = buf_reserve(&p->copied, n);
+    p->copied.failed = false;
+    if (to == NULL)
+        return false;
+    memcpy(to, bytes, n);
+    buf_commit(&p->copied, n);
+    return true;
+}
+
+/* The log gets the records of a LOAD together, with the last one. So a connection that ends leaves no part of a LOAD there,
+ * and no segment begins within it. */
+static enum applied copy_part(struct apply *p, const struct record *r, const char *bytes, size_t n)
+{
+    if (!keep_copy(p, bytes, n))
+        return short_of_memory(p);
+    enum applied how = read_part(p, r);
+    p->load.skips = p->load.begun;
+    if (how == APPLY_DONE && !p->load.begun) {
+        log_append_copy(durable_log(p->server), buf_head(&p->copied), buf_len(&p->copied));
+        forget_copies(p);
+    }
+    return how;
+}
+
 /* Only the log lacks the record. */
 static enum applied copy_record(struct apply *p, const struct record *r, const char *bytes,
                                 size_t n)
 {
-    enum applied how = change_is_part(r) ? read_part(p, r) : APPLY_DONE;
-    p->load.skips = p->load.begun;
-    if (how == APPLY_DONE)
-        log_append_copy(durable_log(p->server), bytes, n);
-    return how;
+    if (change_is_part(r))
+        return copy_part(p, r, bytes, n);
+    if (p->load.begun)
+        return fail(p, "a load is not complete");
+    log_append_copy(durable_log(p->server), bytes, n);
+    return APPLY_DONE;
 }
 
 enum applied apply_record(struct apply *p, const struct record *r, const char *bytes, size_t n)

@@ -25,9 +25,11 @@ struct apply {
     /* private */
     struct buf out;
     struct waiter waiter;
-    enum applied job;        /* how the last job has ended */
-    struct assembly load;    /* a LOAD that is not complete; skipped if the sets have it already */
-    struct submission *next; /* owns: has been read and not been carried out; NULL: none */
+    enum applied job;     /* how the last job has ended */
+    struct assembly load; /* a LOAD that is not complete; skipped if the sets have it already, */
+    struct buf copied;    /* and these are its records, which only the log lacks */
+    struct reservation copies; /* of their memory */
+    struct submission *next;   /* owns: has been read and not been carried out; NULL: none */
 };
 
 void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p));

@@ -598,3 +598,35 @@ TEST(copies_of_records_make_a_log_with_the_same_digest)
     end(&b);
     end(&copy);
 }
+
+/* Its first records are of an earlier version than its constraints, which begin a segment of their own otherwise. */
+TEST(copies_of_a_load_with_constraints_are_in_one_segment)
+{
+    static const double p[] = {0, 0, 4, 0, 0, 4};
+    static const struct record_constraint edge = {0, 1, 0};
+    static const struct record r[] = {
+        {.lsn = 2, .type = RECORD_LOAD, .name = "t", .name_len = 1},
+        {.lsn = 3, .type = RECORD_CHUNK, .n = 3, .items = p},
+        {.lsn = 4, .type = RECORD_CONSTRAIN, .n = 1, .items = &edge},
+        {.lsn = 5, .type = RECORD_LOADED, .n = 4, .name = "t", .name_len = 1}};
+    struct bench b;
+    struct recovery read;
+    struct buf load = {0};
+    begin(&b, LOG_ALWAYS);
+    log_append(b.log, &(struct record){.type = RECORD_CREATE, .a = 0, .name = "t", .name_len = 1});
+    for (size_t i = 0; i < sizeof r / sizeof r[0]; i++)
+        record_write(&load, &r[i]);
+    CHECK(log_append_copy(b.log, buf_head(&load), buf_len(&load)) == 5);
+    await_durable(&b, 5);
+    CHECK_MSG(b.status.segment == 2, "%d", (int)b.status.segment);
+    buf_free(&load);
+    log_free(b.log);
+    b.log = NULL;
+    read_again(&b, &read);
+    CHECK(read.last == 6 && !read.torn);
+    struct word name = {"t", 1};
+    struct dataset *set = registry_find(&read.replay.sets, &name);
+    CHECK(set != NULL && dt_constraints_count(set->current->dt) == 1);
+    recovery_clear(&read);
+    end(&b);
+}
