@@ -173,23 +173,12 @@ uint64_t log_append(struct log *log, struct record *r)
     return r->lsn;
 }
 
-/* The type of the copied records bytes[n] that needs the latest version of a segment. */
-static enum record_type latest_type(const char *bytes, size_t n)
-{
-    enum record_type latest = RECORD_CREATE;
-    for (size_t at = 0; at < n; at += RECORD_HEADER + record_outline(bytes + at).length) {
-        enum record_type type = (enum record_type)record_outline(bytes + at).type;
-        if (record_version(type) > record_version(latest))
-            latest = type;
-    }
-    return latest;
-}
-
 /* No segment begins between the records, since a LOAD does not continue in another one. */
 uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
 {
     pthread_mutex_lock(&log->mutex);
-    begin_version(log, latest_type(bytes, n));
+    for (size_t at = 0; at < n; at += RECORD_HEADER + record_outline(bytes + at).length)
+        begin_version(log, (enum record_type)record_outline(bytes + at).type);
     for (size_t at = 0, length; at < n; at += length) {
         struct record_outline r = record_outline(bytes + at);
         struct piece *p = open_piece(log, (enum record_type)r.type);
