@@ -1,5 +1,6 @@
 // Sets in process, for a page without a server: what the page asks a daemon for, answered by the core in WebAssembly (core.js is
 // ../../js/browser.js). It has the requests and events of PROTOCOL.md that the page uses, and the interface of a Connection.
+import { qualityOf } from './angles.js';
 import { Refused } from './connection.js';
 import { parse } from './files.js';
 
@@ -127,6 +128,7 @@ const ANSWERS = {
     return { result: reply([], {}, bytesOf(view)) };
   },
   TRIANGLES: ({ live }) => ({ result: reply([], {}, bytesOf(live.triangulation().triangles.slice())) }),
+  QUALITY: ({ live, places }) => ({ result: { ...reply(), ...qualityOf(places.size === 0 ? [] : live.triangulation().triangles, (id) => places.get(id)) } }),
   HULL: (set) => ({ result: reply([...set.live.hull()].map((id) => `${id} ${set.places.get(id).slice(0, 2).join(' ')}`)) }),
   EDGES: () => ({ result: reply() }), // constrained ones: the page makes none
   LISTS: ({ live }, [id]) => ({ result: reply([`${id} ${live.neighbors(Number(id)).join(' ')}`]) }),

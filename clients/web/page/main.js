@@ -1,6 +1,7 @@
 // The page: follows one set of the daemon and shows it. Start reading here; follow.js decides what of the set is shown, mesh.js has the
 // copy of it, scene.js the drawing.
 import { given, givenView, keep, viewText } from './address.js';
+import { showAngles } from './angles.js';
 import { Connection, countWaits, fetchReplies } from './connection.js';
 import { Edits } from './edits.js';
 import { parse } from './files.js';
@@ -430,6 +431,13 @@ function explainSet({ points, triangulated }) {
   }
 }
 
+/** Shows the angles of the set as it is now, if somebody wants to see them. */
+async function refreshAngles(set) {
+  if (!$('angles').open) return;
+  const reply = await connection.request(`QUALITY ${set}`);
+  if (set === follower.set) showAngles($('angles'), reply);
+}
+
 /** Brings what is shown up to date with the set and the view, as far as events do not. */
 const refresh = latest(async () => {
   const { set, kind } = follower;
@@ -444,6 +452,7 @@ const refresh = latest(async () => {
   const isRead = Date.now() - refusedAt >= REFUSAL_MS;
   if (isRead) say([follower.kind === 'sample' ? 'a sample of the triangles; zoom in to see all' : '', missing].filter(Boolean).join('; '));
   requestDraw();
+  await refreshAngles(set);
   if (!isDone || kind !== follower.kind) refreshSoon();
 });
 
@@ -652,6 +661,7 @@ function listen() {
     else edits.undo();
   });
   $('fit').addEventListener('click', acts.fit);
+  $('angles').addEventListener('toggle', refreshSoon);
   $('png').addEventListener('click', savePNG);
   $('svg').addEventListener('click', saveSVG);
   $('file').addEventListener('change', () => $('file').files.length > 0 && openFile($('file').files[0]));

@@ -5,6 +5,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { qualityOf } from '../page/angles.js';
 import { ask, drag, makeSet, onPage, open, start, stop, until, visit, waitFor } from './stage.mjs';
 
 let folder;
@@ -40,6 +41,27 @@ test('the address keeps the set, the view, the layers and the theme, and a page 
   assert.ok(Math.abs(seen.scale / view.scale - 1) < 1e-5);
   assert.deepEqual([seen.layers.hull, seen.layers.contours, await themeOf(other)], [false, true, theme]);
   for (const p of [page, other]) await p.close();
+});
+
+test('the angles of the triangles are those of QUALITY, in process, too, and follow edits', async () => {
+  const page = await open('used');
+  const texts = () => page.$$eval('#angles li span', (spans) => spans.map((span) => span.innerText));
+  const expected = async () => {
+    const [quality, points, triangles] = [await ask('QUALITY used'), await ask('POINTS used'), await ask('TRIANGLES used')].map((lines) => lines.slice(1));
+    const places = new Map(points.map((row) => row.split(' ').map(Number)).map(([id, x, y]) => [id, [x, y]]));
+    assert.deepEqual(qualityOf(triangles.flatMap((row) => row.split(' ').map(Number)), (id) => places.get(id)).rows, quality);
+    const counts = quality.map((row) => Number(row.split(' ')[2]));
+    return counts.map((n, k) => `${5 * k} to ${5 * k + 5}°: ${((100 * n) / triangles.length).toFixed(1)} %`).join();
+  };
+  await page.click('#angles summary');
+  const first = await expected();
+  await until(async () => (await texts()).join() === first);
+  await ask('ADD used 0.501 0.502 0.503 0.499 0.52 0.53');
+  const second = await expected();
+  assert.notEqual(second, first);
+  await until(async () => (await texts()).join() === second);
+  await ask('DEL used 60 61 62');
+  await page.close();
 });
 
 test('the theme is the system’s, also when it changes, until one is chosen', async () => {
