@@ -43,6 +43,7 @@ static const struct description descriptions[] = {
     {"watchers", GAUGE, "Sets that connections watch."},
     {"events", COUNTER, "Events that watchers were sent."},
     {"memory", BYTES, "Memory of all sets."},
+    {"memory_copies", BYTES, "Memory of copies without missing values (MISSING skip)."},
     {"memory_builds", BYTES, "Memory of triangulations that are being made."},
     {"memory_edits", BYTES,
      "Memory of batches, of copies of sets, and of sets that are being freed."},
