@@ -86,19 +86,25 @@ export function createGateway(daemon) {
 
 let pages = 0; // that have sent a pointer
 
-/** Passes the pointer of a page, {set, place: [x, y] or null}, to the other pages that show the same set, as {number, place}. */
+/** Passes the pointer of a page, {set, place: [x, y] or null}, to the other pages that show the same set, as {number, place}. A page that
+ * begins to show a set gets the pointers of the others. */
 function passPointer(pointers, page) {
-  const number = pages++;
+  Object.assign(page, { number: pages++, shown: null, place: null });
+  const others = () => [...pointers.clients].filter((other) => other !== page && other.shown === page.shown && page.shown !== null);
+  const tell = (to, { number, place }) => to.send(JSON.stringify({ number, place }));
   const pass = (place) => {
-    const text = JSON.stringify({ number, place });
-    for (const other of pointers.clients) if (other !== page && other.shown === page.shown && page.shown) other.send(text);
+    page.place = place;
+    for (const other of others()) tell(other, page);
   };
   page.on('error', () => {});
   page.on('close', () => pass(null));
   page.on('message', (data) => {
     const { set, place } = pointerOf(data);
-    if (set !== page.shown) pass(null);
-    page.shown = set;
+    if (set !== page.shown) {
+      pass(null);
+      page.shown = set;
+      for (const other of others()) if (other.place !== null) tell(page, other);
+    }
     pass(place);
   });
 }
