@@ -110,7 +110,8 @@ def main():
             points = points_of(build, family, n, n)
             try:
                 compare(points, cut(points, np.arange(n), tiles), random)
-                compare_dask(points, tiles)
+                if n <= 3000 or family in ("uniform", "clusters", "circle"):
+                    compare_dask(points, tiles)
                 if n <= 300:
                     compare(points, scatter(points, tiles, random), random)
             except AssertionError as error:
