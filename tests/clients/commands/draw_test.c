@@ -5,72 +5,43 @@
 #include <unistd.h>
 
 #include "tests/clients/cli.h"
+#include "tests/clients/folder.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
-static char directory[64];
-
-static void begin(void)
-{
-    CHECK(getenv("DELAUNAY") != NULL);
-    snprintf(directory, sizeof directory, "/tmp/delaunay_draw_XXXXXX");
-    CHECK(mkdtemp(directory) != NULL);
-}
-
-static void finish(void)
-{
-    int status;
-    peer_shell(&status, "rm -r %s", directory);
-}
-
-/* Runs a shell command in the directory, in which $D is `delaunay`; nothing listens at its default address. */
-static const char *run(int *status, const char *command)
-{
-    return peer_shell(status,
-                      "D=$(realpath %s) DELAUNAYD=$(realpath %s) DELAUNAY_PORT=1 && "
-                      "export D DELAUNAYD DELAUNAY_PORT && cd %s && { %s; } 2>&1",
-                      getenv("DELAUNAY"), getenv("DELAUNAYD"), directory, command);
-}
-
-static void expect(const char *command, const char *want)
-{
-    int status;
-    const char *got = run(&status, command);
-    CHECK_STR(got, want);
-    CHECK_MSG(status == 0, "%s: status %d", command, status);
-}
-
 TEST(draw_makes_a_picture_of_a_file_without_a_server)
 {
-    begin();
-    expect(
+    folder_begin();
+    folder_expect(
         "printf 'id,X_COORD,Y_COORD\\n1,0,0\\n2,4,0\\n3,4,4\\n4,0,4\\n5,2,2\\n' > a.csv && "
         "$D draw a.csv a.svg && grep -c '<title>a.csv: Delaunay triangulation of 5 points' a.svg",
         "delaunay: a.csv: using columns x=X_COORD y=Y_COORD\n"
         "delaunay: a.csv: columns not used: id (--fields keeps those of numbers)\n"
         "a.svg: 5 points, 4 triangles, hull of 4\n1\n");
-    expect("ls", "a.csv\na.svg\n");
-    finish();
+    folder_expect("ls", "a.csv\na.svg\n");
+    folder_finish();
 }
 
 TEST(draw_without_a_picture_draws_in_the_terminal)
 {
     int status;
-    begin();
-    const char *got = run(&status, "printf '0 0\\n10 0\\n10 10\\n0 10\\n' | $D draw -");
+    folder_begin();
+    const char *got = folder_run(&status, "printf '0 0\\n10 0\\n10 10\\n0 10\\n' | $D draw -");
     CHECK_MSG(status == 0 && strstr(got, "\xE2\xA1") != NULL, "%s", got);
-    finish();
+    folder_finish();
 }
 
 TEST(run_writes_a_mesh_of_a_file_without_a_server)
 {
-    begin();
-    expect("printf '0 0\\nbad\\n4 0\\n0 4\\n' | $D run - - --format off --skip-bad 2>/dev/null",
-           "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
-    expect("printf '7,0,0\\n8,4,0\\n9,0,4\\n' > a.csv; $D run a.csv b.ele -c 2,3 && cat b.ele",
-           "delaunay: a.csv: columns not used: 1 (--fields keeps those of numbers)\n"
-           "b.ele: 3 points, 1 triangle, hull of 3\n1 3 0\n0 0 1 2\n");
-    finish();
+    folder_begin();
+    folder_expect(
+        "printf '0 0\\nbad\\n4 0\\n0 4\\n' | $D run - - --format off --skip-bad 2>/dev/null",
+        "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
+    folder_expect(
+        "printf '7,0,0\\n8,4,0\\n9,0,4\\n' > a.csv; $D run a.csv b.ele -c 2,3 && cat b.ele",
+        "delaunay: a.csv: columns not used: 1 (--fields keeps those of numbers)\n"
+        "b.ele: 3 points, 1 triangle, hull of 3\n1 3 0\n0 0 1 2\n");
+    folder_finish();
 }
 
 TEST(draw_reports_errors_and_leaves_nothing)
@@ -92,23 +63,23 @@ TEST(draw_reports_errors_and_leaves_nothing)
          "delaunay: /bin/true: it is not a daemon, or one without --private\n", 3},
     };
     int status;
-    begin();
-    run(&status, ": > empty.csv; echo '1 2' > p.xy; echo mine > mine.svg");
+    folder_begin();
+    folder_run(&status, ": > empty.csv; echo '1 2' > p.xy; echo mine > mine.svg");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const char *got = run(&status, cases[i].command);
+        const char *got = folder_run(&status, cases[i].command);
         CHECK_MSG(status == cases[i].status &&
                       strncmp(got, cases[i].want, strlen(cases[i].want)) == 0,
                   "%s: %d: %s", cases[i].command, status, got);
     }
-    expect("ls; cat mine.svg", "empty.csv\nmine.svg\np.xy\nmine\n");
-    finish();
+    folder_expect("ls; cat mine.svg", "empty.csv\nmine.svg\np.xy\nmine\n");
+    folder_finish();
 }
 
 /* The process id in the file, 0 if there is none yet. */
 static pid_t read_pid(const char *name)
 {
     int status;
-    return (pid_t)atol(peer_shell(&status, "cat %s/%s 2>/dev/null", directory, name));
+    return (pid_t)atol(peer_shell(&status, "cat %s/%s 2>/dev/null", folder, name));
 }
 
 /* The owner is killed before the daemon has begun. */
@@ -116,8 +87,9 @@ TEST(daemon_of_a_killed_draw_ends_and_leaves_no_socket)
 {
     int status;
     pid_t own, daemon;
-    begin();
-    run(&status,
+    folder_begin();
+    folder_run(
+        &status,
         "printf '#!/bin/sh\\necho $$ > daemon\\nkill -STOP $$\\nexec \"$REAL\" \"$@\"\\n' > d; "
         "chmod +x d; mkdir tmp; echo '1 2' > p.xy; export REAL=$DELAUNAYD DELAUNAYD=./d "
         "TMPDIR=$PWD/tmp; "
@@ -139,9 +111,9 @@ TEST(daemon_of_a_killed_draw_ends_and_leaves_no_socket)
         usleep(10000);
         CHECK(i < 999);
     }
-    run(&status, "rmdir tmp");
+    folder_run(&status, "rmdir tmp");
     CHECK(status == 0);
-    finish();
+    folder_finish();
 }
 
 TEST(draw_makes_a_map_where_the_file_says_that_coordinates_are_degrees)
@@ -230,23 +202,25 @@ TEST(run_writes_what_is_inside_borders)
 TEST(run_refines_the_mesh_and_says_what_is_left)
 {
     int status;
-    begin();
-    expect("printf '0 0\\n8 0\\n8 1\\n0 1\\n' > plate.xy && $D run plate.xy plate.obj --angle 30",
-           "delaunay: there is no border, so the hull is one\n"
-           "delaunay: 10 points added; the least angle is 45 degrees\n"
-           "plate.obj: 14 points, 12 triangles, hull of 14\n");
-    expect("printf '>\\n0 0\\n8 0\\n8 1\\n0 0\\n' > wedge.gmt && "
-           "$D run wedge.gmt wedge.obj --border --inside any --angle 30 --force",
-           "delaunay: 8 points added; the least angle is 7.1250 degrees\n"
-           "delaunay: triangles that are not as wanted: 2; sharp corners stay, and at most --limit "
-           "points are added\n"
-           "wedge.obj: 11 points, 9 triangles, hull of 11\n");
-    const char *got = run(&status, "$D run plate.xy - -f obj --angle x");
+    folder_begin();
+    folder_expect(
+        "printf '0 0\\n8 0\\n8 1\\n0 1\\n' > plate.xy && $D run plate.xy plate.obj --angle 30",
+        "delaunay: there is no border, so the hull is one\n"
+        "delaunay: 10 points added; the least angle is 45 degrees\n"
+        "plate.obj: 14 points, 12 triangles, hull of 14\n");
+    folder_expect(
+        "printf '>\\n0 0\\n8 0\\n8 1\\n0 0\\n' > wedge.gmt && "
+        "$D run wedge.gmt wedge.obj --border --inside any --angle 30 --force",
+        "delaunay: 8 points added; the least angle is 7.1250 degrees\n"
+        "delaunay: triangles that are not as wanted: 2; sharp corners stay, and at most --limit "
+        "points are added\n"
+        "wedge.obj: 11 points, 9 triangles, hull of 11\n");
+    const char *got = folder_run(&status, "$D run plate.xy - -f obj --angle x");
     CHECK(status == 2 && strstr(got, "a limit is a number above 0, not x") != NULL);
-    got = run(&status, "$D run plate.xy - -f obj --angle 60");
+    got = folder_run(&status, "$D run plate.xy - -f obj --angle 60");
     CHECK(status == 1 && strstr(got, "RANGE") != NULL);
-    expect("$D run plate.xy - -f obj --length 1 --keep 2>&1 | grep -c '^v '", "11\n");
-    finish();
+    folder_expect("$D run plate.xy - -f obj --length 1 --keep 2>&1 | grep -c '^v '", "11\n");
+    folder_finish();
 }
 
 TEST(pictures_are_pale_outside_borders_and_coloured_by_number_inside)
@@ -297,17 +271,19 @@ TEST(shapefiles_and_geopackages_are_read_through_ogr2ogr)
         "ogr2ogr; "
         "chmod +x ogr2ogr; echo binary > a.shp; cp a.shp B.GPKG; export PATH=$PWD:$PATH; ";
     char command[900];
-    begin();
+    folder_begin();
     snprintf(command, sizeof command, "%s $D run a.shp - -f ele; cat asked; $D run B.GPKG - -f ele",
              fake);
-    expect(command, "1 3 0\n0 0 1 2\n-f GeoJSON -lco SIGNIFICANT_FIGURES=17 /vsistdout/ a.shp\n"
-                    "1 3 0\n0 0 1 2\n");
-    expect("PATH=/none $D run a.shp - -f ele || echo $?",
-           "delaunay: a.shp: to read this file the program ogr2ogr is needed (Debian: gdal-bin): "
-           "No such file or directory\n1\n");
-    expect(
+    folder_expect(command,
+                  "1 3 0\n0 0 1 2\n-f GeoJSON -lco SIGNIFICANT_FIGURES=17 /vsistdout/ a.shp\n"
+                  "1 3 0\n0 0 1 2\n");
+    folder_expect(
+        "PATH=/none $D run a.shp - -f ele || echo $?",
+        "delaunay: a.shp: to read this file the program ogr2ogr is needed (Debian: gdal-bin): "
+        "No such file or directory\n1\n");
+    folder_expect(
         "printf '#!/bin/sh\nexit 1\n' > ogr2ogr; PATH=$PWD:$PATH $D run a.shp - -f ele || echo $?",
         "delaunay: a.shp: ogr2ogr could not read all of it as one layer "
         "(ogr2ogr OUT FILE LAYER copies a layer); nothing was loaded\n1\n");
-    finish();
+    folder_finish();
 }

@@ -2,40 +2,9 @@
 #include <string.h>
 
 #include "tests/clients/cli.h"
+#include "tests/clients/folder.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
-
-static char directory[64];
-
-static void begin(void)
-{
-    CHECK(getenv("DELAUNAY") != NULL);
-    snprintf(directory, sizeof directory, "/tmp/delaunay_terrain_XXXXXX");
-    CHECK(mkdtemp(directory) != NULL);
-}
-
-static void finish(void)
-{
-    int status;
-    peer_shell(&status, "rm -r %s", directory);
-}
-
-/* Runs a shell command in the directory, in which $D is `delaunay`; nothing listens at its default address. */
-static const char *run(int *status, const char *command)
-{
-    return peer_shell(status,
-                      "D=$(realpath %s) DELAUNAYD=$(realpath %s) DELAUNAY_PORT=1 && "
-                      "export D DELAUNAYD DELAUNAY_PORT && cd %s && { %s; } 2>&1",
-                      getenv("DELAUNAY"), getenv("DELAUNAYD"), directory, command);
-}
-
-static void expect(const char *command, const char *want)
-{
-    int status;
-    const char *got = run(&status, command);
-    CHECK_STR(got, want);
-    CHECK_MSG(status == 0, "%s: status %d", command, status);
-}
 
 static bool has(const char *program)
 {
@@ -59,19 +28,20 @@ static bool has(const char *program)
 
 TEST(run_reads_the_centres_of_the_cells_of_an_ascii_grid)
 {
-    begin();
-    expect(MAKE_GRID "$D run a.asc - -f node", GRID_NOTES("a.asc") GRID_NODES);
-    expect("gzip -k a.asc; $D run a.asc.gz - -f node", GRID_NOTES("a.asc.gz") GRID_NODES);
-    expect("mv a.asc b; $D run - - -f node < b", GRID_NOTES("standard input") GRID_NODES);
-    expect("printf 'ncols 1\\nnrows 1\\nxllcorner 0\\nyllcorner 0\\ncellsize 1\\n3,5' > bad.asc; "
-           "$D run bad.asc - || echo $?",
-           "delaunay: bad.asc:6: row 1, column 1: not a number: \"3,5\"; nothing was loaded "
-           "(--skip-bad leaves such out)\n1\n");
-    expect("sed s/3,5$/nan/ bad.asc > empty.asc; $D run empty.asc - || echo $?",
-           "delaunay: empty.asc: using the centres of 1 x 1 cells of 1 x 1\n"
-           "delaunay: empty.asc: 1 cell without a value (-9999) is left out\n"
-           "delaunay: empty.asc: there are no points in it\n1\n");
-    finish();
+    folder_begin();
+    folder_expect(MAKE_GRID "$D run a.asc - -f node", GRID_NOTES("a.asc") GRID_NODES);
+    folder_expect("gzip -k a.asc; $D run a.asc.gz - -f node", GRID_NOTES("a.asc.gz") GRID_NODES);
+    folder_expect("mv a.asc b; $D run - - -f node < b", GRID_NOTES("standard input") GRID_NODES);
+    folder_expect(
+        "printf 'ncols 1\\nnrows 1\\nxllcorner 0\\nyllcorner 0\\ncellsize 1\\n3,5' > bad.asc; "
+        "$D run bad.asc - || echo $?",
+        "delaunay: bad.asc:6: row 1, column 1: not a number: \"3,5\"; nothing was loaded "
+        "(--skip-bad leaves such out)\n1\n");
+    folder_expect("sed s/3,5$/nan/ bad.asc > empty.asc; $D run empty.asc - || echo $?",
+                  "delaunay: empty.asc: using the centres of 1 x 1 cells of 1 x 1\n"
+                  "delaunay: empty.asc: 1 cell without a value (-9999) is left out\n"
+                  "delaunay: empty.asc: there are no points in it\n1\n");
+    folder_finish();
 }
 
 /* A program in place of gdal_translate, which is asked for the frame first. */
@@ -87,23 +57,24 @@ TEST(run_reads_other_rasters_through_gdal_translate)
         "sed s/0.5$/0.500000000001/ a.asc > AAIGrid.out; echo 'PROJCS[\"a\"]' >> AAIGrid.out; "
         "printf 'II*\\0' > a.img; cp a.img B.TIF; cp a.img c; PATH=$PWD:$PATH; ";
     char command[1500];
-    begin();
+    folder_begin();
     snprintf(command, sizeof command, "%s $D run a.img - -f node; cat asked", fake);
-    expect(command, GRID_NOTES("a.img") GRID_NODES
-           "-q -of VRT a.img /vsistdout/\n"
-           "-q -of AAIGrid -ot Float64 -unscale -a_ullr 0 2 3 0 a.img /vsistdout/\n");
-    expect("PATH=$PWD:$PATH; $D run B.TIF - -f node", GRID_NOTES("B.TIF") GRID_NODES);
-    expect("PATH=$PWD:$PATH; $D run c - -f node", GRID_NOTES("c") GRID_NODES);
-    expect(
+    folder_expect(command, GRID_NOTES("a.img") GRID_NODES
+                  "-q -of VRT a.img /vsistdout/\n"
+                  "-q -of AAIGrid -ot Float64 -unscale -a_ullr 0 2 3 0 a.img /vsistdout/\n");
+    folder_expect("PATH=$PWD:$PATH; $D run B.TIF - -f node", GRID_NOTES("B.TIF") GRID_NODES);
+    folder_expect("PATH=$PWD:$PATH; $D run c - -f node", GRID_NOTES("c") GRID_NODES);
+    folder_expect(
         "$D run - - < c || echo $?",
         "delaunay: standard input: a raster is read from a file of its own or a zip archive, not "
         "from a pipe; nothing was loaded\n1\n");
-    expect("PATH=/none $D run c - || echo $?",
-           "delaunay: c: to read this raster the program gdal_translate is needed (Debian: "
-           "gdal-bin): No such file or directory; nothing was loaded\n1\n");
-    expect("echo 1 > code; PATH=$PWD:$PATH; $D run a.img - || echo $?",
-           "delaunay: a.img: gdal_translate could not read all of it; nothing was loaded\n1\n");
-    finish();
+    folder_expect("PATH=/none $D run c - || echo $?",
+                  "delaunay: c: to read this raster the program gdal_translate is needed (Debian: "
+                  "gdal-bin): No such file or directory; nothing was loaded\n1\n");
+    folder_expect(
+        "echo 1 > code; PATH=$PWD:$PATH; $D run a.img - || echo $?",
+        "delaunay: a.img: gdal_translate could not read all of it; nothing was loaded\n1\n");
+    folder_finish();
 }
 
 /* Exact: the place of a GeoTIFF has more digits than the headers that GDAL writes, its values are binary. */
@@ -111,28 +82,32 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
 {
     if (!has("gdal_translate"))
         SKIP("the Debian package gdal-bin is missing");
-    begin();
-    run(&(int){0},
+    folder_begin();
+    folder_run(
+        &(int){0},
         "printf 'ncols 2\\nnrows 2\\nxllcorner -6.2501388888888888\\nyllcorner 53\\n"
         "cellsize 0.00027777777777777778\\nNODATA_value -9999\\n"
         "0.1 2.123456789012345\\n-9999 7\\n' > a.asc; "
         "gdal_translate -q -ot Float64 -co PROFILE=GeoTIFF --config AAIGRID_DATATYPE Float64 a.asc "
         "a.tif");
-    expect("$D run a.asc - -f node 2> /dev/null > want; $D run a.tif - -f node 2> /dev/null > got; "
-           "diff want got && head -2 got",
-           "3 2 1 1\n0 -6.25 53.000416666666666 0.1 1\n");
-    expect("gdal_translate -q -a_ullr 0 10 4 14 a.tif up.tif; $D run up.tif - -f node 2> /dev/null",
-           "3 2 1 1\n0 1 11 0.1 1\n1 3 11 2.123456789012345 1\n2 3 13 7 1\n");
-    expect("gdal_translate -q -a_srs EPSG:4326 a.tif map.tif; "
-           "for f in a map; do $D draw $f.tif a.svg 2>&1 | grep -c 'a map of degrees'; done; true",
-           "0\n1\n");
-    expect(
+    folder_expect(
+        "$D run a.asc - -f node 2> /dev/null > want; $D run a.tif - -f node 2> /dev/null > got; "
+        "diff want got && head -2 got",
+        "3 2 1 1\n0 -6.25 53.000416666666666 0.1 1\n");
+    folder_expect(
+        "gdal_translate -q -a_ullr 0 10 4 14 a.tif up.tif; $D run up.tif - -f node 2> /dev/null",
+        "3 2 1 1\n0 1 11 0.1 1\n1 3 11 2.123456789012345 1\n2 3 13 7 1\n");
+    folder_expect(
+        "gdal_translate -q -a_srs EPSG:4326 a.tif map.tif; "
+        "for f in a map; do $D draw $f.tif a.svg 2>&1 | grep -c 'a map of degrees'; done; true",
+        "0\n1\n");
+    folder_expect(
         "gdal_translate -q -b 1 -b 1 a.tif two.tif; $D run two.tif - || echo $?",
         "delaunay: two.tif: the raster has several bands; gdal_translate -b 1 IN OUT chooses one; "
         "nothing was loaded\n1\n");
     if (has("zip"))
-        expect("zip -q a.zip a.tif; $D run a.zip - -f node 2> /dev/null | diff want -", "");
-    finish();
+        folder_expect("zip -q a.zip a.tif; $D run a.zip - -f node 2> /dev/null | diff want -", "");
+    folder_finish();
 }
 
 /* A plane with a peak that is 4 above it. */
@@ -146,59 +121,62 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
 
 TEST(run_keeps_as_few_points_as_the_error_needs)
 {
-    begin();
-    expect(MAKE_PEAK "$D run a.asc - -f node --error 4",
-           PEAK_NOTE("4", "4") "4 2 1 1\n0 0 4 4 1\n1 4 4 8 1\n2 0 0 0 1\n3 4 0 4 1\n");
-    expect("$D run a.asc a.obj --error 3.99",
-           PEAK_NOTE("5", "2") "a.obj: 5 points, 4 triangles, hull of 4\n");
-    expect("$D run a.asc a.obj --error 1.99",
-           PEAK_NOTE("9", "0") "a.obj: 9 points, 12 triangles, hull of 4\n");
-    expect("$D run a.asc a.obj --most 7",
-           PEAK_NOTE("7", "2") "a.obj: 7 points, 8 triangles, hull of 4\n");
-    expect("$D run a.asc a.obj --most 7 --error 3 --json 2> /dev/null | tr , '\\n' | grep -E "
-           "'\"(points|error)'",
-           "\"points\":5\n\"points\":25\n\"error\":2}\n");
-    expect("$D draw a.asc a.svg --error 1.99",
-           PEAK_NOTE("9", "0") "a.svg: 9 points, 12 triangles, hull of 4\n");
-    finish();
+    folder_begin();
+    folder_expect(MAKE_PEAK "$D run a.asc - -f node --error 4",
+                  PEAK_NOTE("4", "4") "4 2 1 1\n0 0 4 4 1\n1 4 4 8 1\n2 0 0 0 1\n3 4 0 4 1\n");
+    folder_expect("$D run a.asc a.obj --error 3.99",
+                  PEAK_NOTE("5", "2") "a.obj: 5 points, 4 triangles, hull of 4\n");
+    folder_expect("$D run a.asc a.obj --error 1.99",
+                  PEAK_NOTE("9", "0") "a.obj: 9 points, 12 triangles, hull of 4\n");
+    folder_expect("$D run a.asc a.obj --most 7",
+                  PEAK_NOTE("7", "2") "a.obj: 7 points, 8 triangles, hull of 4\n");
+    folder_expect(
+        "$D run a.asc a.obj --most 7 --error 3 --json 2> /dev/null | tr , '\\n' | grep -E "
+        "'\"(points|error)'",
+        "\"points\":5\n\"points\":25\n\"error\":2}\n");
+    folder_expect("$D draw a.asc a.svg --error 1.99",
+                  PEAK_NOTE("9", "0") "a.svg: 9 points, 12 triangles, hull of 4\n");
+    folder_finish();
 }
 
 TEST(lines_stay_in_a_light_mesh_and_it_is_refined_afterwards)
 {
-    begin();
-    expect("printf 'WKT\nPOINT Z (0 0 0)\nPOINT Z (4 0 0)\nPOINT Z (4 4 0)\nPOINT Z (0 4 0)\n"
-           "POINT Z (2 0.5 0)\n\"LINESTRING Z (1 1 0,3 3 0)\"\n' > a.csv; "
-           "$D run a.csv - -f poly --error 9 2> /dev/null",
-           "6 2 1 1\n0 0 0 0 1\n1 4 0 0 1\n2 4 4 0 1\n3 0 4 0 1\n4 1 1 0 0\n5 3 3 0 0\n1 1\n"
-           "0 4 5 0\n0\n");
+    folder_begin();
+    folder_expect(
+        "printf 'WKT\nPOINT Z (0 0 0)\nPOINT Z (4 0 0)\nPOINT Z (4 4 0)\nPOINT Z (0 4 0)\n"
+        "POINT Z (2 0.5 0)\n\"LINESTRING Z (1 1 0,3 3 0)\"\n' > a.csv; "
+        "$D run a.csv - -f poly --error 9 2> /dev/null",
+        "6 2 1 1\n0 0 0 0 1\n1 4 0 0 1\n2 4 4 0 1\n3 0 4 0 1\n4 1 1 0 0\n5 3 3 0 0\n1 1\n"
+        "0 4 5 0\n0\n");
     int status;
-    const char *got = run(&status, "$D run a.csv a.obj --error 9 --angle 20");
+    const char *got = folder_run(&status, "$D run a.csv a.obj --error 9 --angle 20");
     CHECK_MSG(strstr(got, "6 of 7 points are kept") && strstr(got, "the least angle is ") &&
                   status == 0,
               "%s", got);
-    finish();
+    folder_finish();
 }
 
 TEST(a_light_mesh_needs_heights_and_room_for_the_hull)
 {
     int status;
-    begin();
-    expect("printf 'x,y,h,z\n0,0,1,1\n4,0,2,1\n0,4,7,1\n1,1,5,1\n' > a.csv; "
-           "$D run a.csv - -f ele --error 1 --field h --fields 2> /dev/null; "
-           "$D run a.csv - -f ele --error 1 2> /dev/null",
-           "3 3 0\n0 0 1 3\n1 0 3 2\n2 1 2 3\n1 3 0\n0 0 1 2\n");
-    const char *got = run(&status, "cut -d , -f 1,2 a.csv > flat.csv; $D run flat.csv - --error 1");
+    folder_begin();
+    folder_expect("printf 'x,y,h,z\n0,0,1,1\n4,0,2,1\n0,4,7,1\n1,1,5,1\n' > a.csv; "
+                  "$D run a.csv - -f ele --error 1 --field h --fields 2> /dev/null; "
+                  "$D run a.csv - -f ele --error 1 2> /dev/null",
+                  "3 3 0\n0 0 1 3\n1 0 3 2\n2 1 2 3\n1 3 0\n0 0 1 2\n");
+    const char *got =
+        folder_run(&status, "cut -d , -f 1,2 a.csv > flat.csv; $D run flat.csv - --error 1");
     CHECK(strstr(got, "delaunay: --error and --most need heights, a field z of the points") &&
           status == 1);
-    got = run(&status, "$D run a.csv - --most 2");
+    got = folder_run(&status, "$D run a.csv - --most 2");
     CHECK(strstr(got, "RANGE 3 points must stay") && status == 1);
     static const char *const wrong[] = {"--error -1", "--error x", "--error nan", "--most 0",
                                         "--most 2.5"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         char command[100];
         snprintf(command, sizeof command, "$D run a.csv - %s", wrong[i]);
-        run(&status, command);
+        folder_run(&status, command);
         CHECK_MSG(status == 2, "%s", wrong[i]);
     }
-    finish();
+    folder_finish();
 }
