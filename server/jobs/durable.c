@@ -216,6 +216,13 @@ void durable_complete(struct server *s)
 
 /* ---- snapshots ---- */
 
+/* The setting may be another one than at the last snapshot. */
+static void apply_keep_log(struct server *s)
+{
+    if (s->durable->keeps)
+        s->durable->dir.keep_log = s->config->keep_log;
+}
+
 enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
 {
     struct durable *d = s->durable;
@@ -223,6 +230,7 @@ enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
         return DURABLE_OFF;
     if (d->saver.state != SAVER_IDLE)
         return DURABLE_BUSY;
+    apply_keep_log(s);
     if (!saver_begin(&d->saver, clock_ms()))
         return DURABLE_NOMEM;
     *lsn = d->saver.cut;
@@ -254,6 +262,12 @@ void durable_note_backup(struct server *s, const struct backup *b)
 
 /* ---- events ---- */
 
+static void step_saver(struct server *s)
+{
+    apply_keep_log(s); /* before a snapshot may remove segments */
+    saver_step(&s->durable->saver, clock_ms(), s->stopping);
+}
+
 enum durable_news durable_on_event(struct server *s)
 {
     struct durable *d = s->durable;
@@ -263,7 +277,7 @@ enum durable_news durable_on_event(struct server *s)
     if (read && !end_reading(s))
         return DURABLE_FAILED;
     if (is_running(d))
-        saver_step(&d->saver, clock_ms(), s->stopping);
+        step_saver(s);
     return read ? DURABLE_READ : DURABLE_NO_NEWS;
 }
 
@@ -274,7 +288,7 @@ void durable_tick(struct server *s)
         return;
     if (d->saver.status.state != LOG_FAILED)
         log_tend(d->log);
-    saver_step(&d->saver, clock_ms(), s->stopping);
+    step_saver(s);
 }
 
 /* ---- for followers ---- */
@@ -297,7 +311,7 @@ bool durable_has_gap(const struct server *s)
 void durable_keep_log(struct server *s)
 {
     s->durable->keeps = true;
-    s->durable->dir.keep_log = s->config->keep_log;
+    apply_keep_log(s);
 }
 
 void durable_set_digest(struct server *s, const uint64_t *digest)
@@ -375,8 +389,6 @@ void durable_turn_end(struct server *s)
     if (!is_running(d))
         return;
     log_push(d->log);
-    if (d->keeps)
-        durable_keep_log(s); /* the setting may be another one */
     reservation_set(&s->queued, log_queued(d->log));
     if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
         queue_call(&s->log);

@@ -107,6 +107,34 @@ TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
     end_recovery(&b, &dir, &r);
 }
 
+/* Another reactor answers CONFIG SET and SNAPSHOT, and the snapshot is written before the turn of the first one ends. */
+TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep)
+{
+    struct bench b;
+    struct durable_facts facts;
+    struct pollfd event = {.events = POLLIN};
+    uint64_t lsn;
+    char path[128];
+    begin(&b, 0);
+    durable_keep_log(&b.l.server);
+    local_ask(&b.l, "ADD t 1 1\n");
+    CHECK(durable_begin_snapshot(&b.l.server, &lsn) == DURABLE_BEGUN);
+    await_snapshot(&b);
+    CHECK(directory_file(&b.dir, "log.", 1, path));
+    local_ask(&b.l, "ADD t 2 2\n");
+    durable_turn_end(&b.l.server);
+    b.l.config.keep_log = 1;
+    CHECK(durable_begin_snapshot(&b.l.server, &lsn) == DURABLE_BEGUN);
+    event.fd = durable_event(&b.l.server);
+    do {
+        CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b.l.server));
+        durable_facts(&b.l.server, &facts);
+    } while (facts.snapshots == 1);
+    CHECK(!directory_file(&b.dir, "log.", 1, path));
+    local_stop(&b.l);
+    directory_remove(&b.dir);
+}
+
 /* ---- what the reply of a worker's query shows ---- */
 
 enum { POINTS = 30000 };
