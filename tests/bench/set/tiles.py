@@ -8,6 +8,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import numpy as np
@@ -42,12 +43,43 @@ def alone(path):
 
 def digest(triangles):
     """The same for the same triangles in any order."""
-    with np.errstate(over="ignore"):
-        mixed = np.zeros(len(triangles), dtype=np.uint64)
-        for column in triangles.T:
-            mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
-            mixed ^= mixed >> np.uint64(29)
-        return "%d:%x:%x" % (len(triangles), int(mixed.sum()), int(np.bitwise_xor.reduce(mixed * mixed | np.uint64(1))))
+    total, parity = 0, 0
+    for at in range(0, len(triangles), BLOCK):
+        mixed = np.zeros(len(triangles[at : at + BLOCK]), dtype=np.uint64)
+        with np.errstate(over="ignore"):
+            for column in triangles[at : at + BLOCK].T:
+                mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
+                mixed ^= mixed >> np.uint64(29)
+            total += int(mixed.sum())
+            parity ^= int(np.bitwise_xor.reduce(mixed * mixed | np.uint64(1)))
+    return "%d:%x:%x" % (len(triangles), total % 2**64, parity)
+
+
+class DiskPeak:
+    """The most bytes that a folder holds while `with` lasts, looked at twice a second."""
+
+    def __init__(self, folder):
+        self.folder, self.bytes, self.over = folder, 0, threading.Event()
+        self.thread = threading.Thread(target=self.look)
+
+    def look(self):
+        while not self.over.wait(0.5):
+            total = 0
+            for path, _, names in os.walk(self.folder):
+                for name in names:
+                    try:
+                        total += os.stat(os.path.join(path, name)).st_blocks * 512
+                    except FileNotFoundError:  # it has just been removed
+                        pass
+            self.bytes = max(self.bytes, total)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *what):
+        self.over.set()
+        self.thread.join()
 
 
 def main():
@@ -64,21 +96,22 @@ def main():
         cluster = LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit="3GB", local_directory=folder
         )
-        with cluster, Client(cluster) as client:
+        with cluster, Client(cluster) as client, DiskPeak(folder) as disk:
             before = [cpu for cpu, _ in client.run(of_process).values()]
             begin = time.time()
             with triangulate(source, tile=tile, spill=folder, keep=False) as tin:
                 tin.to_npy(target)
                 wall, stats = time.time() - begin, tin.stats()
-            after = list(client.run(of_process).values())
+            after, driver = list(client.run(of_process).values()), of_process()[1]
         cpu = sum(cpu for cpu, _ in after) - sum(before)
         found = digest(np.load(target, mmap_mode="r"))
         said = subprocess.check_output([sys.executable, __file__, "--alone", source], text=True).split() if n <= 40_000_000 else None
-    print("| points | tiles | workers | ns wall | ns processor | rounds | halo, % | peak of a worker, MB | alone, ns processor | alone, MB |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    print("| %d | %d | %d | %.0f | %.0f | %d | %.2f | %.0f | %s | %s |" % (
+    print("| points | tiles | workers | ns wall | ns processor | rounds | halo, % | peak of a worker, MB | of the driver, MB | "
+          "disk, bytes a point | alone, ns processor | alone, MB |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
+    print("| %d | %d | %d | %.0f | %.0f | %d | %.2f | %.0f | %.0f | %.0f | %s | %s |" % (
         n, stats["tiles"], workers, wall / n * 1e9, cpu / n * 1e9, stats["rounds"], 100 * stats["halo"] / n,
-        max(peak for _, peak in after) / 1e6, "%.0f" % (float(said[0]) / n * 1e9) if said else "-",
+        max(peak for _, peak in after) / 1e6, driver / 1e6, disk.bytes / n, "%.0f" % (float(said[0]) / n * 1e9) if said else "-",
         "%.0f" % (int(said[1]) / 1e6) if said else "-"))
     if said and said[2] != found:
         sys.exit("the triangles differ: %s, not %s" % (found, said[2]))
