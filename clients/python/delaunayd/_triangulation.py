@@ -223,12 +223,13 @@ class Triangulation:
         return out
 
     def values(
-        self, column: Floats, method: int, max_edge: float, places: Floats, outside: float, workers: Optional[int]
+        self, column: Floats, method: int, max_edge: float, places: Floats, outside: float, workers: Optional[int],
+        tol: float = TOLERANCE,
     ) -> Floats:
-        """The value at each place."""
+        """The value at each place. Places that are outside the hull by less than tol times its size are on its edge."""
         out = np.empty(len(places))
         status = self._library.dt_arrays_values(
-            self._handle, column.ctypes.data, method, max_edge, places.ctypes.data, len(places), TOLERANCE, outside,
+            self._handle, column.ctypes.data, method, max_edge, places.ctypes.data, len(places), tol, outside,
             workers_of(workers), out.ctypes.data
         )
         check(status, "max_edge")

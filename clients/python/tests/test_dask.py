@@ -37,7 +37,7 @@ def with_tiling(points, tiling):
     """As triangulate(), with tiles that it would not choose."""
     from delaunayd.dask.making import tin_of
 
-    return tin_of(Engine(None, False), tempfile.mkdtemp(), of_array(points, None), False, tiling, True)
+    return tin_of(Engine(None, False), tempfile.mkdtemp(), of_array(points, None), (), tiling, True)
 
 
 @unittest.skipIf(dask is None, "NumPy or dask is missing")

@@ -162,7 +162,7 @@ class Files(unittest.TestCase):
         shifted = np.arange(0, 500, 100)
         engine, folder = Engine(None, False), tempfile.mkdtemp(dir=self.folder)
         chunks = [chunk for chunk in making.reading.chunks_of(self.points, None, engine, folder).chunks]
-        job = making.Job(folder, False, "<u8", (2**33,))
+        job = making.Job(folder, (), "<u8", (2**33,))
         course = making.Course(engine, job, chunks, making.tiling_of(self.points, 5), True)
         course.split()
         with making.Tin(engine, course.run(), True) as tin:
@@ -176,11 +176,11 @@ class Files(unittest.TestCase):
             def memory(self):
                 return 1 << 30, 2
 
-        limits.check_memory(Small(None, False), 4_000_000, 10**9)
+        limits.check_memory(Small(None, False), 4_000_000, 0)
         with self.assertRaisesRegex(MemoryError, r"a tile of 10000000 points needs about .* GB, and each of 2 threads .*: use tile=\d+ or less"):
-            limits.check_memory(Small(None, False), 10_000_000, 10**9)
+            limits.check_memory(Small(None, False), 10_000_000, 0)
         with self.assertRaisesRegex(ValueError, "2\\^28"):
-            limits.check_memory(Small(None, False), 1 << 29, 1 << 30)
+            limits.check_memory(Small(None, False), 1 << 29, 0)
 
     def test_too_little_disk_is_an_error_before_anything_is_written(self):
         with mock.patch("shutil.disk_usage", return_value=types.SimpleNamespace(free=20000)):

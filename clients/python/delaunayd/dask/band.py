@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from .._types import Floats, NDArray, Numbers
 
 
-def points_type(values: bool) -> Any:
-    """A point that travels: its number, its place, and its value."""
-    fields: List[Tuple[str, str]] = [("id", "<u8"), ("x", "<f8"), ("y", "<f8")]
-    return np.dtype([*fields, ("z", "<f8")] if values else fields)
+def points_type(fields: int) -> Any:
+    """A point that travels: its number, its place, and its values."""
+    columns: List[Any] = [("id", "<u8"), ("x", "<f8"), ("y", "<f8")]
+    return np.dtype([*columns, ("z", "<f8", (fields,))] if fields > 0 else columns)
 
 
 def xy_of(points: NDArray[Any]) -> Floats:
@@ -65,7 +65,7 @@ class Band:
         self._triangulation = Triangulation(xy_of(points), 1)
         self.triangles = self._triangulation.simplices
         self.hole = self._flooded(len(points), np.searchsorted(points["id"], walls).astype(np.int64))
-        self._own = own
+        self.own = own
 
     def _flooded(self, n: int, walls: Numbers) -> NDArray[np.bool_]:
         """Which triangles are in the region of the done ones."""
@@ -92,16 +92,23 @@ class Band:
         return kept
 
     def _mine(self) -> NDArray[np.bool_]:
-        mine: NDArray[np.bool_] = self._own[self.triangles].any(axis=1) & ~self.hole
+        mine: NDArray[np.bool_] = self.own[self.triangles].any(axis=1) & ~self.hole
         return mine
 
     def has(self, places: Floats) -> NDArray[np.bool_]:
         """Which places are in such a triangle."""
+        return self._among(self._mine(), places)
+
+    def has_others(self, places: Floats) -> NDArray[np.bool_]:
+        """Which places are in a triangle without an own corner."""
+        return self._among(~self._mine() & ~self.hole, places)
+
+    def _among(self, chosen: NDArray[np.bool_], places: Floats) -> NDArray[np.bool_]:
         rows = self._triangulation.locate(np.ascontiguousarray(places), 0.0, 1)
-        found: NDArray[np.bool_] = (rows >= 0) & np.append(self._mine(), False)[rows]
+        found: NDArray[np.bool_] = (rows >= 0) & np.append(chosen, False)[rows]
         return found
 
     def rest(self) -> NDArray[Any]:
         """The triangles that this tile still has to output: those whose smallest number is an own one and that are not done."""
-        kept: NDArray[Any] = self.triangles[self._own[self.triangles[:, 0]] & ~self.hole]
+        kept: NDArray[Any] = self.triangles[self.own[self.triangles[:, 0]] & ~self.hole]
         return kept

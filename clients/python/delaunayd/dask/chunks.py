@@ -17,8 +17,8 @@ LEAST, MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates other than 0
 
 class Chunk(NamedTuple):
     """`name`: of the source, for messages. `first_row`: the number of the first row in that source. `n`: how many rows there are.
-    `path`: a file of NumPy, whose rows from `start` on are these; or `array`, which has them. `values`: the same of values, if they
-    are not a third column."""
+    `path`: a file of NumPy, whose rows from `start` on are these; or `array`, which has them. `values`: the same of values, of shape
+    (n, fields), if they are not behind the coordinates."""
 
     name: str
     first_row: int
@@ -30,20 +30,18 @@ class Chunk(NamedTuple):
     values: Any = None
 
     def rows(self) -> Any:
-        """The rows, of shape (n, 2) or (n, 3), mapped rather than read."""
+        """The rows, of shape (n, 2) or more, mapped rather than read."""
         return self.array if self.path is None else np.load(self.path, mmap_mode="r")[self.start : self.start + self.n]
 
-    def read(self, values: bool) -> Tuple[Floats, Optional[Floats]]:
-        """The coordinates, and the values if they are asked for. ValueError names a row that is not a point."""
+    def read(self) -> Tuple[Floats, Floats]:
+        """The coordinates, and the values, of shape (n, fields). ValueError names a row that is not a point."""
         rows = np.asarray(self.rows())
         xy: Floats = np.ascontiguousarray(rows[:, :2], dtype=np.float64)
         self._check(xy)
-        if not values:
-            return xy, None
-        z = rows[:, 2] if self.values is None and self.values_path is None else self.values
+        z = rows[:, 2:] if self.values is None else self.values
         if self.values_path is not None:
             z = np.load(self.values_path, mmap_mode="r")[self.start : self.start + self.n]
-        return xy, np.ascontiguousarray(z, dtype=np.float64)
+        return xy, np.asarray(z, dtype=np.float64)
 
     def _check(self, xy: Floats) -> None:
         size = np.abs(xy)

@@ -5,11 +5,15 @@ crosses each edge at most once, so each piece has one successor: lines are chain
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple
+import bisect
+import os
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Sequence, Tuple, overload
 
 import numpy as np
 
 from .._protocol import Contour
+from . import spill
+from .imported import array
 from .surfaces import Surface
 from .tasks import Job
 
@@ -26,20 +30,25 @@ class Pieces(NamedTuple):
     places: Floats
 
 
-def pieces(job: Job, tile: Tile, levels: Tuple[float, ...]) -> List[Pieces]:
-    """Those of the triangles that the tile outputs, for each level."""
-    surface = Surface(job, tile)
+def pieces(job: Job, tile: Tile, field: int, levels: Tuple[float, ...], name: str) -> None:
+    """Writes those of the triangles that the tile outputs, for each level that has some."""
+    surface = Surface(job, tile, (field,))
     triangles = surface.output()
-    assert surface.z is not None
-    z = surface.z[triangles]
+    z = surface.z[0][triangles]
     triangles, z = triangles[~np.isnan(z).any(axis=1)], z[~np.isnan(z).any(axis=1)]
     low, high = z.min(axis=1), z.max(axis=1)
-    return [_of_level(surface, triangles[(low < level) & (high >= level)], level) for level in levels]
+    for k, level in enumerate(levels):
+        found = _of_level(surface, triangles[(low < level) & (high >= level)], level)
+        if len(found.edges) > 0:
+            spill.write_arrays(_piece(job.folder, name, k, tile.number), edges=found.edges, places=found.places)
+
+
+def _piece(folder: str, name: str, level: int, tile: int) -> str:
+    return spill.path_of(folder, name + "-piece", level, tile)
 
 
 def _of_level(surface: Surface, triangles: NDArray[Any], level: float) -> Pieces:
-    assert surface.z is not None
-    above = surface.z[triangles] >= level
+    above = surface.z[0][triangles] >= level
     one = above.sum(axis=1) == 1
     # The corner that is alone on its side comes first.
     alone = np.where(one, above.argmax(axis=1), (~above).argmax(axis=1))
@@ -51,11 +60,10 @@ def _of_level(surface: Surface, triangles: NDArray[Any], level: float) -> Pieces
 
 def _places(surface: Surface, ends: NDArray[Any], level: float) -> Floats:
     """Where the level crosses edges: the operations of dt_level_place in core/contours/reading.c, so that the bytes are a daemon's."""
-    assert surface.z is not None
-    z = surface.z[ends]
+    z = surface.z[0][ends]
     rising = (z[..., 0] < z[..., 1])[..., None]
     ends = np.where(rising, ends[..., ::-1], ends)  # the higher end first
-    higher, lower = (surface.z[ends[..., k]] for k in range(2))
+    higher, lower = (surface.z[0][ends[..., k]] for k in range(2))
     with np.errstate(over="ignore"):
         fall = higher - lower
         share = np.where(np.isinf(fall), (higher / 2 - level / 2) / (higher / 2 - lower / 2), (higher - level) / fall)[..., None]
@@ -64,8 +72,81 @@ def _places(surface: Surface, ends: NDArray[Any], level: float) -> Floats:
     return places
 
 
-def joined(level: float, parts: List[Pieces]) -> List[Contour]:
-    """The lines of a level, in the order of the edges on which they begin."""
+def join(folder: str, tiles: Tuple[int, ...], level: float, name: str, k: int) -> None:
+    """Writes the lines of a level, in the order of the edges on which they begin: their places, where those of each line end, and whether
+    each is closed."""
+    paths = [_piece(folder, name, k, tile) for tile in tiles]
+    found = [Pieces(**spill.read_arrays(path)) for path in paths if os.path.exists(path)]
+    lines = _joined(found)
+    places = [np.empty((0, 2)), *(line for _, line in lines)]
+    spill.write_array(spill.path_of(folder, name + "-places", k), np.concatenate(places))
+    spill.write_array(spill.path_of(folder, name + "-ends", k), np.cumsum([len(line) for _, line in lines], dtype=np.int64))
+    spill.write_array(spill.path_of(folder, name + "-closed", k), np.array([closed for closed, _ in lines], dtype=bool))
+
+
+class Contours(Sequence[Contour]):
+    """Contour lines on disk, each read when it is asked for. The same as arrays of dask, a chunk for each level that has lines: `places`, of shape (k, 2), those of
+    one line after the other; and for each line its `levels`, whether it is `closed`, and where its places end, `ends`."""
+
+    def __init__(self, folder: str, name: str, levels: Tuple[float, ...]):
+        self._levels = levels
+        self._paths = {
+            kind: [spill.path_of(folder, "%s-%s" % (name, kind), k) for k in range(len(levels))] for kind in ("places", "ends", "closed")
+        }
+        # These maps stay readable when the files are removed.
+        self._ends, self._closed, self._places = (
+            [np.load(path, mmap_mode="r") for path in self._paths[kind]] for kind in ("ends", "closed", "places")
+        )
+        self._after = np.cumsum([0, *map(len, self._ends)]).tolist()
+
+    def __len__(self) -> int:
+        return int(self._after[-1])
+
+    @overload
+    def __getitem__(self, at: int) -> Contour: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> List[Contour]: ...
+
+    def __getitem__(self, at: Any) -> Any:
+        if isinstance(at, slice):
+            return [self[k] for k in range(len(self))[at]]
+        k = range(len(self))[at]
+        level = bisect.bisect_right(self._after, k) - 1
+        row, ends = k - self._after[level], self._ends[level]
+        line = np.array(self._places[level][0 if row == 0 else ends[row - 1] : ends[row]])
+        return Contour(self._levels[level], bool(self._closed[level][row]), line)
+
+    def __repr__(self) -> str:
+        return "%d contour lines at %d levels" % (len(self), len(self._levels))
+
+    @property
+    def places(self) -> Any:
+        return self._lazy("places", np.empty((0, 2)))
+
+    @property
+    def closed(self) -> Any:
+        return self._lazy("closed", np.empty(0, dtype=bool))
+
+    @property
+    def levels(self) -> Any:
+        counts = np.diff(self._after)
+        parts = [array.full(count, level, chunks=-1) for count, level in zip(counts.tolist(), self._levels)]
+        return array.concatenate(parts) if parts else array.zeros(0)
+
+    @property
+    def ends(self) -> Any:
+        before = np.cumsum([0, *map(len, self._places)]).tolist()
+        parts = [spill.lazy(path, True) + first for path, first in zip(self._paths["ends"], before)]
+        return array.concatenate(parts) if parts else array.zeros(0, dtype=np.int64)
+
+    def _lazy(self, kind: str, none: Any) -> Any:
+        parts = [spill.lazy(path, True) for path in self._paths[kind]]
+        return array.concatenate(parts) if parts else array.from_array(none)
+
+
+def _joined(parts: List[Pieces]) -> List[Tuple[bool, Floats]]:
+    """Whether each line is closed, and its places."""
     edges = np.concatenate([np.empty((0, 2, 2), dtype=np.uint64), *(part.edges for part in parts)])
     places = np.concatenate([np.empty((0, 2, 2)), *(part.places for part in parts)]).reshape(-1, 2)
     order, node = _numbered(edges.reshape(-1, 2))
@@ -75,8 +156,8 @@ def joined(level: float, parts: List[Pieces]) -> List[Contour]:
     after[node[0::2]] = node[1::2]
     begins = np.ones(n, dtype=bool)
     begins[node[1::2]] = False
-    lines = _chains(after.tolist(), np.flatnonzero(begins).tolist())
-    return [line for line in (_line(level, closed, place[rows]) for closed, rows in lines) if line is not None]
+    lines = [(closed, _distinct(closed, place[rows])) for closed, rows in _chains(after.tolist(), np.flatnonzero(begins).tolist())]
+    return [(closed, line) for closed, line in lines if len(line) >= (3 if closed else 2)]
 
 
 def _numbered(edges: NDArray[Any]) -> Tuple[Numbers, Numbers]:
@@ -106,11 +187,9 @@ def _chains(after: List[int], begins: List[int]) -> List[Tuple[bool, List[int]]]
     return sorted(found, key=lambda line: line[1][0])
 
 
-def _line(level: float, closed: bool, places: Floats) -> Any:
-    """The line without places that equal the ones before; None if too few are left."""
+def _distinct(closed: bool, places: Floats) -> Floats:
+    """The places of a line without those that equal the ones before."""
     kept = np.ones(len(places), dtype=bool)
     kept[1:] = (places[1:] != places[:-1]).any(axis=1)
     places = places[kept]
-    if closed and len(places) > 1 and (places[0] == places[-1]).all():
-        places = places[:-1]
-    return Contour(level, closed, places) if len(places) >= (3 if closed else 2) else None
+    return places[:-1] if closed and len(places) > 1 and (places[0] == places[-1]).all() else places

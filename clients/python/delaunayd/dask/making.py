@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from typing import TYPE_CHECKING, Any, List, Optional
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
 
@@ -39,7 +39,8 @@ def triangulate(
     name of a file, or a list of names: .npy, .csv, .csv.gz, and .las and .laz if laspy is installed. The number of a point is its
     row, counted over all files in order.
 
-    `values`: an array of shape (n,), instead of a third column. `tile`: about how many points a tile has. A worker needs about
+    `values`: an array of shape (n,), instead of a third column; of shape (n, fields) for several fields; or a mapping from names of fields to
+    arrays. Of a dataframe, the names of columns, z by default. `tile`: about how many points a tile has. A worker needs about
     200 bytes of memory for each point of a tile. `client`: of distributed, by default this process's; without one dask's own
     scheduler is used. `spill`: a folder that all workers see, by default one for temporary files; it needs 20 bytes a point, and the triangles 24
     or 48. `keep`: keep the points there, for tin.raster(), contours() and locate().
@@ -53,23 +54,23 @@ def triangulate(
         found = reading.chunks_of(points, values, engine, folder)
         total = sum(chunk.n for chunk in found.chunks)
         tiles = max(1, -(-total // tile))
-        limits.check_memory(engine, min(tile, total), total)
-        limits.check_disk(folder, total, found.values)
+        limits.check_memory(engine, min(tile, total), len(found.fields))
+        limits.check_disk(folder, total, len(found.fields))
         tiling = tiling_of(_sample(found.chunks, _SAMPLE + (tiles << 10)), tiles)
-        return tin_of(engine, folder, found.chunks, found.values, tiling, keep)
+        return tin_of(engine, folder, found.chunks, found.fields, tiling, keep)
     except BaseException:
         remove_folder(folder)
         raise
 
 
-def tin_of(engine: Engine, folder: str, chunks: List[Chunk], values: bool, tiling: Tiling, keep: bool) -> Tin:
+def tin_of(engine: Engine, folder: str, chunks: List[Chunk], fields: Tuple[str, ...], tiling: Tiling, keep: bool) -> Tin:
     """The Tin of chunks with these tiles. It owns the folder."""
     counts = [chunk.n for chunk in chunks]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64).tolist()
     dtype = "<u4" if first[-1] < 2**32 else "<u8"
-    course = Course(engine, Job(folder, values, dtype, tuple(first[:-1])), chunks, tiling, keep)
+    course = Course(engine, Job(folder, fields, dtype, tuple(first[:-1])), chunks, tiling, keep)
     course.split()
-    limits.check_memory(engine, max((state.points for state in course.tiles.values()), default=0), first[-1])
+    limits.check_memory(engine, max((state.points for state in course.tiles.values()), default=0), len(fields))
     return Tin(engine, course.run(), keep)
 
 

@@ -6,14 +6,14 @@ from __future__ import annotations
 import gzip
 import itertools
 import os
-from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from . import chunks, spill
 from .chunks import Chunk
 from .engine import Engine
-from .imported import dask, module
+from .imported import array, dask, module
 
 if TYPE_CHECKING:
     from .._types import Floats
@@ -24,10 +24,10 @@ _LINES = 1 << 18  # lines of text that are converted at once
 
 
 class Input(NamedTuple):
-    """The chunks in the order of rows, and whether points have values."""
+    """The chunks in the order of rows, and the names of the fields."""
 
     chunks: List[Chunk]
-    values: bool
+    fields: Tuple[str, ...]
 
 
 def chunks_of(points: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
@@ -44,13 +44,16 @@ def chunks_of(points: Any, values: Optional[Any], engine: Engine, folder: str) -
 # ---- arrays ----
 
 
-def _of_array(array: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
-    width = _width(array.shape, "points")
-    z = None if values is None else np.asarray(values, dtype=np.float64)
-    if z is not None and z.shape != array.shape[:1]:
-        raise ValueError("values must have the shape (%d,), not %s" % (len(array), z.shape))
-    found = chunks.of_array(array, z)
-    return Input(found if engine.client is None else _stored(found, array, z, folder), z is not None or width == 3)
+def _of_array(rows: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
+    width = _width(rows.shape, "points")
+    if values is None:
+        z, names = None, _third(width)
+    else:
+        z, names = _columns(values)
+        if z.shape[:1] != rows.shape[:1]:
+            raise ValueError("values must have the shape (%d,) or (%d, fields), not %s" % (len(rows), len(rows), np.shape(values)))
+    found = chunks.of_array(rows, z)
+    return Input(found if engine.client is None else _stored(found, rows, z, folder), names)
 
 
 def _width(shape: Any, name: str) -> int:
@@ -59,10 +62,34 @@ def _width(shape: Any, name: str) -> int:
     return int(shape[1])
 
 
-def _stored(found: List[Chunk], array: Any, z: Any, folder: str) -> List[Chunk]:
+def _third(width: int) -> Tuple[str, ...]:
+    """The fields of points in rows of this width."""
+    return ("z",) * (width - 2)
+
+
+def _columns(values: Any) -> Tuple[Floats, Tuple[str, ...]]:
+    """Values as an array of shape (n, fields), and the names of the fields."""
+    if isinstance(values, Mapping):
+        columns = [np.asarray(column, dtype=np.float64) for column in values.values()]
+        if len(columns) == 0 or any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
+            raise ValueError("values of fields must have the same shape (n,)")
+        return np.column_stack(columns), tuple(map(str, values))
+    z: Floats = np.asarray(values, dtype=np.float64)
+    if z.ndim not in (1, 2):
+        raise ValueError("values must have the shape (n,) or (n, fields), not %s" % (z.shape,))
+    z = z[:, None] if z.ndim == 1 else z
+    return z, _numbered(z.shape[1])
+
+
+def _numbered(fields: int) -> Tuple[str, ...]:
+    """One field is z, several have their numbers as names."""
+    return ("z",) if fields == 1 else tuple(map(str, range(fields)))
+
+
+def _stored(found: List[Chunk], rows: Any, z: Any, folder: str) -> List[Chunk]:
     """The chunks in files, for other processes."""
     paths = [os.path.join(folder, name) for name in ("points.npy", "values.npy")]
-    for path, content in zip(paths, (array, z)):
+    for path, content in zip(paths, (rows, z)):
         if content is not None:
             spill.write(path, [chunks.npy_header(content), np.ascontiguousarray(content)])
     values_path = None if z is None else paths[1]
@@ -76,28 +103,44 @@ def _stored(found: List[Chunk], array: Any, z: Any, folder: str) -> List[Chunk]:
 
 def _of_collection(points: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
     if hasattr(points, "columns"):
-        names = [name for name in ("x", "y", "z") if name in points.columns]
-        if names[:2] != ["x", "y"]:
-            raise ValueError("a dataframe must have the columns x and y")
-        width, blocks = len(names), points[names].to_delayed()
+        names = _chosen(points, values)
+        blocks, columns = points[["x", "y", *names]].to_delayed(), None
     else:
-        width = _width(points.shape, "points")
+        names = _third(_width(points.shape, "points"))
         blocks = points.rechunk({1: -1}).to_delayed()[:, 0].tolist()
-    if values is not None:
-        if not hasattr(values, "to_delayed"):
-            raise ValueError("values of a dask array must be a dask array")
-        columns = values.to_delayed().tolist()
-        if not hasattr(points, "chunks") or points.chunks[0] != values.chunks[0]:
-            raise ValueError("values must have the chunks of points")
-        calls = [(folder, number, block, column) for number, (block, column) in enumerate(zip(blocks, columns))]
-    else:
-        calls = [(folder, number, block, None) for number, block in enumerate(blocks)]
-    counts = engine.run_blocks("read", write_block, calls)
-    return Input(_written(folder, "points", counts), values is not None or width == 3)
+        columns = None
+        if values is not None:
+            columns, names = _blocks(points, values)
+    calls = [(folder, number, block, column) for number, (block, column) in enumerate(zip(blocks, columns or [None] * len(blocks)))]
+    return Input(_written(folder, "points", engine.run_blocks("read", write_block, calls)), names)
+
+
+def _chosen(frame: Any, values: Optional[Any]) -> Tuple[str, ...]:
+    """The columns with values."""
+    wanted = (values,) if isinstance(values, str) else values
+    names = tuple(name for name in ("z",) if name in frame.columns) if wanted is None else tuple(wanted)
+    missing = [name for name in ("x", "y", *names) if not isinstance(name, str) or name not in frame.columns]
+    if missing:
+        raise ValueError("a dataframe must have the columns x and y, and those of values: there is no %s" % missing[0])
+    return names
+
+
+def _blocks(points: Any, values: Any) -> Tuple[List[Any], Tuple[str, ...]]:
+    """Values of a dask array as delayed blocks, and the names of the fields."""
+    parts = list(values.values()) if isinstance(values, Mapping) else [values]
+    if len(parts) == 0 or not all(hasattr(part, "to_delayed") and hasattr(part, "chunks") for part in parts):
+        raise ValueError("values of a dask array must be a dask array, or several by names")
+    if any(part.chunks[0] != points.chunks[0] or part.ndim > 2 for part in parts):
+        raise ValueError("values must have the chunks of points, and the shape (n,) or (n, fields)")
+    if isinstance(values, Mapping):
+        return array.stack(parts, axis=1).rechunk({1: -1}).to_delayed()[:, 0].tolist(), tuple(map(str, values))
+    if values.ndim == 1:
+        return values.to_delayed().tolist(), _numbered(1)
+    return values.rechunk({1: -1}).to_delayed()[:, 0].tolist(), _numbered(values.shape[1])
 
 
 def write_block(folder: str, number: int, block: Any, column: Any) -> int:
-    """Writes a block, with its column of values if there is one; returns the number of rows."""
+    """Writes a block, with its columns of values if they are apart; returns the number of rows."""
     rows: Floats = np.asarray(block, dtype=np.float64)
     if column is not None:
         rows = np.column_stack([rows[:, :2], np.asarray(column, dtype=np.float64)])
@@ -134,7 +177,7 @@ def _of_files(paths: List[str], values: Optional[Any], engine: Engine, folder: s
         ]
     if len(set(widths.values())) > 1:
         raise ValueError("%s has values, and %s has none" % (max(widths, key=widths.__getitem__), min(widths, key=widths.__getitem__)))
-    return Input(found, 3 in widths.values())
+    return Input(found, _third(max(widths.values())))
 
 
 def convert(path: str, folder: str, number: int) -> str:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import importlib.util
 import itertools
 import math
+import operator
 import os
 import weakref
-from typing import TYPE_CHECKING, Any, Dict, List
+from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 import numpy as np
 
 from .._triangulation import Triangulation
-from . import contours, spill, surfaces, tasks
+from . import contours, nearest, rasters, spill, surfaces, tasks
 from .band import points_type, xy_of
 from .chunks import npy_header_of
 from .engine import Engine
@@ -20,7 +21,6 @@ from .imported import array, dask, module
 from .rounds import Outcome
 
 if TYPE_CHECKING:
-    from .._protocol import Contour
     from .._types import NDArray
 
 
@@ -30,7 +30,7 @@ class Tin:
     def __init__(self, engine: Engine, outcome: Outcome, keep: bool):
         self._engine, self._outcome, self._keep = engine, outcome, keep
         self._job = outcome.job
-        self._rasters = 0
+        self._results = 0
         self._end = weakref.finalize(self, spill.remove_folder, self._job.folder)
 
     def close(self) -> None:
@@ -97,47 +97,76 @@ class Tin:
             corners[rows[better]] = found[better]
         return corners
 
-    def raster(self, bounds: Any, shape: Any, method: str = "linear") -> Any:
+    def raster(self, bounds: Any, shape: Any, method: str = "linear", field: Any = 0) -> Any:
         """The values at the centres of the cells of a box, two opposite corners (x0, y0, x1, y1), the northernmost row first, nan outside the hull: a dask array
-        of the shape (rows, columns) on disk. The method is linear."""
-        if method != "linear":
-            raise ValueError("the method of rasters in tiles is linear, not %s" % method)
+        of the shape (rows, columns) on disk. The method is linear or nearest. `field`: its number or name; of several, a list, the shape is
+        (rows, columns, fields)."""
+        if method not in ("linear", "nearest"):
+            raise ValueError("the method of rasters in tiles is linear or nearest, not %s" % method)
         self._needs_points()
-        self._needs_values()
+        several = isinstance(field, (list, tuple))
+        fields = tuple(map(self._field, field if several else [field]))
         x0, y0, x1, y1 = map(float, bounds)
-        grid = surfaces.Grid((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), *map(int, shape))
-        self._rasters += 1
-        name = "raster-%d" % self._rasters
-        self._engine.run("raster", surfaces.raster, [(self._job, tile, grid, name) for tile in self._outcome.tiles])
-        path = spill.path_of(self._job.folder, name) + ".npy"
-        spill.write(path, [npy_header_of((grid.rows, grid.columns))])
-        out = np.memmap(path, dtype="<f8", mode="r+", offset=spill.HEADER, shape=(grid.rows, grid.columns))
-        out[:] = np.nan
-        flat = out.reshape(-1)
-        for tile in reversed(self._outcome.tiles):
-            part = spill.path_of(self._job.folder, name, tile.number)
-            found = spill.read_arrays(part)
-            flat[found["cells"]] = found["values"]
-            spill.remove(part)
-        out.flush()
-        return array.from_array(np.load(path, mmap_mode="r"), chunks=("auto", -1))
+        grid = rasters.Grid((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), *map(int, shape))
+        name = self._new("raster")
+        calls = [(self._job, tile, grid, fields, name) for tile in self._outcome.tiles]
+        try:
+            task = rasters.linear if method == "linear" else nearest.nearest
+            asked = self._engine.run("raster", task, calls)
+            if method == "nearest":
+                self._answer(asked, grid, fields, name)
+            self._assemble(grid, len(fields) if several else 0, name, nearest.decided(self._job.folder, grid, fields, name))
+        finally:
+            spill.remove_all(self._job.folder, name + "-")
+        return spill.lazy(spill.path_of(self._job.folder, name))
 
-    def contours(self, levels: Any) -> List[Contour]:
-        """The contour lines at levels, with the higher ground on the left, each as (level, closed, line): those of a daemon's CONTOUR, byte for byte,
-        in the same order. They must fit into the memory of this process."""
+    def _answer(self, asked: List[List[int]], grid: rasters.Grid, fields: Tuple[int, ...], name: str) -> None:
+        """Tiles answer what others ask about cells."""
+        askers: Dict[int, List[int]] = {}
+        for tile, others in zip(self._outcome.tiles, asked):
+            for other in others:
+                askers.setdefault(other, []).append(tile.number)
+        answering = [tile for tile in self._outcome.tiles if tile.number in askers]
+        self._engine.run(
+            "raster", nearest.answer, [(self._job, tile, grid, fields, name, askers[tile.number]) for tile in answering]
+        )
+
+    def _assemble(self, grid: rasters.Grid, fields: int, name: str, last: Tuple[Any, Any]) -> None:
+        """Writes the raster: what tiles have written, and `last`, cells and their values. fields: 0 for one without an axis of its own."""
+        shape = (grid.rows, grid.columns) + (fields,) * (fields > 0)
+        with spill.complete(spill.path_of(self._job.folder, name)) as file:
+            file.write(npy_header_of(shape))
+            os.posix_fallocate(file.fileno(), 0, spill.HEADER + 8 * math.prod(shape))
+            out = np.memmap(file.name, dtype="<f8", mode="r+", offset=spill.HEADER, shape=(grid.rows * grid.columns, max(fields, 1)))
+            out[:] = np.nan
+            for part in spill.parts(self._job.folder, name):
+                out[part["cells"]] = part["values"]
+            out[last[0]] = last[1]
+            out.flush()
+
+    def contours(self, levels: Any, field: Any = 0) -> contours.Contours:
+        """The contour lines of a field at levels, with the higher ground on the left, each as (level, closed, line): those of a daemon's CONTOUR, byte for byte,
+        in the same order. A sequence, whose lines are read from disk one by one, and dask arrays of all lines."""
         self._needs_points()
-        self._needs_values()
+        column = self._field(field)
         wanted = tuple(sorted(set(map(float, levels))))
         if any(math.isnan(level) for level in wanted):
             raise ValueError("a level is not a number")
-        parts = self._engine.run("contours", contours.pieces, [(self._job, tile, wanted) for tile in self._outcome.tiles])
-        return [line for k, level in enumerate(wanted) for line in contours.joined(level, [part[k] for part in parts])]
+        name = self._new("contours")
+        tiles = self._outcome.tiles
+        try:
+            self._engine.run("contours", contours.pieces, [(self._job, tile, column, wanted, name) for tile in tiles])
+            calls = [(self._job.folder, tuple(tile.number for tile in tiles), level, name, k) for k, level in enumerate(wanted)]
+            self._engine.run("contours", contours.join, calls)
+        finally:
+            spill.remove_all(self._job.folder, name + "-piece-")
+        return contours.Contours(self._job.folder, name, wanted)
 
     def hull(self) -> NDArray[Any]:
         """The numbers of the points of the hull, counterclockwise from the smallest; those of a line from end to end."""
         self._needs_points()
         found = self._engine.run("hull", surfaces.hull, [(self._job, tile) for tile in self._outcome.tiles])
-        points = np.sort(np.concatenate([np.empty(0, dtype=points_type(False)), *found]), order="id")
+        points = np.sort(np.concatenate([np.empty(0, dtype=points_type(0)), *found]), order="id")
         numbers: NDArray[Any] = points["id"][Triangulation(xy_of(points), 1).hull()].astype(self._job.dtype)
         return numbers
 
@@ -145,9 +174,21 @@ class Tin:
         if not self._keep:
             raise ValueError("the points are not there any more: triangulate(..., keep=True) keeps them")
 
-    def _needs_values(self) -> None:
-        if not self._job.values:
+    def _field(self, field: Any) -> int:
+        """The number of a field, which its number or its name says."""
+        names = self._job.fields
+        if len(names) == 0:
             raise ValueError("the points have no values")
+        if field in names:
+            return names.index(field)
+        if isinstance(field, str) or not 0 <= operator.index(field) < len(names):
+            raise ValueError("there is no field %s among %s" % (field, ", ".join(names)))
+        return operator.index(field)
+
+    def _new(self, kind: str) -> str:
+        """A name of files that nothing else has."""
+        self._results += 1
+        return "%s-%d" % (kind, self._results)
 
     def stats(self) -> Dict[str, Any]:
         """points, coincident, triangles, tiles (those with points), rounds, and halo: how many points tiles have received, all added."""

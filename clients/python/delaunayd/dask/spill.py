@@ -8,12 +8,16 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
 import shutil
 import time
 import uuid
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator
 
 import numpy as np
+
+from .chunks import npy_header_of
+from .imported import array, dask
 
 if TYPE_CHECKING:
     from .._types import NDArray
@@ -28,7 +32,7 @@ def path_of(folder: str, kind: str, *numbers: int) -> str:
 
 
 @contextlib.contextmanager
-def _complete(path: str) -> Iterator[Any]:
+def complete(path: str) -> Iterator[Any]:
     """A file that gets its name when everything is written. OSError names the file; there is then no file of this name, or the old one."""
     scratch = scratch_of(path)
     try:
@@ -66,13 +70,13 @@ def allocate(path: str, header: bytes, size: int) -> None:
 
 def write(path: str, parts: Iterable[Any]) -> None:
     """Writes arrays or bytes, one after the other."""
-    with _complete(path) as out:
+    with complete(path) as out:
         _put(out, parts)
 
 
 def write_behind(path: str, parts: Iterable[Any], header: Callable[[], bytes]) -> None:
     """The same behind a header of 128 bytes, which is known only after the parts."""
-    with _complete(path) as out:
+    with complete(path) as out:
         out.seek(HEADER)
         _put(out, parts)
         first = header()
@@ -91,6 +95,39 @@ def write_arrays(path: str, **arrays: Any) -> None:
 def read_arrays(path: str) -> Dict[str, NDArray[Any]]:
     with np.load(path) as found:
         return dict(found)
+
+
+def write_array(path: str, rows: NDArray[Any]) -> None:
+    """Writes one array as a .npy file."""
+    write(path, [npy_header_of(rows.shape, rows.dtype), np.ascontiguousarray(rows)])
+
+
+def rows_of(path: str, first: int, after: int) -> NDArray[Any]:
+    """These rows of a .npy file, mapped rather than read."""
+    rows: NDArray[Any] = np.load(path, mmap_mode="r")[first:after]
+    return rows
+
+
+def lazy(path: str, whole: bool = False) -> Any:
+    """The array of a .npy file as an array of dask, whose tasks read it, in chunks that dask chooses, or as one."""
+    found = np.load(path, mmap_mode="r")
+    shape, dtype = found.shape, found.dtype
+    chunks = shape[:1] if whole else array.core.normalize_chunks(("auto", *(-1 for _ in shape[1:])), shape, dtype=dtype)[0]
+    after = np.cumsum([0, *chunks]).tolist()
+    read = dask.delayed(rows_of, pure=True)
+    return array.concatenate([array.from_delayed(read(path, a, b), (b - a, *shape[1:]), dtype) for a, b in zip(after, after[1:])])
+
+
+def parts(folder: str, name: str) -> Iterator[Dict[str, NDArray[Any]]]:
+    """The named arrays of the files NAME-NUMBER, the greatest number first."""
+    numbers = [int(file[len(name) + 1 :]) for file in os.listdir(folder) if re.fullmatch(re.escape(name) + "-[0-9]+", file)]
+    for number in sorted(numbers, reverse=True):
+        yield read_arrays(path_of(folder, name, number))
+
+
+def remove_all(folder: str, start: str) -> None:
+    """Removes the files whose names start like this."""
+    remove(*(os.path.join(folder, file) for file in os.listdir(folder) if file.startswith(start)))
 
 
 def remove_folder(path: str) -> None:

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -25,10 +25,10 @@ _BLOCK = 1 << 20  # triangles that are numbered at once
 
 
 class Job(NamedTuple):
-    """What all tasks know: the spill folder, whether points have values, and the type of numbers in the output."""
+    """What all tasks know: the spill folder, the names of the fields, and the type of numbers in the output."""
 
     folder: str
-    values: bool
+    fields: Tuple[str, ...]
     dtype: str
     first_ids: Tuple[int, ...] = ()  # of each chunk
     boxes: Any = None  # of the own points of each tile, (t, 4), nan for none
@@ -55,12 +55,12 @@ class Sent(NamedTuple):
 
 
 def split(job: Job, number: int, chunk: Chunk, tiling: Tiling) -> List[Piece]:
-    """Writes the rows of a chunk to one file for each tile: coordinates, rows in the chunk, values."""
-    xy, z = chunk.read(job.values)
+    """Writes the rows of a chunk to one file for each tile: coordinates, rows in the chunk, values, field by field."""
+    xy, z = chunk.read()
     pieces = []
     for tile, rows in tiling.split(xy):
         own = xy[rows]
-        parts = [own, rows.astype("<u4")] + ([] if z is None else [z[rows]])
+        parts = [own, rows.astype("<u4"), *(z[rows, field] for field in range(len(job.fields)))]
         spill.write(spill.path_of(job.folder, "piece", number, tile), parts)
         pieces.append(Piece(tile, len(rows), _box(own)))
     return pieces
@@ -71,14 +71,13 @@ def _box(xy: Floats) -> Tuple[float, float, float, float]:
     return float(x.min()), float(y.min()), float(x.max()), float(y.max())
 
 
-def own_points(job: Job, tile: int, chunks: Tuple[int, ...], with_values: bool) -> Tuple[Floats, NDArray[Any], Optional[Floats]]:
-    """The own points of a tile, their numbers, ascending, and their values. The pieces remain."""
-    size = 28 if job.values else 20
+def own_points(job: Job, tile: int, chunks: Tuple[int, ...], fields: Sequence[int]) -> Tuple[Floats, NDArray[Any], Floats]:
+    """The own points of a tile, their numbers, ascending, and their values in these fields, of shape (fields, n). The pieces remain."""
+    size = 20 + 8 * len(job.fields)
     paths = [spill.path_of(job.folder, "piece", chunk, tile) for chunk in chunks]
     counts = [os.path.getsize(path) // size for path in paths]
     n = sum(counts)
-    xy, ids = np.empty((n, 2)), np.empty(n, dtype=job.dtype)
-    z = np.empty(n) if with_values else None
+    xy, ids, z = np.empty((n, 2)), np.empty(n, dtype=job.dtype), np.empty((len(fields), n))
     at = 0
     for chunk, path, count in zip(chunks, paths, counts):
         with open(path, "rb") as file:
@@ -86,8 +85,9 @@ def own_points(job: Job, tile: int, chunks: Tuple[int, ...], with_values: bool) 
             _fill(file, xy[here])
             ids[here] = np.frombuffer(file.read(4 * count), dtype="<u4")
             ids[here] += np.array(job.first_ids[chunk], dtype=job.dtype)
-            if z is not None:
-                _fill(file, z[here])
+            for column, field in zip(z, fields):
+                file.seek((20 + 8 * field) * count)
+                _fill(file, column[here])
         at += count
     return xy, ids, z
 
@@ -99,7 +99,7 @@ def _fill(file: Any, array: NDArray[Any]) -> None:
 
 def build(job: Job, tile: int, chunks: Tuple[int, ...]) -> Sent:
     """Triangulates the own points. Writes what is done, the band, and what to send."""
-    xy, ids, z = own_points(job, tile, chunks, job.values)
+    xy, ids, z = own_points(job, tile, chunks, range(len(job.fields)))
     own = Tile(xy, np.arange(len(ids), dtype=np.uint64))
     counts = own.counts
     if counts.triangles == 0:  # a line or a place
@@ -157,11 +157,11 @@ def _write_done(job: Job, tile: int, triangles: Any, done: NDArray[np.bool_], id
     return int(np.count_nonzero(done))
 
 
-def _points(job: Job, xy: Floats, ids: NDArray[Any], z: Optional[Floats], rows: Any) -> NDArray[Any]:
-    points = np.empty(len(rows), dtype=band.points_type(job.values))
+def _points(job: Job, xy: Floats, ids: NDArray[Any], z: Floats, rows: Any) -> NDArray[Any]:
+    points = np.empty(len(rows), dtype=band.points_type(len(job.fields)))
     points["id"], points["x"], points["y"] = ids[rows], xy[rows, 0], xy[rows, 1]
-    if z is not None:
-        points["z"] = z[rows]
+    if len(z) > 0:
+        points["z"] = z[:, rows].T
     return points
 
 
@@ -177,7 +177,7 @@ def _send(job: Job, turn: int, tile: int, points: NDArray[Any], to: Dict[int, Nu
 
 
 def _received(job: Job, tile: int, turn: int, senders: Tuple[int, ...]) -> NDArray[Any]:
-    dtype = band.points_type(job.values)
+    dtype = band.points_type(len(job.fields))
     found = [np.fromfile(spill.path_of(job.folder, "message", turn, sender, tile), dtype=dtype) for sender in senders]
     return np.concatenate([np.empty(0, dtype=dtype), *found])
 
