@@ -17,7 +17,7 @@ struct proto_u128 {
  * set, for which 10^q = g * 2^(proto_log2_power(q) - 127), about. Exact for 0 <= q <= 55, rounded
  * up for -27 <= q < 0, rounded down elsewhere: so reading wants it [Lemire 2021, sec. 5.2]. The low
  * word is never all ones, so writing, which wants g rounded up, may add 1. */
-extern const struct proto_u128 proto_powers[PROTO_POWER_MAX - PROTO_POWER_MIN + 1];
+extern struct proto_u128 proto_powers[PROTO_POWER_MAX - PROTO_POWER_MIN + 1];
 
 /* floor(log2(10^q)) for |q| <= 1233. */
 static inline int proto_log2_power(int q)
