@@ -8,16 +8,7 @@
 
 static const char magic[] = "DELAUNAY";
 
-enum {
-    MAGIC = sizeof magic - 1,
-    POINT_BYTES = 16,
-    ROW_BYTES = 24,
-    PAIR_BYTES = 12, /* an id and its value */
-    CONSTRAINT_BYTES = 12,
-    MOVE_BYTES = 20,
-    VERSION_BYTES = 8,
-    NAME_AT = RECORD_HEADER
-};
+enum { MAGIC = sizeof magic - 1, VERSION_BYTES = 8, NAME_AT = RECORD_HEADER };
 
 /* ---- numbers; on a little-endian machine the compiler makes moves of these ---- */
 
@@ -126,7 +117,7 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
     return (ptrdiff_t)size;
 }
 
-/* ---- writing records ---- */
+/* ---- types ---- */
 
 uint32_t record_version(enum record_type type)
 {
@@ -145,103 +136,99 @@ uint32_t record_parts(enum record_type part, uint32_t n)
     return n / record_most(part) + (n % record_most(part) > 0);
 }
 
+/* ---- items ---- */
+
+/* The fields of an item, in this order on disk and in memory: w, a word of 32 bits, or d, a double. On disk nothing is between them. */
+static const char *fields_of(enum record_type type)
+{
+    static const char *const fields[RECORD_TYPES] = {
+        [RECORD_ADD] = "dd",    [RECORD_CHUNK] = "dd",      [RECORD_DELETE] = "w",
+        [RECORD_CASCADE] = "w", [RECORD_ROWS] = "wwdd",     [RECORD_FSET] = "wd",
+        [RECORD_VALUES] = "d",  [RECORD_CONSTRAIN] = "www", [RECORD_RELEASE] = "www",
+        [RECORD_MOVES] = "wdd"};
+    return type < RECORD_TYPES && fields[type] != NULL ? fields[type] : "";
+}
+
+static size_t field_size(char field)
+{
+    return field == 'w' ? sizeof(uint32_t) : sizeof(double);
+}
+
+/* Where a field begins in memory, if those before it end at `at`. */
+static size_t field_at(char field, size_t at)
+{
+    enum { ALIGNED = offsetof(struct record_value, value) };
+    return field == 'w' ? at : (at + ALIGNED - 1) / ALIGNED * ALIGNED;
+}
+
 size_t record_item_size(enum record_type type)
 {
-    switch (type) {
-    case RECORD_ADD:
-    case RECORD_CHUNK:
-        return POINT_BYTES;
-    case RECORD_DELETE:
-    case RECORD_CASCADE:
-        return sizeof(uint32_t);
-    case RECORD_ROWS:
-        return ROW_BYTES;
-    case RECORD_FSET:
-        return PAIR_BYTES;
-    case RECORD_VALUES:
-        return sizeof(double);
-    case RECORD_CONSTRAIN:
-    case RECORD_RELEASE:
-        return CONSTRAINT_BYTES;
-    case RECORD_MOVES:
-        return MOVE_BYTES;
-    default:
-        return 0;
+    size_t size = 0;
+    for (const char *f = fields_of(type); *f != '\0'; f++)
+        size += field_size(*f);
+    return size;
+}
+
+/* Whether items are the same bytes on disk and in memory. */
+static bool is_same_in_memory(const char *fields)
+{
+    size_t disk = 0, memory = 0;
+    for (const char *f = fields; *f != '\0'; f++) {
+        memory = field_at(*f, memory) + field_size(*f);
+        disk += field_size(*f);
     }
+    return disk == memory && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
 }
-
-static void write_doubles(char *to, const double *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        put_f64(to + 8 * i, v[i]);
-}
-
-static void write_words(char *to, const uint32_t *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        put_u32(to + 4 * i, v[i]);
-}
-
-static void write_rows(char *to, const struct record_row *row, size_t n)
-{
-    for (size_t i = 0; i < n; i++, to += ROW_BYTES) {
-        put_u32(to, row[i].id);
-        put_u32(to + 4, row[i].representative);
-        put_f64(to + 8, row[i].x);
-        put_f64(to + 16, row[i].y);
-    }
-}
-
-static void write_pairs(char *to, const struct record_value *pair, size_t n)
-{
-    for (size_t i = 0; i < n; i++, to += PAIR_BYTES) {
-        put_u32(to, pair[i].id);
-        put_f64(to + 4, pair[i].value);
-    }
-}
-
-static void write_moves(char *to, const struct record_move *move, size_t n)
-{
-    for (size_t i = 0; i < n; i++, to += MOVE_BYTES) {
-        put_u32(to, move[i].id);
-        put_f64(to + 4, move[i].x);
-        put_f64(to + 12, move[i].y);
-    }
-}
-
-_Static_assert(sizeof(struct record_constraint) == CONSTRAINT_BYTES, "a constraint is three words");
 
 static void write_items(char *to, const struct record *r)
 {
-    switch (r->type) {
-    case RECORD_ADD:
-    case RECORD_CHUNK:
-        write_doubles(to, r->items, 2 * (size_t)r->n);
-        break;
-    case RECORD_VALUES:
-        write_doubles(to, r->items, r->n);
-        break;
-    case RECORD_FSET:
-        write_pairs(to, r->items, r->n);
-        break;
-    case RECORD_DELETE:
-    case RECORD_CASCADE:
-        write_words(to, r->items, r->n);
-        break;
-    case RECORD_CONSTRAIN:
-    case RECORD_RELEASE:
-        write_words(to, r->items, 3 * (size_t)r->n);
-        break;
-    case RECORD_ROWS:
-        write_rows(to, r->items, r->n);
-        break;
-    case RECORD_MOVES:
-        write_moves(to, r->items, r->n);
-        break;
-    default:
-        break;
+    const char *fields = fields_of(r->type), *from = r->items;
+    if (is_same_in_memory(fields)) {
+        if (*fields != '\0' && r->n > 0)
+            memcpy(to, from, r->n * record_item_size(r->type));
+        return;
+    }
+    size_t at = 0;
+    for (uint32_t i = 0; i < r->n; i++) {
+        for (const char *f = fields; *f != '\0'; f++) {
+            uint32_t word;
+            double number;
+            at = field_at(*f, at);
+            if (*f == 'w')
+                put_u32(to, *(uint32_t *)memcpy(&word, from + at, sizeof word));
+            else
+                put_f64(to, *(double *)memcpy(&number, from + at, sizeof number));
+            at += field_size(*f);
+            to += field_size(*f);
+        }
     }
 }
+
+void record_items(const struct record *r, uint32_t first, uint32_t n, void *items)
+{
+    const char *fields = fields_of(r->type);
+    const char *from = (const char *)r->items + first * record_item_size(r->type);
+    char *to = items;
+    if (is_same_in_memory(fields)) {
+        if (n > 0)
+            memcpy(to, from, n * record_item_size(r->type));
+        return;
+    }
+    size_t at = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        for (const char *f = fields; *f != '\0'; f++) {
+            at = field_at(*f, at);
+            if (*f == 'w')
+                memcpy(to + at, &(uint32_t){get_u32(from)}, sizeof(uint32_t));
+            else
+                memcpy(to + at, &(double){get_f64(from)}, sizeof(double));
+            at += field_size(*f);
+            from += field_size(*f);
+        }
+    }
+}
+
+/* ---- writing records ---- */
 
 /* The version of a set is in the place of the field's name. */
 static struct record with_version(const struct record *r, char bytes[VERSION_BYTES])
@@ -365,50 +352,4 @@ bool record_is_whole(const char *bytes, size_t n)
     put_u32(length, (uint32_t)(n - RECORD_HEADER));
     return crc32c(crc32c(0, length, sizeof length), bytes + AFTER_LENGTH, n - AFTER_LENGTH) ==
            get_u32(bytes);
-}
-
-void record_points(const struct record *r, double *xy)
-{
-    const char *from = r->items;
-    for (size_t i = 0; i < 2 * (size_t)r->n; i++)
-        xy[i] = get_f64(from + 8 * i);
-}
-
-void record_ids(const struct record *r, uint32_t *ids)
-{
-    const char *from = r->items;
-    for (size_t i = 0; i < r->n; i++)
-        ids[i] = get_u32(from + 4 * i);
-}
-
-void record_values(const struct record *r, double *values)
-{
-    const char *from = r->items;
-    for (size_t i = 0; i < r->n; i++)
-        values[i] = get_f64(from + 8 * i);
-}
-
-void record_value_at(const struct record *r, uint32_t i, struct record_value *value)
-{
-    const char *from = (const char *)r->items + (size_t)i * PAIR_BYTES;
-    *value = (struct record_value){get_u32(from), get_f64(from + 4)};
-}
-
-void record_row_at(const struct record *r, uint32_t i, struct record_row *row)
-{
-    const char *from = (const char *)r->items + (size_t)i * ROW_BYTES;
-    *row = (struct record_row){get_u32(from), get_u32(from + 4), get_f64(from + 8),
-                               get_f64(from + 16)};
-}
-
-void record_constraint_at(const struct record *r, uint32_t i, struct record_constraint *constraint)
-{
-    const char *from = (const char *)r->items + (size_t)i * CONSTRAINT_BYTES;
-    *constraint = (struct record_constraint){get_u32(from), get_u32(from + 4), get_u32(from + 8)};
-}
-
-void record_move_at(const struct record *r, uint32_t i, struct record_move *move)
-{
-    const char *from = (const char *)r->items + (size_t)i * MOVE_BYTES;
-    *move = (struct record_move){get_u32(from), get_f64(from + 4), get_f64(from + 12)};
 }

@@ -157,7 +157,7 @@ struct record {
     const char *field; /* borrows */
     size_t field_len;
     uint64_t version;  /* of RECORD_SET; 0: unknown */
-    const void *items; /* borrows; as on disk, any alignment: see record_points, _ids, _rows */
+    const void *items; /* borrows; as on disk, any alignment: see record_items */
     const char *fault; /* why record_read returned -1 */
 };
 
@@ -205,13 +205,7 @@ struct record_outline record_outline(const char bytes[RECORD_HEADER]);
 /* Whether these n bytes are a whole record, apart from the length in its header, which may be damaged. */
 bool record_is_whole(const char *bytes, size_t n);
 
-/* Decode the items of a record that was read, r->n of them. */
-void record_points(const struct record *r, double *xy);
-void record_ids(const struct record *r, uint32_t *ids);
-void record_values(const struct record *r, double *values);
-void record_value_at(const struct record *r, uint32_t i, struct record_value *value);
-void record_row_at(const struct record *r, uint32_t i, struct record_row *row);
-void record_constraint_at(const struct record *r, uint32_t i, struct record_constraint *constraint);
-void record_move_at(const struct record *r, uint32_t i, struct record_move *move);
+/* Decodes n items of a record that was read, from number `first` on: into an array as record_write takes it. */
+void record_items(const struct record *r, uint32_t first, uint32_t n, void *items);
 
 #endif

@@ -43,7 +43,7 @@ static enum assembled take_points(struct assembly *s, const struct record *r)
         s->points_cap = cap;
     }
     if (r->n > 0)
-        record_points(r, &c->points[c->n].x);
+        record_items(r, 0, r->n, &c->points[c->n]);
     c->n = (uint32_t)want;
     return ASSEMBLY_MORE;
 }
@@ -95,7 +95,7 @@ static enum assembled take_values(struct assembly *s, const struct record *r)
     if (how != ASSEMBLY_MORE)
         return how;
     if (r->n > 0)
-        record_values(r, to);
+        record_items(r, 0, r->n, to);
     buf_commit(&s->values, r->n * sizeof *to);
     if (s->change.columns->count == 1)
         s->n += r->n;
@@ -150,8 +150,8 @@ static enum assembled take_constraints(struct assembly *s, const struct record *
         *v = larger;
         *room = cap;
     }
-    for (uint32_t i = 0; i < r->n; i++)
-        record_constraint_at(r, i, &(*v)[*n + i]);
+    if (r->n > 0)
+        record_items(r, 0, r->n, &(*v)[*n]);
     *n = (uint32_t)want;
     return ASSEMBLY_MORE;
 }

@@ -388,6 +388,14 @@ bool change_is_part(const struct record *r)
             (r->type == RECORD_VALUES || r->type == RECORD_CONSTRAIN || r->type == RECORD_RELEASE));
 }
 
+/* Decodes the items into the array; NULL: false, out of memory. */
+static bool decode(const struct record *r, void *items)
+{
+    if (items != NULL)
+        record_items(r, 0, r->n, items);
+    return items != NULL;
+}
+
 static bool take_column(struct change *c, const struct record *r)
 {
     struct columns *v = c->columns = columns_new(1);
@@ -397,58 +405,28 @@ static bool take_column(struct change *c, const struct record *r)
     v->n = r->n;
     v->field[0] = name_of(r->field, r->field_len);
     v->v = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *v->v);
-    if (v->v != NULL)
-        record_values(r, v->v);
-    return v->v != NULL;
-}
-
-static bool take_pairs(struct change *c, const struct record *r)
-{
-    c->pairs = malloc(((size_t)r->n + 1) * sizeof *c->pairs);
-    for (uint32_t i = 0; c->pairs != NULL && i < r->n; i++)
-        record_value_at(r, i, &c->pairs[i]);
-    return c->pairs != NULL;
-}
-
-static bool take_moves(struct change *c, const struct record *r)
-{
-    c->moves = malloc(((size_t)r->n + 1) * sizeof *c->moves);
-    for (uint32_t i = 0; c->moves != NULL && i < r->n; i++)
-        record_move_at(r, i, &c->moves[i]);
-    return c->moves != NULL;
-}
-
-static bool take_constraints(struct change *c, const struct record *r)
-{
-    c->constraints = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *c->constraints);
-    for (uint32_t i = 0; c->constraints != NULL && i < r->n; i++)
-        record_constraint_at(r, i, &c->constraints[i]);
-    return c->constraints != NULL;
+    return decode(r, v->v);
 }
 
 static bool take_items(struct change *c, const struct record *r)
 {
+    size_t room = (size_t)r->n + 1;
     switch (c->kind->items) {
     case ITEMS_NONE:
         return true;
     case ITEMS_POINTS:
-        c->points = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *c->points);
-        if (c->points != NULL)
-            record_points(r, &c->points->x);
-        return c->points != NULL;
+        return decode(r, c->points = dt_pages_grow(c->pages, NULL, 0, room * sizeof *c->points));
     case ITEMS_IDS:
-        c->ids = malloc(((size_t)r->n + 1) * sizeof *c->ids);
-        if (c->ids != NULL)
-            record_ids(r, c->ids);
-        return c->ids != NULL;
+        return decode(r, c->ids = malloc(room * sizeof *c->ids));
     case ITEMS_PAIRS:
-        return take_pairs(c, r);
+        return decode(r, c->pairs = malloc(room * sizeof *c->pairs));
     case ITEMS_COLUMN:
         return take_column(c, r);
     case ITEMS_CONSTRAINTS:
-        return take_constraints(c, r);
+        return decode(r, c->constraints =
+                             dt_pages_grow(c->pages, NULL, 0, room * sizeof *c->constraints));
     case ITEMS_MOVES:
-        return take_moves(c, r);
+        return decode(r, c->moves = malloc(room * sizeof *c->moves));
     case ITEMS_DRAWING: /* it has no record of its own */
         break;
     }

@@ -226,7 +226,7 @@ static const char *collect_rows(struct replay *p, const struct record *r)
         return fail_memory(p);
     for (uint32_t i = 0; i < r->n; i++, p->n++) {
         struct record_row row;
-        record_row_at(r, i, &row);
+        record_items(r, i, 1, &row);
         p->id[p->n] = row.id;
         p->representative[p->n] = row.representative;
         p->points[p->n] = (struct dt_point){row.x, row.y};

@@ -14,31 +14,6 @@ static void require(bool ok)
         abort();
 }
 
-/* Decodes the items into memory that has room for them. */
-static void read_items(const struct record *r, void *items)
-{
-    struct record_row *row = items;
-    struct record_value *pair = items;
-    struct record_constraint *constraint = items;
-    struct record_move *move = items;
-    if (r->type == RECORD_ADD || r->type == RECORD_CHUNK)
-        record_points(r, items);
-    else if (r->type == RECORD_DELETE || r->type == RECORD_CASCADE)
-        record_ids(r, items);
-    else if (r->type == RECORD_VALUES)
-        record_values(r, items);
-    for (uint32_t i = 0; record_item_size(r->type) > 0 && i < r->n; i++) {
-        if (r->type == RECORD_FSET)
-            record_value_at(r, i, &pair[i]);
-        else if (r->type == RECORD_ROWS)
-            record_row_at(r, i, &row[i]);
-        else if (r->type == RECORD_CONSTRAIN || r->type == RECORD_RELEASE)
-            record_constraint_at(r, i, &constraint[i]);
-        else if (r->type == RECORD_MOVES)
-            record_move_at(r, i, &move[i]);
-    }
-}
-
 static void write_back(const struct record *r, const char *bytes, size_t len)
 {
     size_t item = record_item_size(r->type);
@@ -46,7 +21,8 @@ static void write_back(const struct record *r, const char *bytes, size_t len)
     struct record copy = *r;
     void *items = calloc(item > 0 ? r->n + 1 : 1, item + 5); /* some are longer in memory */
     copy.items = items;
-    read_items(r, items);
+    if (item > 0)
+        record_items(r, 0, r->n, items);
     record_write(&b, &copy);
     require(buf_len(&b) == len && memcmp(buf_head(&b), bytes, len) == 0);
     buf_free(&b);

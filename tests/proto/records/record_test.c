@@ -75,41 +75,41 @@ static void check_items(const struct record *got)
     struct record_move move;
     switch (got->type) {
     case RECORD_VALUES:
-        record_values(got, xy);
+        record_items(got, 0, got->n, xy);
         CHECK(memcmp(xy, values, sizeof values) == 0);
         break;
     case RECORD_FSET:
         for (uint32_t i = 0; i < 2; i++) {
-            record_value_at(got, i, &pair);
+            record_items(got, i, 1, &pair);
             CHECK(pair.id == pairs[i].id && pair.value == pairs[i].value);
         }
         break;
     case RECORD_ADD:
     case RECORD_CHUNK:
-        record_points(got, xy);
+        record_items(got, 0, got->n, xy);
         CHECK(memcmp(xy, points, sizeof points) == 0);
         break;
     case RECORD_DELETE:
     case RECORD_CASCADE:
-        record_ids(got, id);
+        record_items(got, 0, got->n, id);
         CHECK(memcmp(id, ids, sizeof ids) == 0);
         break;
     case RECORD_ROWS:
         for (uint32_t i = 0; i < 2; i++) {
-            record_row_at(got, i, &row);
+            record_items(got, i, 1, &row);
             CHECK(memcmp(&row, &rows[i], sizeof row) == 0);
         }
         break;
     case RECORD_CONSTRAIN:
     case RECORD_RELEASE:
         for (uint32_t i = 0; i < 2; i++) {
-            record_constraint_at(got, i, &constraint);
+            record_items(got, i, 1, &constraint);
             CHECK(memcmp(&constraint, &constraints[i], sizeof constraint) == 0);
         }
         break;
     case RECORD_MOVES:
         for (uint32_t i = 0; i < 2; i++) {
-            record_move_at(got, i, &move);
+            record_items(got, i, 1, &move);
             CHECK(move.id == moves[i].id && move.x == moves[i].x && move.y == moves[i].y);
         }
         break;
