@@ -49,6 +49,34 @@ void answer_crosses(struct answer *a, const struct dt_crossed *c, const char *ro
     answer_err(a, ERR_CROSSES, "%s crosses %s", one, other);
 }
 
+/* The ERR lines of statuses that need no more than a text. */
+static const struct {
+    enum reply_code code;
+    const char *text;
+} lines[] = {
+    [DT_RANGE] = {ERR_RANGE, "a coordinate is 0 or has a magnitude from 2^-142 to 2^201"},
+    [DT_NOPOINT] = {ERR_NOPOINT, "no such point"},
+    [DT_NOEDGE] = {ERR_NOEDGE, "these points are not joined by an edge"},
+    [DT_NOTRIANGLE] = {ERR_NOTRIANGLE, "these points are not a triangle of the triangulation"},
+    [DT_NOFIELD] = {ERR_NOFIELD, "no such field"},
+    [DT_UNTRIANGULATED] = {ERR_UNTRIANGULATED, "TRIANGULATE the set first"},
+    [DT_NOTDELAUNAY] =
+        {ERR_NOTDELAUNAY,
+         "the set has constraints; what needs every edge to be Delaunay is not defined: "
+         "METHOD linear and nearest, CONTOUR, LOCATE, NEAREST and WITHIN are"},
+    /* Of the next five the caller usually says more. */
+    [DT_CROSSES] = {ERR_CROSSES, "constraints cross"},
+    [DT_CONSTRAINED] = {ERR_CONSTRAINED, "a point is an end of a constraint"},
+    [DT_NOCONSTRAINT] = {ERR_NOCONSTRAINT, "no such constraint"},
+    [DT_NOREGION] = {ERR_NOREGION, "no such border"},
+    [DT_OPEN] = {ERR_OPEN, "the border is open"},
+    [DT_UNSURVEYED] = {ERR_CORRUPT, "the triangulation is inconsistent"}, /* does not happen */
+    [DT_CORRUPT] = {ERR_CORRUPT, "the triangulation is inconsistent"},
+};
+
+_Static_assert(sizeof lines / sizeof *lines == DT_OPEN + 1,
+               "every status has a line, or a case below");
+
 void answer_status(struct answer *a, enum dt_status status)
 {
     switch (status) {
@@ -61,24 +89,6 @@ void answer_status(struct answer *a, enum dt_status status)
     case DT_TOOBIG:
         answer_err(a, ERR_TOOBIG, "a set holds at most %u points", DT_MAX_POINTS);
         break;
-    case DT_RANGE:
-        answer_err(a, ERR_RANGE, "a coordinate is 0 or has a magnitude from 2^-142 to 2^201");
-        break;
-    case DT_NOPOINT:
-        answer_err(a, ERR_NOPOINT, "no such point");
-        break;
-    case DT_NOEDGE:
-        answer_err(a, ERR_NOEDGE, "these points are not joined by an edge");
-        break;
-    case DT_NOTRIANGLE:
-        answer_err(a, ERR_NOTRIANGLE, "these points are not a triangle of the triangulation");
-        break;
-    case DT_NOFIELD:
-        answer_err(a, ERR_NOFIELD, "no such field");
-        break;
-    case DT_UNTRIANGULATED:
-        answer_err(a, ERR_UNTRIANGULATED, "TRIANGULATE the set first");
-        break;
     case DT_CANCELLED:
     case DT_TOOLONG: /* only if there is a limit */
         if (a->timed_out)
@@ -86,29 +96,7 @@ void answer_status(struct answer *a, enum dt_status status)
         else
             answer_err(a, ERR_CANCELLED, "cancelled; nothing has changed");
         break;
-    case DT_NOTDELAUNAY:
-        answer_err(a, ERR_NOTDELAUNAY,
-                   "the set has constraints; what needs every edge to be Delaunay is not defined: "
-                   "METHOD linear and nearest, CONTOUR, LOCATE, NEAREST and WITHIN are");
-        break;
-    case DT_CROSSES: /* of these three the caller says more */
-        answer_err(a, ERR_CROSSES, "constraints cross");
-        break;
-    case DT_CONSTRAINED:
-        answer_err(a, ERR_CONSTRAINED, "a point is an end of a constraint");
-        break;
-    case DT_NOCONSTRAINT:
-        answer_err(a, ERR_NOCONSTRAINT, "no such constraint");
-        break;
-    case DT_NOREGION: /* of these two the caller says more */
-        answer_err(a, ERR_NOREGION, "no such border");
-        break;
-    case DT_OPEN:
-        answer_err(a, ERR_OPEN, "the border is open");
-        break;
-    case DT_UNSURVEYED: /* does not happen */
-    case DT_CORRUPT:
-        answer_err(a, ERR_CORRUPT, "the triangulation is inconsistent");
-        break;
+    default:
+        answer_err(a, lines[status].code, "%s", lines[status].text);
     }
 }
