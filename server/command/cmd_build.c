@@ -221,19 +221,10 @@ void cmd_check(struct server *s, struct dataset *set, const struct request *q, s
         answer_proved(a, set);
         return;
     }
-    if (!dataset_admits(set, true, a->turn)) {
-        answer_wait(a, &set->queue, true);
-        return;
-    }
-    struct build *b = job_new(sizeof *b, run_check, end_check);
-    if (b == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
-    b->job.what = "checking";
-    b->job.set = set;
-    job_read(s, a, &b->job, set->current,
-             cost_at_once(COST_BUILD, set->current->sum.points) ? JOB_LIGHT : JOB_LONG);
+    bool light = cost_at_once(COST_BUILD, set->current->sum.points);
+    struct build *b = job_new_reading(s, a, sizeof *b, run_check, end_check, "checking", set);
+    if (b != NULL)
+        job_read(s, a, &b->job, set->current, light ? JOB_LIGHT : JOB_LONG);
 }
 
 /* ---- DIGEST ---- */

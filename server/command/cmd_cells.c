@@ -7,7 +7,6 @@
  * that is three times as fast as one cell after the other, and takes 8 bytes for each. */
 #include "server/command/command.h"
 
-#include "proto/number.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
@@ -226,16 +225,10 @@ static bool read_sites(struct answer *a, const struct dt *dt, const struct word 
                        struct dt_ids *ids)
 {
     size_t kept = 0;
-    *ids = (struct dt_ids){read_ids(a, w, n), n, n};
-    if (ids->v == NULL)
+    if (!read_points(a, dt, w, n, ids))
         return false;
-    for (size_t i = 0; i < n; i++) {
-        uint32_t id = ids->v[i];
-        if (dt_representative(dt, id, &ids->v[i]) != DT_OK) {
-            answer_err(a, ERR_NOPOINT, "there is no point %u", id);
-            return false;
-        }
-    }
+    for (size_t i = 0; i < n; i++)
+        dt_representative(dt, ids->v[i], &ids->v[i]);
     qsort(ids->v, n, sizeof *ids->v, compare_ids);
     for (size_t i = 0; i < n; i++)
         if (kept == 0 || ids->v[kept - 1] != ids->v[i])
@@ -279,13 +272,10 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
     struct version *v = set->current;
     if (!check_delaunay(a, set->current))
         return;
-    struct cells_job *j = job_new(sizeof *j, run_cells, end_cells);
-    if (j == NULL) {
-        answer_out_of_memory(a);
+    struct cells_job *j =
+        job_new_reading(s, a, sizeof *j, run_cells, end_cells, "computing cells", NULL);
+    if (j == NULL)
         return;
-    }
-    j->job.what = "computing cells";
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->rows = (struct rows){.form = form, .width = 1};
     if (!read_request(a, q, v->dt, j)) {
         job_free(s, &j->job);
@@ -398,16 +388,15 @@ static void end_alpha(struct server *s, struct job *job, struct answer *a)
 /* Any finite number that is not negative: circumradii can be longer than a coordinate. */
 static bool read_radius(struct answer *a, const struct word *w, double *radius)
 {
-    if (!proto_read_double(w->text, w->len, radius))
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    else if (*radius < 0)
+    if (!read_number(a, w, radius))
+        return false;
+    *radius += 0.0; /* -0 becomes 0 */
+    if (*radius < 0)
         answer_err(a, ERR_RANGE, "a radius is not negative");
     else if (isinf(*radius))
         answer_err(a, ERR_RANGE, "a radius is finite");
-    else {
-        *radius += 0.0; /* -0 becomes 0 */
+    else
         return true;
-    }
     return false;
 }
 
@@ -418,17 +407,16 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
     bool light = v->sum.points <= STARS_AT_ONCE, automatic = word_is(&q->word[2], "AUTO");
     if ((!automatic && !read_radius(a, &q->word[2], &radius)) || !check_delaunay(a, set->current))
         return;
-    struct alpha_job *j = job_new(sizeof *j, run_alpha, end_alpha);
-    if (j != NULL && !light)
-        j->view = dt_view_begin(v->dt, true);
-    if (j == NULL || (!light && j->view == NULL)) {
-        free(j);
+    struct alpha_job *j =
+        job_new_reading(s, a, sizeof *j, run_alpha, end_alpha, "computing the boundary", NULL);
+    if (j == NULL)
+        return;
+    if (!light && (j->view = dt_view_begin(v->dt, true)) == NULL) {
         answer_out_of_memory(a);
+        job_free(s, &j->job);
         return;
     }
     j->radius = radius;
     j->automatic = automatic;
-    j->job.what = "computing the boundary";
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

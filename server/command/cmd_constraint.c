@@ -183,23 +183,6 @@ void cmd_constrainb(struct server *s, struct dataset *set, const struct request 
 
 /* ---- CONSTRAINTS ---- */
 
-static bool read_ends(struct answer *a, const struct dataset *set, const struct request *q,
-                      size_t n, struct query *query)
-{
-    uint32_t rep;
-    query->ids = (struct dt_ids){read_ids(a, &q->word[2], n), n, n};
-    if (query->ids.v == NULL)
-        return false;
-    for (size_t i = 0; i < n; i++) {
-        if (dt_representative(set->current->dt, query->ids.v[i], &rep) != DT_OK) {
-            answer_err(a, ERR_NOPOINT, "there is no point %u", query->ids.v[i]);
-            free(query->ids.v);
-            return false;
-        }
-    }
-    return true;
-}
-
 void cmd_constraints(struct server *s, struct dataset *set, const struct request *q,
                      struct answer *a)
 {
@@ -210,6 +193,6 @@ void cmd_constraints(struct server *s, struct dataset *set, const struct request
     if (query.numbered && !read_number_of_constraint(a, &q->word[3], &query.k))
         return;
     query.ended = n > 0 && !query.numbered;
-    if (!query.ended || read_ends(a, set, q, n, &query))
+    if (!query.ended || read_points(a, set->current->dt, &q->word[2], n, &query.ids))
         query_answer(s, a, set, &query);
 }

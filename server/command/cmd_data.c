@@ -2,7 +2,6 @@
 #include "server/command/command.h"
 #include "server/jobs/expire.h"
 
-#include "proto/number.h"
 #include "server/clients/clients.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/submit.h"
@@ -113,10 +112,8 @@ bool read_expiry(struct server *s, const struct dataset *set, const struct reque
     const struct word *w = &q->word[2];
     double seconds;
     (void)s, (void)set;
-    if (!proto_read_double(w->text, w->len, &seconds)) {
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    if (!read_number(a, w, &seconds))
         return false;
-    }
     if (seconds > EXPIRE_MOST_S) {
         answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
         return false;

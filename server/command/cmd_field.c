@@ -2,7 +2,6 @@
 #include "server/command/command.h"
 
 #include "core/delaunay_fields.h"
-#include "proto/number.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/replies/answer_rows.h"
@@ -40,10 +39,8 @@ bool read_value(struct answer *a, const struct word *w, double *v)
         *v = (double)NAN;
         return true;
     }
-    if (!proto_read_double(w->text, w->len, v)) {
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    if (!read_number(a, w, v))
         return false;
-    }
     if (isinf(*v))
         answer_err(a, ERR_RANGE, "a value is a finite number, or nan");
     return !isinf(*v);

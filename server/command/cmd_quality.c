@@ -71,22 +71,12 @@ static void submit(struct server *s, struct answer *a, struct dataset *set, stru
 {
     struct version *v = set->current;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    bool blocks = inside.asked && !light && s->workers != NULL;
-    if (blocks && !world_alone(a))
+    struct dataset *holds = inside.asked && !light ? set : NULL;
+    struct quality_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "measuring angles", holds);
+    if (j == NULL)
         return;
-    if (blocks && !dataset_admits(set, true, a->turn)) {
-        answer_wait(a, &set->queue, true);
-        return;
-    }
-    struct quality_job *j = job_new(sizeof *j, run_job, end_job);
-    if (j == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
     j->inside = inside;
-    j->job.set = blocks ? set : NULL;
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "measuring angles";
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }
 

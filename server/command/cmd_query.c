@@ -73,19 +73,8 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
                             const struct tail *t, struct answer *a)
 {
     struct query query = {.kind = QUERY_LISTS, .cw = t->cw};
-    uint32_t rep;
-    size_t n = t->n - 2;
-    query.ids = (struct dt_ids){read_ids(a, &q->word[2], n), n, n};
-    if (query.ids.v == NULL)
-        return;
-    for (size_t i = 0; i < n; i++) {
-        if (dt_representative(set->current->dt, query.ids.v[i], &rep) != DT_OK) {
-            answer_err(a, ERR_NOPOINT, "there is no point %u", query.ids.v[i]);
-            free(query.ids.v);
-            return;
-        }
-    }
-    query_answer(s, a, set, &query);
+    if (read_points(a, set->current->dt, &q->word[2], t->n - 2, &query.ids))
+        query_answer(s, a, set, &query);
 }
 
 void cmd_lists(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -168,11 +157,9 @@ void cmd_locate(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_nearest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = QUERY_NEAREST, .k = 1};
-    if (!read_place(a, q, &query.place))
-        return;
-    if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
-        return;
-    query_answer(s, a, set, &query);
+    if (read_place(a, q, &query.place) &&
+        (q->n == 4 || read_count(a, &q->word[4], "a number of points", &query.k)))
+        query_answer(s, a, set, &query);
 }
 
 void cmd_within(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -181,9 +168,8 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
     bool read = query.kind == QUERY_BOX ? read_box(a, &q->word[2], &query.place.at, &query.hi)
                                         : read_point(a, &q->word[2], &query.place.at) &&
                                               read_length(a, &q->word[4], "radius", &query.radius);
-    if (!read)
-        return;
-    query_answer(s, a, set, &query);
+    if (read)
+        query_answer(s, a, set, &query);
 }
 
 /* ---- LOCATEB, NEARESTB ---- */

@@ -13,20 +13,6 @@ bool read_inside(struct answer *a, const struct request *q, size_t *at, struct i
     return read_number_of_constraint(a, w, &out->number);
 }
 
-/* The words from the fourth on. */
-static bool read_places(struct server *s, struct answer *a, const struct request *q,
-                        struct places *out)
-{
-    out->n = (q->n - 3) / 2;
-    out->p = dt_pages_grow(s->pages, NULL, 0, out->n * sizeof *out->p);
-    if (out->p == NULL)
-        answer_out_of_memory(a);
-    for (size_t i = 0; out->p != NULL && i < out->n; i++)
-        if (!read_point(a, &q->word[3 + 2 * i], &out->p[i]))
-            return false;
-    return out->p != NULL;
-}
-
 void cmd_regions(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct regions_query query = {.inside.number = DT_NONE};
@@ -43,7 +29,7 @@ void cmd_regions(struct server *s, struct dataset *set, const struct request *q,
     }
     if (!regions_ready(s, a, set, query.inside))
         return;
-    if (query.kind == REGIONS_ALL || read_places(s, a, q, &query.places))
+    if (query.kind == REGIONS_ALL || read_places(s, a, q, q->n, &query.places))
         regions_answer(s, a, set, &query);
     else
         dt_pages_release(query.places.p);

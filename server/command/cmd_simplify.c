@@ -1,7 +1,6 @@
 /* cmd_simplify.c - SIMPLIFY: a new set of few points. */
 #include "server/command/command.h"
 
-#include "proto/number.h"
 #include "server/command/simplify.h"
 #include "server/jobs/durable.h"
 
@@ -9,15 +8,13 @@
 
 static bool read_error(struct answer *a, const struct word *w, double *error)
 {
-    if (!proto_read_double(w->text, w->len, error))
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    else if (!(*error >= 0) || isinf(*error))
+    if (!read_number(a, w, error))
+        return false;
+    *error += 0.0; /* -0 becomes 0 */
+    bool good = *error >= 0 && !isinf(*error);
+    if (!good)
         answer_err(a, ERR_RANGE, "an error is finite and not negative");
-    else {
-        *error += 0.0; /* -0 becomes 0 */
-        return true;
-    }
-    return false;
+    return good;
 }
 
 static bool read_other(struct answer *a, const struct word *w, struct name *other)

@@ -1,7 +1,6 @@
 /* cmd_surface.c - the commands about surfaces: values at points, and what is between them. */
 #include "server/command/command.h"
 
-#include "proto/number.h"
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
 #include "server/jobs/skip.h"
@@ -127,22 +126,28 @@ static enum option option_of(const struct word *w)
     return 0;
 }
 
-static bool read_number(struct answer *a, const struct word *w, const char *what, double *v)
+/* The word at which the options begin, behind the field and numbers. */
+static size_t first_option(const struct request *q)
 {
-    if (!proto_read_double(w->text, w->len, v))
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    else if (isinf(*v))
+    size_t at = 3;
+    while (at < q->n && option_of(&q->word[at]) == 0)
+        at++;
+    return at;
+}
+
+static bool read_finite(struct answer *a, const struct word *w, const char *what, double *v)
+{
+    if (!read_number(a, w, v))
+        return false;
+    *v += 0.0; /* -0 becomes 0 */
+    if (isinf(*v))
         answer_err(a, ERR_RANGE, "a %s is finite", what);
-    else {
-        *v += 0.0; /* -0 becomes 0 */
-        return true;
-    }
-    return false;
+    return !isinf(*v);
 }
 
 static bool read_step(struct answer *a, const struct word *w, double *v)
 {
-    if (!read_number(a, w, "step", v))
+    if (!read_finite(a, w, "step", v))
         return false;
     if (*v <= 0)
         answer_err(a, ERR_RANGE, "a step is greater than 0");
@@ -191,7 +196,7 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     case OPTION_EVERY:
         return read_step(a, w, &out->step);
     case OPTION_BASE:
-        return read_number(a, w, "base", &out->base);
+        return read_finite(a, w, "base", &out->base);
     case OPTION_BINARY:
     case OPTION_BANDS:
     case OPTION_INSIDE:
@@ -260,18 +265,23 @@ static bool begin(struct answer *a, const struct dataset *set, const struct requ
 
 /* ---- INTERPOLATE ---- */
 
-/* The words 3 .. 2 n + 2. */
-static bool read_places(struct server *s, struct answer *a, const struct request *q, size_t n,
-                        struct places *out)
+/* Reads a request with places, at least one word of them or `least` words. False: it waits, or the ERR line has been written. */
+static bool read_at_places(struct server *s, struct dataset *set, const struct request *q,
+                           struct answer *a, enum surface_kind kind, unsigned allowed, size_t least,
+                           struct surface *out, struct surface_source *from)
 {
-    out->p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *out->p);
-    out->n = n;
-    if (out->p == NULL)
-        answer_out_of_memory(a);
-    for (size_t i = 0; out->p != NULL && i < n; i++)
-        if (!read_point(a, &q->word[3 + 2 * i], &out->p[i]))
-            return false;
-    return out->p != NULL;
+    size_t end = first_option(q);
+    if (!begin(a, set, q, kind, out) || !read_options(a, q, end, allowed, out) ||
+        !is_ready(s, a, set, out, from))
+        return false;
+    if (end < 3 + least)
+        answer_usage(a);
+    else if (end % 2 == 0)
+        answer_err(a, ERR_SYNTAX, "odd number of coordinates");
+    else if (read_places(s, a, q, end, &out->places))
+        return true;
+    surface_clear(out);
+    return false;
 }
 
 /* Answers with a quantity of the surface at the places of the request. */
@@ -280,21 +290,10 @@ static void answer_at_places(struct server *s, struct dataset *set, const struct
 {
     struct surface surface;
     struct surface_source from;
-    size_t end = 3;
-    while (end < q->n && option_of(&q->word[end]) == 0)
-        end++;
-    if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
-        !read_options(a, q, end, allowed, &surface) || !is_ready(s, a, set, &surface, &from))
+    if (!read_at_places(s, set, q, a, SURFACE_PLACES, allowed, 1, &surface, &from))
         return;
     surface.quantity = quantity;
-    if (end == 3)
-        answer_usage(a);
-    else if (end % 2 == 0)
-        answer_err(a, ERR_SYNTAX, "odd number of coordinates");
-    else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
-        surface_answer(s, a, from.version, &surface);
-    else
-        surface_clear(&surface);
+    surface_answer(s, a, from.version, &surface);
 }
 
 /* The same at the places of its body. */
@@ -339,35 +338,15 @@ void cmd_gradientb(struct server *s, struct dataset *set, const struct request *
 
 void cmd_profile(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
+    enum { TWO_PLACES = 4 }; /* words */
     struct surface surface;
     struct surface_source from;
-    size_t end = 3;
-    while (end < q->n && option_of(&q->word[end]) == 0)
-        end++;
-    if (!begin(a, set, q, SURFACE_PROFILE, &surface) ||
-        !read_options(a, q, end, LINEAR_OPTIONS | OPTION_BINARY, &surface) ||
-        !is_ready(s, a, set, &surface, &from))
-        return;
-    if (end < 7)
-        answer_usage(a);
-    else if (end % 2 == 0)
-        answer_err(a, ERR_SYNTAX, "odd number of coordinates");
-    else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
+    if (read_at_places(s, set, q, a, SURFACE_PROFILE, LINEAR_OPTIONS | OPTION_BINARY, TWO_PLACES,
+                       &surface, &from))
         profile_answer(s, a, &from, &surface);
-    else
-        surface_clear(&surface);
 }
 
 /* ---- RASTER ---- */
-
-static void put_in_order(double *a, double *b)
-{
-    double t = *a;
-    if (*a > *b) {
-        *a = *b;
-        *b = t;
-    }
-}
 
 static bool read_side(struct answer *a, const struct word *w, const char *what, uint32_t *n)
 {
@@ -383,12 +362,10 @@ static bool read_raster(struct answer *a, const struct request *q, size_t fields
                         struct dt_raster *r)
 {
     const struct word *w = q->word;
-    if (!read_point(a, &w[3], &r->lo) || !read_point(a, &w[5], &r->hi) ||
+    if (!read_box(a, &w[3], &r->lo, &r->hi) ||
         !read_side(a, &w[7], "a number of columns", &r->columns) ||
         !read_side(a, &w[8], "a number of rows", &r->rows))
         return false;
-    put_in_order(&r->lo.x, &r->hi.x);
-    put_in_order(&r->lo.y, &r->hi.y);
     bool good = (uint64_t)r->columns * r->rows * fields <= LIMIT_RASTER_CELLS;
     if (!good)
         answer_err(a, ERR_TOOBIG, "a raster has at most %d %s", LIMIT_RASTER_CELLS,
@@ -442,7 +419,7 @@ static bool read_level(struct answer *a, const struct word *w, bool bands, doubl
 {
     bool below = word_is(w, "-inf");
     if (!bands || (!below && !word_is(w, "inf")))
-        return read_number(a, w, "level", v);
+        return read_finite(a, w, "level", v);
     *v = below ? -HUGE_VAL : HUGE_VAL;
     return true;
 }
@@ -476,9 +453,7 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
 {
     struct surface surface;
     struct surface_source from;
-    size_t end = 3;
-    while (end < q->n && option_of(&q->word[end]) == 0)
-        end++;
+    size_t end = first_option(q);
     bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
     if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
         !read_options(a, q, end,
@@ -507,7 +482,7 @@ static bool read_volume_option(struct answer *a, const struct dataset *set, cons
     bool based = out->based;
     if (!based && values >= 1 && word_is(w, "LEVEL")) {
         out->based = true;
-        return read_number(a, &q->word[(*at)++], "level", &out->level);
+        return read_finite(a, &q->word[(*at)++], "level", &out->level);
     }
     if (!based && values >= 1 && word_is(w, "MINUS")) {
         out->based = true;

@@ -93,12 +93,8 @@ void cmd_trace(struct server *s, struct dataset *set, const struct request *q, s
         answer_err(a, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
         return;
     }
-    struct trace *t = job_new(sizeof *t, run, end);
-    if (t == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
-    t->job.what = "tracing";
-    job_read(s, a, &t->job, set->current,
-             set->current->sum.points > TRACE_AT_ONCE ? JOB_SHORT : JOB_LIGHT);
+    bool light = set->current->sum.points <= TRACE_AT_ONCE;
+    struct trace *t = job_new_reading(s, a, sizeof *t, run, end, "tracing", NULL);
+    if (t != NULL)
+        job_read(s, a, &t->job, set->current, light ? JOB_LIGHT : JOB_SHORT);
 }

@@ -359,31 +359,34 @@ void cmd_change(struct server *s, struct dataset *set, const struct request *q, 
 
 /* ---- arguments ---- */
 
+bool read_number(struct answer *a, const struct word *w, double *v)
+{
+    bool good = proto_read_double(w->text, w->len, v);
+    if (!good)
+        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    return good;
+}
+
 bool read_coordinate(struct answer *a, const struct word *w, double *v)
 {
-    if (!proto_read_double(w->text, w->len, v)) {
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    if (!read_number(a, w, v))
         return false;
-    }
-    if (!dt_coordinate_ok(*v)) {
+    if (!dt_coordinate_ok(*v))
         answer_status(a, DT_RANGE);
-        return false;
-    }
-    return true;
+    return dt_coordinate_ok(*v);
 }
 
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v)
 {
-    if (!proto_read_double(w->text, w->len, v))
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    else if (*v < 0)
+    if (!read_number(a, w, v))
+        return false;
+    *v += 0.0; /* -0 becomes 0 */
+    if (*v < 0)
         answer_err(a, ERR_RANGE, "a %s is not negative", what);
     else if (!dt_coordinate_ok(*v))
         answer_err(a, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
-    else {
-        *v += 0.0; /* -0 becomes 0 */
+    else
         return true;
-    }
     return false;
 }
 
@@ -423,6 +426,19 @@ bool read_id(struct answer *a, const struct word *w, uint32_t *id)
     return read_count(a, w, "an id", id);
 }
 
+bool read_places(struct server *s, struct answer *a, const struct request *q, size_t end,
+                 struct places *out)
+{
+    out->n = (end - 3) / 2;
+    out->p = dt_pages_grow(s->pages, NULL, 0, out->n * sizeof *out->p);
+    if (out->p == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; out->p != NULL && i < out->n; i++)
+        if (!read_point(a, &q->word[3 + 2 * i], &out->p[i]))
+            return false;
+    return out->p != NULL;
+}
+
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n)
 {
     uint32_t *id = malloc(n * sizeof *id);
@@ -435,4 +451,19 @@ uint32_t *read_ids(struct answer *a, const struct word *w, size_t n)
         }
     }
     return id;
+}
+
+bool read_points(struct answer *a, const struct dt *dt, const struct word *w, size_t n,
+                 struct dt_ids *out)
+{
+    uint32_t representative;
+    *out = (struct dt_ids){read_ids(a, w, n), n, n};
+    for (size_t i = 0; out->v != NULL && i < n; i++) {
+        if (dt_representative(dt, out->v[i], &representative) != DT_OK) {
+            answer_err(a, ERR_NOPOINT, "there is no point %u", out->v[i]);
+            free(out->v);
+            out->v = NULL;
+        }
+    }
+    return out->v != NULL;
 }

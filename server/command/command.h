@@ -9,6 +9,7 @@
 #include "server/changes/change.h"
 #include "server/jobs/server.h"
 #include "server/replies/listing.h"
+#include "server/sets/rows.h"
 
 /* set is NULL for a command without CMD_SET, or if there is no set of that name and the command does not require
  * one. */
@@ -116,12 +117,17 @@ bool check_write_role(struct answer *a);
 
 /* ---- reading arguments; false: the ERR line has been written ---- */
 
+bool read_number(struct answer *a, const struct word *w, double *v);
 bool read_coordinate(struct answer *a, const struct word *w, double *v);
 /* The same for a length, which is not negative; `what` names it in the error. */
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v);
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 /* Two opposite corners: *lo <= *hi. */
 bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, struct dt_point *hi);
+/* The places of the words 3 to end - 1, a new array of the caller's from dt_pages_grow, also if the result is false. */
+
+bool read_places(struct server *s, struct answer *a, const struct request *q, size_t end,
+                 struct places *out);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 
 /* A field's name, and a value, which may be nan. */
@@ -165,6 +171,9 @@ bool read_count(struct answer *a, const struct word *w, const char *what, uint32
 
 /* Parses n > 0 words as ids into a new array of the caller's; NULL: the ERR line has been written. */
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
+/* The same for ids of points of the set. */
+bool read_points(struct answer *a, const struct dt *dt, const struct word *w, size_t n,
+                 struct dt_ids *out);
 
 /* Checks a token of the connection, which may give it a role. SHOWN_LATER: the check is delayed; the answer has the
  * time. */

@@ -374,12 +374,13 @@ void simplify_answer(struct server *s, struct answer *a, struct dataset *set,
                      const struct simplify *simplify)
 {
     struct version *v = set->current;
-    struct simplify_job *j = job_new(sizeof *j, run_job, end_job);
-    if (j != NULL)
-        j->view = dt_view_begin(v->dt, false);
-    if (j == NULL || j->view == NULL) {
-        free(j);
+    struct simplify_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "simplifying", NULL);
+    if (j == NULL)
+        return;
+    if ((j->view = dt_view_begin(v->dt, false)) == NULL) {
         answer_out_of_memory(a);
+        job_free(s, &j->job);
         return;
     }
     j->field = simplify->field;
@@ -388,8 +389,6 @@ void simplify_answer(struct server *s, struct answer *a, struct dataset *set,
     j->error = simplify->error;
     j->most = simplify->most;
     j->pages = s->pages;
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "simplifying";
     size_t work = (size_t)v->sum.points + dt_constraints_count(v->dt);
     job_read(s, a, &j->job, v, cost_at_once(COST_EDIT, 4 * work) ? JOB_LIGHT : JOB_LONG);
 }

@@ -23,6 +23,27 @@ void *job_new(size_t size, void (*run)(struct job *),
     return j;
 }
 
+void *job_new_reading(struct server *s, struct answer *a, size_t size, void (*run)(struct job *),
+                      void (*end)(struct server *, struct job *, struct answer *), const char *what,
+                      struct dataset *holds)
+{
+    if (holds != NULL && !world_alone(a))
+        return NULL;
+    if (holds != NULL && !dataset_admits(holds, true, a->turn)) {
+        answer_wait(a, &holds->queue, true);
+        return NULL;
+    }
+    struct job *j = job_new(size, run, end);
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        return NULL;
+    }
+    j->what = what;
+    j->set = holds;
+    j->memory = server_reservation(s, BUDGET_REPLIES);
+    return j;
+}
+
 void job_free(struct server *s, struct job *j)
 {
     j->end(s, j, NULL);
@@ -45,6 +66,20 @@ enum dt_status job_reserve(struct job *j, size_t bytes)
 {
     j->busy = !reservation_resize(&j->memory, bytes);
     return j->busy ? DT_NOMEM : DT_OK;
+}
+
+enum dt_status job_grow(struct job *j, struct dt_ids *words, size_t n)
+{
+    if (n <= words->cap - words->n)
+        return DT_OK;
+    size_t cap = words->cap + words->cap / 2 + n;
+    enum dt_status status = job_reserve(j, (words->cap + cap) * sizeof *words->v);
+    uint32_t *v = status == DT_OK ? realloc(words->v, cap * sizeof *v) : NULL;
+    if (v == NULL)
+        return DT_NOMEM;
+    words->v = v;
+    words->cap = cap;
+    return DT_OK;
 }
 
 void job_end_visit(const struct job *j)

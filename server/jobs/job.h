@@ -69,6 +69,12 @@ void *job_new(size_t size, void (*run)(struct job *),
               void (*end)(struct server *, struct job *, struct answer *));
 void job_free(struct server *s, struct job *j);
 
+/* The same for job_read and a reply: its memory is that of replies. Edits of the set `holds` (NULL: of none) wait for its end, as those
+ * of job->set. NULL: the request waits until they may, or out of memory, as the answer says. */
+void *job_new_reading(struct server *s, struct answer *a, size_t size, void (*run)(struct job *),
+                      void (*end)(struct server *, struct job *, struct answer *), const char *what,
+                      struct dataset *holds);
+
 /* Carries out a job that reads version v (job->dt must not be edited). A light job has been done on return and the reply is
  * complete, else a->next is ANSWER_WORK. */
 void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
@@ -91,6 +97,9 @@ bool job_succeeded(const struct job *j, struct answer *a);
 
 /* Makes job->memory, an empty reservation at first, that large: DT_OK, or DT_NOMEM with job->busy. */
 enum dt_status job_reserve(struct job *j, size_t bytes);
+
+/* Makes room for n more words of a result, which is all that the job reserves memory for. */
+enum dt_status job_grow(struct job *j, struct dt_ids *words, size_t n);
 
 /* Of a job that reads a version and is running: ends the visit, so that edits continue, and begins another. They do nothing
  * on a reactor, which is no visitor. */

@@ -70,37 +70,30 @@ static bool make_room(struct server *s, struct answer *a, struct surface *q)
     return q->places.kept != NULL;
 }
 
-static bool is_light(const struct server *s, const struct dt_raster *r)
-{
-    return s->workers == NULL || (uint64_t)r->columns * r->rows <= CELLS_AT_ONCE;
-}
-
 void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
 {
     struct dataset *other = q->clip;
-    bool light = is_light(s, &q->raster);
+    uint64_t cells = (uint64_t)q->raster.columns * q->raster.rows;
+    bool light = s->workers == NULL || cells <= CELLS_AT_ONCE;
     if (!world_alone(a))
         return;
-    if (!light && !dataset_admits(other, true, a->turn)) {
-        answer_wait(a, &other->queue, true);
+    /* Edits of the other set wait, because regions are those of now. */
+    struct clip_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "marking cells", light ? NULL : other);
+    if (j == NULL)
         return;
-    }
-    struct clip_job *j = make_room(s, a, q) ? job_new(sizeof *j, run_job, end_job) : NULL;
-    if (j == NULL) {
-        answer_out_of_memory(a);
-        surface_clear(q);
-        return;
-    }
+    bool room = make_room(s, a, q);
     j->q = *q;
     j->m.version = version_pin(v);
-    if (!light && (j->m.view = dt_view_begin(j->m.version->dt, true)) == NULL) {
+    if (!light)
+        j->m.view = dt_view_begin(v->dt, true);
+    if (!room || (!light && j->m.view == NULL)) {
         answer_out_of_memory(a);
         job_free(s, &j->job);
         return;
     }
-    j->job.set = light ? NULL : other; /* its edits wait, because regions are those of now */
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "marking cells";
-    bool is_short = (uint64_t)q->raster.columns * q->raster.rows <= CELLS_SHORT;
-    job_read(s, a, &j->job, other->current, light ? JOB_LIGHT : is_short ? JOB_SHORT : JOB_LONG);
+    job_read(s, a, &j->job, other->current,
+             light                  ? JOB_LIGHT
+             : cells <= CELLS_SHORT ? JOB_SHORT
+                                    : JOB_LONG);
 }

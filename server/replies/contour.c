@@ -199,22 +199,14 @@ void contour_answer(struct server *s, struct answer *a, const struct surface_sou
                     struct surface *q)
 {
     struct version *v = from->version;
-    struct dataset *set = from->set;
-    bool light = s->workers == NULL || cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    bool blocks = q->inside.asked && !light && set != NULL,
-         admitted = !blocks || dataset_admits(set, true, a->turn);
-    struct contour_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
+    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
+    /* With INSIDE edits wait, because regions are those of now. */
+    struct dataset *holds = q->inside.asked && !light ? from->set : NULL;
+    struct contour_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "tracing", holds);
     if (j == NULL) {
         surface_clear(q);
-        if (admitted)
-            answer_out_of_memory(a);
-        else
-            answer_wait(a, &set->queue, true);
         return;
     }
-    j->job.set = blocks ? set : NULL; /* edits wait, because regions are those of now */
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "tracing";
     j->q = *q;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

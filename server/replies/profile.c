@@ -20,30 +20,13 @@ struct profile_job {
     struct dt_ids words; /* owns: of the rows */
 };
 
-/* Makes room for the rows of the next visit. */
-static enum dt_status make_room(struct profile_job *j)
-{
-    struct dt_ids *w = &j->words;
-    size_t n = ROWS_A_VISIT * ROW_WORDS;
-    if (n <= w->cap - w->n)
-        return DT_OK;
-    size_t cap = w->cap + w->cap / 2 + n;
-    enum dt_status status = job_reserve(&j->job, (w->cap + cap) * sizeof *w->v);
-    uint32_t *v = status == DT_OK ? realloc(w->v, cap * sizeof *v) : NULL;
-    if (v == NULL)
-        return DT_NOMEM;
-    w->v = v;
-    w->cap = cap;
-    return DT_OK;
-}
-
 /* The worker is a visitor of the set on entry and on return. */
 static enum dt_status follow(struct profile_job *j, struct dt_profile *p)
 {
     struct dt_profile_row row[ROWS_A_VISIT];
     enum dt_status status = DT_OK;
     for (size_t n = 1; status == DT_OK && n > 0;) {
-        status = make_room(j);
+        status = job_grow(&j->job, &j->words, ROWS_A_VISIT * ROW_WORDS);
         if (status == DT_OK)
             status = dt_profile_read(p, row, ROWS_A_VISIT, &n);
         if (status == DT_OK) {
@@ -111,21 +94,14 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
 static void submit(struct server *s, struct answer *a, const struct surface_source *from,
                    struct surface *q, bool light)
 {
-    struct dataset *set = from->set;
-    bool alone = world_alone(a), free = light || set == NULL,
-         admitted = alone && (free || dataset_admits(set, true, a->turn));
-    struct profile_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
-    if (alone && !admitted)
-        answer_wait(a, &set->queue, true);
-    else if (admitted && j == NULL)
-        answer_out_of_memory(a);
+    if (!world_alone(a))
+        return;
+    struct profile_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job,
+                                            "following a profile", light ? NULL : from->set);
     if (j == NULL)
         return;
-    j->job.what = "following a profile";
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.set = light ? NULL : set;
     j->job.options.steps = light && s->workers != NULL ? COST_STEPS_AT_ONCE : 0;
-    j->set = set;
+    j->set = from->set;
     j->q = *q;
     q->places = (struct places){0};
     job_read(s, a, &j->job, from->version, light ? JOB_LIGHT : JOB_LONG);

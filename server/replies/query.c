@@ -406,23 +406,20 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
 {
     struct version *v = set->current;
     bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
-    if (!world_alone(a)) {
+    struct query_job *j =
+        world_alone(a) ? job_new_reading(s, a, sizeof *j, run_job, end_job, "searching", NULL)
+                       : NULL;
+    if (j == NULL) {
         free(q->ids.v);
         return;
     }
-    struct query_job *j = job_new(sizeof *j, run_job, end_job);
-    if (j != NULL && !sweeps)
-        j->keeps = dt_view_begin(v->dt, true);
-    if (j == NULL || (j->keeps == NULL && !sweeps)) {
-        free(j);
-        free(q->ids.v);
-        answer_out_of_memory(a);
-        return;
-    }
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "searching";
-    j->steps = may_sweep(q) || q->within ? steps_a_visit(v->sum.points) : 0;
     j->query = *q;
+    if (!sweeps && (j->keeps = dt_view_begin(v->dt, true)) == NULL) {
+        answer_out_of_memory(a);
+        job_free(s, &j->job);
+        return;
+    }
+    j->steps = may_sweep(q) || q->within ? steps_a_visit(v->sum.points) : 0;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : q->kind == QUERY_WEIGHTS ? JOB_SLOW : JOB_SHORT);
 }
 

@@ -76,29 +76,13 @@ struct regions_job {
     const char *region;   /* REGIONS_LOCATION */
 };
 
-/* Makes room for n words more. */
-static enum dt_status make_room(struct regions_job *j, size_t n)
-{
-    struct dt_ids *w = &j->words;
-    if (n <= w->cap - w->n)
-        return DT_OK;
-    size_t cap = w->cap + w->cap / 2 + n;
-    enum dt_status status = job_reserve(&j->job, (w->cap + cap) * sizeof *w->v);
-    uint32_t *v = status == DT_OK ? realloc(w->v, cap * sizeof *v) : NULL;
-    if (v == NULL)
-        return DT_NOMEM;
-    w->v = v;
-    w->cap = cap;
-    return DT_OK;
-}
-
 static enum dt_status find_all(struct regions_job *j)
 {
     struct dt_region *row;
     enum dt_status status = dt_regions(j->job.dt, &row, &j->rows, &j->all);
     if (status != DT_OK)
         return status;
-    status = make_room(j, j->rows * ROW_REGION_WORDS);
+    status = job_grow(&j->job, &j->words, j->rows * ROW_REGION_WORDS);
     for (size_t i = 0; status == DT_OK && i < j->rows; i++) {
         row_region_put(j->words.v + j->words.n, &row[i]);
         j->words.n += ROW_REGION_WORDS;
@@ -121,7 +105,7 @@ static enum dt_status find_at(struct regions_job *j, struct dt_point at, struct 
     enum dt_status status = dt_regions_at(j->job.dt, at, &j->job.options, in, on);
     size_t n = in->n + on->n;
     if (status == DT_OK)
-        status = make_room(j, n + 1);
+        status = job_grow(&j->job, w, n + 1);
     if (status != DT_OK)
         return status;
     w->v[w->n++] = (uint32_t)n;
@@ -239,17 +223,12 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
 static void submit(struct server *s, struct answer *a, struct dataset *set, struct regions_query *q,
                    bool light)
 {
-    bool alone = world_alone(a), admitted = alone && (light || dataset_admits(set, true, a->turn));
-    struct regions_job *j = admitted ? job_new(sizeof *j, run_job, end_job) : NULL;
-    if (alone && !admitted)
-        answer_wait(a, &set->queue, true);
-    else if (admitted && j == NULL)
-        answer_out_of_memory(a);
+    if (!world_alone(a))
+        return;
+    struct regions_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job,
+                                            "finding what is inside", light ? NULL : set);
     if (j == NULL)
         return;
-    j->job.what = "finding what is inside";
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.set = light ? NULL : set;
     j->job.options.steps = light && s->workers != NULL ? COST_STEPS_AT_ONCE : 0;
     j->set = set;
     j->q = *q;

@@ -71,26 +71,15 @@ void volume_answer(struct server *s, struct answer *a, const struct surface_sour
                    const struct volume *volume)
 {
     struct version *v = from->version;
-    struct dataset *set = from->set;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    bool blocks = volume->inside.asked && !light && s->workers != NULL && set != NULL;
-    if (blocks && !world_alone(a))
+    /* With INSIDE edits wait, because regions are those of now. */
+    struct dataset *holds = volume->inside.asked && !light ? from->set : NULL;
+    struct volume_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "adding up", holds);
+    if (j == NULL)
         return;
-    if (blocks && !dataset_admits(set, true, a->turn)) {
-        answer_wait(a, &set->queue, true);
-        return;
-    }
-    struct volume_job *j = job_new(sizeof *j, run_job, end_job);
-    if (j == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
     strcpy(j->field, dt_field_name(volume->field));
     if (volume->minus != NULL)
         strcpy(j->minus, dt_field_name(volume->minus));
     j->volume = *volume;
-    j->job.set = blocks ? set : NULL; /* edits wait, because regions are those of now */
-    j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = "adding up";
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }
