@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -192,6 +193,32 @@ void await_info(const struct daemon *d, const char *key, uint64_t want)
             test_fail(__FILE__, __LINE__, "%s stays %" PRIu64, key, now);
         pause_ms(10);
     }
+}
+
+void await_info_least(const struct daemon *d, const char *key, uint64_t least)
+{
+    for (unsigned tries = 0; daemon_info(d, key) < least; tries++, pause_ms(10))
+        CHECK_MSG(tries < 1000 * test_slowness(), "%s does not become %" PRIu64, key, least);
+}
+
+uint64_t info_of(int fd, const char *key)
+{
+    size_t lines = 0, n = strlen(key);
+    uint64_t found = 0;
+    say(fd, "INFO\n");
+    CHECK(sscanf(hear_line(fd), "OK %zu", &lines) == 1);
+    for (; lines > 0; lines--) {
+        const char *line = hear_line(fd);
+        if (strncmp(line, key, n) == 0 && line[n] == ':')
+            found = strtoull(line + n + 1, NULL, 10);
+    }
+    return found;
+}
+
+void await_input(int fd)
+{
+    struct pollfd in = {.fd = fd, .events = POLLIN};
+    CHECK(poll(&in, 1, 10000 * (int)test_slowness()) == 1);
 }
 
 void load_random(int fd, const char *set, uint32_t n)

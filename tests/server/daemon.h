@@ -44,6 +44,15 @@ uint64_t daemon_info(const struct daemon *d, const char *key);
 /* Waits until an INFO key has this value; fails if it does not change for some seconds. */
 void await_info(const struct daemon *d, const char *key, uint64_t want);
 
+/* Waits until an INFO key has at least this value, at most 10 seconds. */
+void await_info_least(const struct daemon *d, const char *key, uint64_t least);
+
+/* The value of an INFO key on an open connection: a new connection might be refused. */
+uint64_t info_of(int fd, const char *key);
+
+/* Waits until bytes can be read, and leaves them there: a reply has begun. At most 10 seconds. */
+void await_input(int fd);
+
 /* Loads n points at random places of the unit square into the new set. */
 void load_random(int fd, const char *set, uint32_t n);
 

@@ -271,8 +271,7 @@ TEST(client_that_vanishes_during_a_load_leaves_nothing)
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
     say(fd, "LOAD t 1000000\n1 1\n2 2\n3");
-    pause_ms(50);
-    CHECK(daemon_info(&d, "loading") > 0);
+    await_info_least(&d, "loading", 1);
     vanish(fd);
     await_info(&d, "loading", 0);
     converse(&d, "SETS\n", "OK 0\n");
@@ -329,7 +328,8 @@ TEST(clients_beyond_the_limit_get_an_error)
     }
     converse(&d, "", "ERR BUSY too many clients\n");
     close(fd[1]);
-    pause_ms(50);
+    while (info_of(fd[0], "clients") > 2)
+        pause_ms(10);
     converse(&d, "PING\n", "OK 0\n");
     say(fd[0], "PING\n");
     expect(fd[0], "OK 0\n");
@@ -340,6 +340,9 @@ TEST(daemon_without_descriptors_refuses_clients_without_busy_waiting)
     enum { CLIENTS = 90 };
     int fd[CLIENTS], welcome = 0;
     struct daemon d = daemon_start(NULL);
+    int known = daemon_connect(&d);
+    say(known, "PING\n");
+    expect(known, "OK 0\n");
     struct rlimit few = {64, 64};
     CHECK(prlimit(d.pid, RLIMIT_NOFILE, &few, NULL) == 0);
     for (int i = 0; i < CLIENTS; i++) {
@@ -357,7 +360,8 @@ TEST(daemon_without_descriptors_refuses_clients_without_busy_waiting)
     CHECK(daemon_cpu_seconds(&d) - cpu < 0.1 || test_is_sanitized());
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
-    pause_ms(50);
+    while (info_of(known, "clients") > 1)
+        pause_ms(10);
     converse(&d, "PING\n", "OK 0\n");
 }
 

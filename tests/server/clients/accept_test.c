@@ -61,21 +61,6 @@ TEST(accepting_that_fails_for_a_while_costs_nothing_and_goes_on)
     daemon_end(&d);
 }
 
-/* A value of INFO's section `clients`, asked on an open connection: a new one might be refused. */
-static unsigned info_of(int fd, const char *key)
-{
-    size_t lines = 0;
-    unsigned found = 0;
-    say(fd, "INFO clients\n");
-    CHECK(sscanf(hear_line(fd), "OK %zu", &lines) == 1);
-    for (; lines > 0; lines--) {
-        const char *line = hear_line(fd);
-        if (strncmp(line, key, strlen(key)) == 0 && line[strlen(key)] == ':')
-            found = (unsigned)strtoul(line + strlen(key) + 1, NULL, 10);
-    }
-    return found;
-}
-
 TEST(clients_without_a_descriptor_fill_no_log)
 {
     enum { CLIENTS = 90, ROUNDS = 5 };

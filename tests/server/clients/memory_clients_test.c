@@ -49,20 +49,6 @@ static void send_what_goes(int fd, const char *bytes, size_t n)
     CHECK(sent >= 0 || errno == EAGAIN || errno == EPIPE || errno == ECONNRESET);
 }
 
-/* The value that INFO reports on an existing connection: there may be no memory for another one. */
-static size_t info_of(int fd, const char *key)
-{
-    say(fd, "INFO memory clients\n");
-    size_t lines = 0, found = 0;
-    CHECK(sscanf(hear_line(fd), "OK %zu", &lines) == 1);
-    for (; lines > 0; lines--) {
-        const char *line = hear_line(fd);
-        if (strncmp(line, key, strlen(key)) == 0 && line[strlen(key)] == ':')
-            found = strtoul(line + strlen(key) + 1, NULL, 10);
-    }
-    return found;
-}
-
 static void check_memory(const struct place *p, int fd, size_t limit)
 {
     size_t peak = info_of(fd, "memory_peak"), resident = daemon_peak_resident(&p->d);

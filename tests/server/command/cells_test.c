@@ -191,7 +191,8 @@ TEST_TIMEOUT(cells_are_those_of_one_state_of_the_set_while_others_edit_it, 60)
         CHECK(setsockopt(slow[k], SOL_SOCKET, SO_RCVBUF, &(int){1 << 17}, sizeof(int)) == 0);
     say(slow[0], "VORONOI t\n");
     say(slow[1], "VORONOI t BINARY\n");
-    pause_ms(100);
+    for (unsigned k = 0; k < 2; k++)
+        await_input(slow[k]);
     for (uint32_t i = 0; i < (test_is_sanitized() ? 300 : 2000); i++) {
         char line[128];
         snprintf(line, sizeof line, "MOVE t %u %.17g %.17g\nADD t %.17g %.17g\nDEL t %u\n",

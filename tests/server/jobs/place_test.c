@@ -21,16 +21,27 @@ static char *ask(const struct daemon *d, const char *requests)
     return replies;
 }
 
+/* Waits until the daemon has noticed what happened to the directory, which it looks at every second. */
+static void await_durability(const struct daemon *d, const char *word, const char *also)
+{
+    char line[64];
+    bool found = false;
+    snprintf(line, sizeof line, "durability:%s\n", word);
+    for (unsigned tries = 0; !found; tries++) {
+        char *info = ask(d, "INFO durability\n");
+        found = strstr(info, line) != NULL && strstr(info, also) != NULL;
+        CHECK_MSG(found || tries < 100 * test_slowness(), "%s", info);
+        free(info);
+        pause_ms(found ? 0 : 50);
+    }
+}
+
 static void check_readonly(const struct daemon *d, const char *state)
 {
     char text[64];
     snprintf(text, sizeof text, "\ndata_directory:%s\n", state);
-    pause_ms(1100);
-    char *info = ask(d, "INFO durability\n");
-    CHECK_MSG(strstr(info, text) != NULL && strstr(info, "durability:readonly\n") != NULL, "%s",
-              info);
-    free(info);
-    info = ask(d, "ADD t 9 9\nGET t 0\n");
+    await_durability(d, "readonly", text);
+    char *info = ask(d, "ADD t 9 9\nGET t 0\n");
     CHECK_MSG(strncmp(info, "ERR READONLY changes cannot be saved: ", 38) == 0 &&
                   strstr(info, "data directory") != NULL && strstr(info, "OK 1\n0 1 1\n") != NULL,
               "%s", info);
@@ -40,9 +51,8 @@ static void check_readonly(const struct daemon *d, const char *state)
 static void check_recovered(struct daemon *d, const struct directory *dir)
 {
     char text[2000];
-    for (int i = 0; i < 50 && daemon_info(d, "snapshot_lsn") == 0; i++)
-        pause_ms(100);
-    pause_ms(100);
+    await_info_least(d, "snapshot_lsn", 1);
+    await_durability(d, "good", "");
     carry_out(d, "ADD t 2 2\n");
     CHECK(daemon_stop(d, SIGKILL) == -1);
     CHECK_MSG(directory_run(dir, "--check", text, sizeof text) == 0, "%s", text);

@@ -159,8 +159,7 @@ static void end_in_the_middle(bool half)
     make_body();
     say(fd, "LOADB t 10000\n");
     say_body(fd, 0, DIRECT + 5);
-    pause_ms(20);
-    CHECK(daemon_info(&d, "loading") >= DIRECT);
+    await_info_least(&d, "loading", DIRECT);
     if (half) {
         size_t n;
         CHECK(shutdown(fd, SHUT_WR) == 0);
