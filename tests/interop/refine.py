@@ -4,6 +4,7 @@ the least angle is measured again.
     refine.py BUILD_DIR [FAMILY...]
 """
 
+import functools
 import math
 import sys
 from fractions import Fraction
@@ -28,6 +29,7 @@ def arctangent(inverse):
 PI = 16 * arctangent(5) - 4 * arctangent(239)
 
 
+@functools.cache
 def squared_cosine(degrees):
     """The double nearest to cos^2."""
     x = Fraction(degrees) * PI / 90
@@ -38,20 +40,37 @@ def squared_cosine(degrees):
     return Fraction(float((1 + total) / 2))
 
 
+class Limits:
+    """What the triangles are measured against, for coordinates that were multiplied by `scale`, which makes them integers."""
+
+    def __init__(self, scale, angle, area, length):
+        self.cosine = None if angle is None else squared_cosine(angle)
+        self.doubled_area = None if area is None else math.floor(2 * Fraction(area) * scale * scale)
+        self.square = None if length is None else math.floor(Fraction(length) ** 2 * scale * scale)
+
+
+def integers(rows):
+    """The places of points, multiplied by a power of two that makes all of them integers, and that power."""
+    place = {int(row[0]): (Fraction(float(row[1])), Fraction(float(row[2]))) for row in rows}
+    scale = max((v.denominator for p in place.values() for v in p), default=1)
+    return {i: (int(x * scale), int(y * scale)) for i, (x, y) in place.items()}, scale
+
+
 def dot(o, a, b):
     return (a[0] - o[0]) * (b[0] - o[0]) + (a[1] - o[1]) * (b[1] - o[1])
 
 
-def breaks(corners, cosine, area, length):
-    if area is not None and cross(*corners) > 2 * area:
+def breaks(corners, limits):
+    if limits.doubled_area is not None and cross(*corners) > limits.doubled_area:
         return True
     for i in range(3):
         o, a, b = corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]
-        if length is not None and dot(a, b, b) > length * length:
+        if limits.square is not None and dot(a, b, b) > limits.square:
             return True
         d = dot(o, a, b)
-        if cosine is not None and d > 0 and d * d > cosine * dot(o, a, a) * dot(o, b, b):
-            return True
+        if limits.cosine is not None and d > 0:
+            if d * d * limits.cosine.denominator > limits.cosine.numerator * dot(o, a, a) * dot(o, b, b):
+                return True
     return False
 
 
@@ -65,7 +84,7 @@ def least_angle(triangles, place):
             d, c = dot(o, a, b), cross(o, a, b)
             if d > 0 and (best is None or c * best[0] < best[1] * d):
                 best = (d, c)
-    return math.degrees(math.atan(float(best[1] / best[0])))
+    return math.degrees(math.atan(float(Fraction(best[1], best[0]))))
 
 
 def rows_of(connection, line):
@@ -79,14 +98,14 @@ def check(connection, name, words, angle, area, length, inside):
     got = connection.status(f"REFINE {name} {words}{inside}")
     points = rows_of(connection, f"POINTS {name}")
     assert points[: len(before)] == before and len(points) == len(before) + int(got["added"]), (name, words)
-    place = {int(row[0]): (Fraction(float(row[1])), Fraction(float(row[2]))) for row in points}
+    place, scale = integers(points)
     if not rows_of(connection, f"TRIANGLES {name}"):
         assert got["added"] == "0" and got["angle"] == "nan"
         return
     assert (int(got["hull"]) > 0) != had_borders
     triangles = [tuple(map(int, row)) for row in rows_of(connection, f"TRIANGLES {name}{inside or ' INSIDE'}")]
-    cosine = None if angle is None else squared_cosine(angle)
-    wrong = sum(breaks([place[i] for i in ids], cosine, area and Fraction(area), length and Fraction(length)) for ids in triangles)
+    limits = Limits(scale, angle, area, length)
+    wrong = sum(breaks([place[i] for i in ids], limits) for ids in triangles)
     assert wrong == int(got["unrefined"]), (name, words, wrong, got)
     least = least_angle(triangles, place)
     assert abs(least - float(got["angle"])) <= 1e-13 * least, (name, words, least, got)
