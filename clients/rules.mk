@@ -151,20 +151,3 @@ bench-js:
 	    earcut@3.2.4 earcut_fixtures@npm:earcut@1.4.2
 	@node tests/bench/beside_delaunator.mjs $(O)/npm_bench
 	@node tests/bench/beside_earcut.mjs $(O)/npm_bench
-
-# ---- interop: other clients, and ours in other languages ----
-
-$(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
-	@mkdir -p $(@D)
-	$(CC) -O2 -std=c11 -Wall -Wextra -o $@ $< -lhiredis
-
-.PHONY: interop_clients
-interop: interop_clients
-interop_clients: all lib $(O)/tests/bench/points
-	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy python3-matplotlib python3-shapely python3-geopandas python3-distributed python3-pytest python3-pip nodejs haproxy netcat-openbsd, \
-	  command -v redis-cli && command -v node && command -v haproxy && command -v nc && \
-	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import shapely; import geopandas; import distributed; import pip; import pytest')
-	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
-	tests/interop/clients.sh $(O)
-	tests/interop/followers.sh $(O)
-	$(if $(shell command -v npm),$(MAKE) --no-print-directory npm && tests/interop/node/package.sh $(O),@echo "no npm, so no test of the npm package")

@@ -1,6 +1,6 @@
 # rules.mk - targets that need more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
-.PHONY: interop interop_programs test_web bench-web soak-web bench bench-durable lint fuzz fuzz_run
+.PHONY: interop test_web bench-web soak-web bench bench-durable lint fuzz fuzz_run
 
 CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
@@ -12,7 +12,7 @@ $(O)/%.o: %.cpp
 # need PACKAGES, TEST: stops with a message unless the shell command TEST succeeds.
 need = @{ $(2); } >/dev/null 2>&1 || { echo "make $@ needs the Debian packages: $(1)"; exit 1; }
 
-# ---- interop: compares every reply with CGAL's; conversations through netcat and Redis's tools ----
+# ---- interop: compares every reply with CGAL's; conversations through other programs; our clients in other languages ----
 
 $(O)/interop/compare: $(addprefix $(O)/tests/,interop/compare.o interop/daemon.o oracle/cgal_delaunay.o) $(FAMILIES)
 	@mkdir -p $(@D)
@@ -33,13 +33,42 @@ $(O)/interop/surfaces: $(addprefix $(O)/tests/,interop/surfaces.o interop/daemon
 $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
-interop_programs: all $(O)/tests/bench/points
-	$(call need,g++ libcgal-dev netcat-openbsd redis-tools,command -v $(CXX) && command -v nc && command -v redis-cli && \
-	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
-	@$(MAKE) --no-print-directory $(addprefix $(O)/interop/,compare constrained small_sets surfaces)
+# The parts run beside each other, as many as there are jobs, those that take longest first; the output of each is kept together. Each
+# starts daemons of its own, and prints what failed and a line that counts.
+INTEROP := cgal surfaces python clients follow_1 follow_2 same followers node upgrade conversations metrics
 
-interop: interop_programs
-	tests/interop/run.sh $(O)
+.PHONY: interop_needs $(INTEROP:%=interop_%)
+interop:
+	@$(MAKE) --no-print-directory -k -O $(INTEROP:%=interop_%)
+
+$(INTEROP:%=interop_%): all lib $(O)/tests/bench/points | interop_needs
+interop_needs:
+	$(call need,g++ libcgal-dev netcat-openbsd redis-tools libhiredis-dev nodejs haproxy python3-redis python3-numpy python3-scipy python3-matplotlib python3-shapely python3-geopandas python3-distributed python3-pytest python3-pip python3-prometheus-client, \
+	  for p in $(CXX) nc redis-cli node haproxy; do command -v $$p || exit 1; done; \
+	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - && \
+	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import shapely; import geopandas; import distributed; import pip; import pytest; import prometheus_client')
+
+$(foreach p,cgal surfaces python clients conversations upgrade followers,interop_$(p)): interop_%:
+	@echo "== $*"; tests/interop/$*.sh $(O)
+
+interop_cgal: $(addprefix $(O)/interop/,compare constrained small_sets surfaces)
+interop_clients: $(O)/interop/hiredis_talk
+
+$(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
+	@mkdir -p $(@D)
+	$(CC) -O2 -std=c11 -Wall -Wextra -o $@ $< -lhiredis
+
+interop_node:
+	@echo "== node"; $(if $(shell command -v npm),$(MAKE) --no-print-directory npm && tests/interop/node/package.sh $(O),echo "no npm, so no test of the npm package")
+
+interop_follow_1 interop_follow_2: interop_follow_%:
+	@echo "== follow_$*"; tests/interop/follow/follow.py $(O) $* 8
+
+interop_same:
+	@echo "== same"; tests/interop/same.py $(O) $(O)/delaunayd 150
+
+interop_metrics:
+	@echo "== metrics"; /usr/bin/python3 tests/interop/metrics.py $(O)
 
 # ---- constrained: the part of interop that compares constraints, with larger sets: GRAPHS=10000 SIZE=100000 SEED=1, FAMILY=circle alone ----
 

@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # The daemon with other programs, and our clients in other languages. These are redis-cli, redis-benchmark, hiredis, redis-py, the
-# Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two daemons.
+# Node package, an XML parser of the film that `delaunay trace` makes, haproxy with two daemons.
 #
 #     clients.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh" "$1"
-python=/usr/bin/python3 # Debian's, which sees Debian's packages
 
 # ---- Redis's programs ----
 
@@ -113,59 +112,6 @@ client.load("m", Float64Array.from({ length: 2000000 }, Math.random)).then(
 export build scratch python
 export -f load_by_cli load_by_c load_by_python load_by_node
 
-# ---- the Python package ----
-
-# SciPy, Matplotlib, shapely and GeoPandas must be there: without them a test would be skipped.
-python_package_passes() {
-    DELAUNAYD=$build/delaunayd "$python" -m unittest discover -s clients/python/tests -t clients/python >"$scratch/unittest" 2>&1
-    local status=$?
-    cat "$scratch/unittest"
-    [ "$status" -eq 0 ] && ! grep -q 'skipped=' "$scratch/unittest"
-}
-
-# From a copy of the repository, in which nothing may be left behind; the package includes the daemon.
-python_package_installs() {
-    local copy=$scratch/copy before
-    mkdir -p "$copy" && cp -r --parents clients/python "$copy" && find "$copy" -name __pycache__ -exec rm -r {} + &&
-        before=$(find "$copy" | sort) &&
-        DELAUNAYD=$build/delaunayd "$python" -m pip install -q --no-cache-dir --no-index --no-deps --target "$scratch/site" \
-            "$copy/clients/python" && [ "$(find "$copy" | sort)" = "$before" ] &&
-        env -u DELAUNAYD -u DELAUNAY_URL PYTHONPATH="$scratch/site" "$python" -c '
-import delaunayd, os
-with delaunayd.Client("private:") as c:
-    c.load("t", [(0, 0), (4, 0), (0, 4)])
-    assert c.triangulate("t")["triangles"] == 1
-here = os.path.dirname(delaunayd.__file__)
-assert delaunayd._private.find_program().startswith(here)
-from delaunayd import _library
-from delaunayd.spatial import Delaunay
-assert Delaunay([(0, 0), (4, 0), (0, 4)]).nsimplex == 1 and _library.library()._name.startswith(here)
-assert os.path.isfile(here + "/py.typed")'
-}
-
-# From a tree without a build, into an empty virtual environment: daemon and library are compiled, and nothing else is needed.
-python_package_compiles_the_daemon() {
-    local repository=$scratch/repository found
-    mkdir "$repository" && git archive HEAD | tar -x -C "$repository" && python3 -m venv "$scratch/venv" &&
-        env -u DELAUNAYD -u MAKEFLAGS "$scratch/venv/bin/pip" install -q --no-index --no-cache-dir "$repository/clients/python" &&
-        [ ! -e "$repository/build" ] &&
-        found=$(env -u DELAUNAYD -u DELAUNAY_URL "$scratch/venv/bin/python" -c '
-import delaunayd
-from delaunayd import _library
-with delaunayd.Client("private:") as c:
-    c.load("t", [(0, 0), (4, 0), (0, 4)])
-    print(c.triangulate("t")["triangles"], delaunayd._private.find_program(), _library.library()._name)') &&
-        [[ $found == "1 $scratch/venv/"*" $scratch/venv/"* ]] && [ -s "$scratch"/venv/lib/python*/site-packages/delaunayd-*.dist-info/LICENSE ]
-}
-
-# ---- outlines that people publish ----
-
-fetch_atlas() {
-    [ -e "$build/interop/npm_atlas/node_modules/us-atlas" ] ||
-        timeout 120 npm install --prefix "$build/interop/npm_atlas" --no-save --no-package-lock --no-audit --no-fund --ignore-scripts \
-            world-atlas@2.0.2 us-atlas@3.0.1 >"$scratch/npm" 2>&1
-}
-
 # ---- haproxy ----
 
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
@@ -214,7 +160,7 @@ haproxy_shards() {
     start_daemon first
     first_pid=${pids[-1]}
     start_daemon second
-    front=$((20000 + RANDOM % 10000))
+    front=$((20000 + RANDOM % 5000)) # followers.sh has others
     DELAUNAY_BIND=127.0.0.1:$front SHARD_A=127.0.0.1:$first SHARD_B=127.0.0.1:$second \
         haproxy -db -f clients/haproxy.cfg >"$scratch/haproxy" 2>&1 &
     pids+=($!)
@@ -245,39 +191,9 @@ if perl -MRedis -e 1 2>/dev/null; then
 else
     skip "Redis.pm" "the Debian package libredis-perl is missing"
 fi
-count "the Python package, nothing skipped" python_package_passes
-count "SciPy's own tests of Delaunay and interpolation, with ours" env PYTHONPATH=clients/python \
-    "$python" clients/python/tests/scipy_tests.py
-count "the Python package in process equals the daemon on all families" "$python" tests/interop/in_process.py "$build"
-count "tiles equal one triangulation on all families" "$python" tests/interop/tiles.py "$build"
-count "mirrors equal the set, with kills, lost connections and pauses" "$python" tests/interop/mirrors.py "$build"
-count "the Python package can be installed, with the daemon and the library" python_package_installs
-if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
-    count "the Python package compiles daemon and library where there are none" python_package_compiles_the_daemon
-else
-    skip "the Python package compiles daemon and library where there are none" "the Debian package python3-venv is missing"
-fi
-count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
-count "values in rational arithmetic" "$python" tests/interop/values.py "$port"
-count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
-count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/interop/surfaces.py "$build"
-count "simplified sets in rational arithmetic on all families" "$python" tests/interop/simplify.py "$build"
-count "refined meshes in rational arithmetic on all families" "$python" tests/interop/refine.py "$build"
-count "volumes in rational arithmetic on all families" "$python" tests/interop/volumes.py "$build"
-count "missing values that are skipped, beside sets that never had these points" "$python" tests/interop/fields/missing.py "$build"
-count "several fields of one request, beside each alone" "$python" tests/interop/fields/several.py "$build"
-count "gradients and profiles in rational arithmetic on all families" "$python" tests/interop/slopes.py "$build"
-count "terrain models in rational arithmetic" "$python" tests/interop/terrain.py "$build" 5 40
-count "angles in rational arithmetic on all families" "$python" tests/interop/angles.py "$build"
-count "bands in rational arithmetic on all families" "$python" tests/interop/bands.py "$build"
-if fetch_atlas; then
-    count "outlines of countries and counties in process beside shapely" "$python" tests/interop/outlines.py \
-        "$build"/interop/npm_atlas/node_modules/{world-atlas/countries-50m,world-atlas/land-10m,us-atlas/counties-10m}.json
-else
-    skip "outlines of countries and counties in process beside shapely" "npm cannot fetch packages here"
-fi
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
-DELAUNAYD=$build/delaunayd tests/node.sh clients/js/test/*.test.mjs >"$scratch/node" 2>&1
+# node/package.sh runs d3.test.mjs, beside the published d3-delaunay.
+DELAUNAYD=$build/delaunayd tests/node.sh $(ls clients/js/test/*.test.mjs | grep -v /d3.test) >"$scratch/node" 2>&1
 collect "$scratch/node"
 count "triangles in process of all families are those of the daemon" node tests/interop/node/families.mjs "$build/tests/bench/points" "delaunay://127.0.0.1:$port"
 millions

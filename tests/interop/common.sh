@@ -7,6 +7,7 @@ scratch=$(mktemp -d)
 passed=0
 failed=0
 skipped=0
+python=/usr/bin/python3 # Debian's, which sees Debian's packages
 pids=() # of processes that must not outlive the script
 
 leave() {
@@ -15,19 +16,20 @@ leave() {
 }
 trap leave EXIT
 
-# Runs the command as one test; if it fails, shows the end of what it prints, and of what the shell has carried out: some failures come
-# once in fifty runs.
+# Runs the command as one test, and shows its time if that exceeds a second. If the test fails, shows the end of what it prints, and of
+# what the shell has carried out: some failures come once in fifty runs.
 count() { # NAME COMMAND...
-    local name=$1 status=0
+    local name=$1 status=0 TIMEFORMAT='%R %U %S'
     shift
     exec 9>"$scratch/trace"
     BASH_XTRACEFD=9
     set -x
-    "$@" >"$scratch/out" 2>&1 || status=1
+    { time "$@" >"$scratch/out" 2>&1; } 2>"$scratch/time" || status=1
     { set +x; } 2>/dev/null
     exec 9>&-
     if [ "$status" -eq 0 ]; then
         passed=$((passed + 1))
+        tail -n 1 "$scratch/time" | awk -v name="$name" '$1 > 1 { printf "ok   %s (%.1f s, %.1f s of processors)\n", name, $1, $2 + $3 }'
     else
         failed=$((failed + 1))
         echo "FAIL $name"
@@ -60,6 +62,16 @@ collect() { # FILE
 result() {
     [ "$skipped" -eq 0 ] && echo "$passed passed, $failed failed" || echo "$passed passed, $failed failed, $skipped skipped"
     [ "$failed" -eq 0 ]
+}
+
+# Ends the daemon that was started last.
+stops_cleanly() {
+    local status
+    kill -TERM "$daemon"
+    wait "$daemon"
+    status=$?
+    cat "$scratch/log.port"
+    [ "$status" -eq 0 ]
 }
 
 # Starts a daemon; its port goes to the variable of this name, its number as a process to $daemon, its log to $scratch/log.VARIABLE.

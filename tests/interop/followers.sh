@@ -8,7 +8,7 @@ export DELAUNAY=$build/delaunay
 unset pids
 declare -A pids # of common.sh, by name
 
-base=$((20000 + RANDOM % 10000))
+base=$((25000 + RANDOM % 5000)) # clients.sh has others
 ports=([a]=$base [b]=$((base + 1)) [write]=$((base + 2)) [read]=$((base + 3)) [relay]=$((base + 4)))
 
 start() { # NAME OPTION...

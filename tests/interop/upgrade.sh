@@ -5,7 +5,7 @@
 #     upgrade.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh"
 
-# Objects that do not depend on the version of the format need not be compiled again.
+# Objects that do not depend on the version of the format need not be compiled again, the others without optimisation.
 build_next() {
     local tree=$scratch/tree header=proto/records/record.h version
     mkdir -p "$tree/build" && cp -a Makefile core proto server "$tree" && cp -a --parents clients/rules.mk tests/rules.mk tests/*/rules.mk "$tree" &&
@@ -13,7 +13,7 @@ build_next() {
     version=$(sed -n 's/^ *RECORD_VERSION = \([0-9]*\),$/\1/p' $header)
     # All its files have that version, also those that need no later one today.
     sed -i -E "s/RECORD_VERSION(_PLAIN)? = [0-9]+,/RECORD_VERSION\\1 = $((version + 1)),/" "$tree/$header"
-    ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd && mv "$tree/build/delaunayd" "$scratch/next"
+    ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd CFLAGS=-O0 && mv "$tree/build/delaunayd" "$scratch/next"
 }
 
 ports=([a]=0 [b]=0)

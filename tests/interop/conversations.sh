@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Starts a daemon, compares its replies with CGAL's, and replays the conversations of tests/interop/scripts
-# with netcat, and others with redis-cli and redis-benchmark.
+# Starts a daemon and replays the conversations of tests/interop/scripts with netcat, and others with redis-cli and redis-benchmark.
 #
-#     run.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
+#     conversations.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh" "$1"
 
 # Times and versions of sets vary, and so may the message after an error's code; comments may precede the reply to a slow request.
@@ -108,69 +107,9 @@ netcat_conversations() {
     count "client that goes away" a_client_that_goes_away_harms_nobody
 }
 
-# ---- CGAL ----
-
-compare_with_cgal() {
-    local shard shards=()
-    for shard in 0 1; do
-        "$build/interop/compare" "$port" "$shard" 2 >"$scratch/shard$shard" 2>&1 &
-        shards+=($!)
-    done
-    wait "${shards[@]}"
-    collect "$scratch/shard0"
-    collect "$scratch/shard1"
-}
-
-# Values, weights and alpha shapes, also after a crash: the log has all edits.
-compare_surfaces() {
-    start_daemon port --data "$scratch/data"
-    "$build/interop/surfaces" "$port" >"$scratch/surfaces" 2>&1
-    collect "$scratch/surfaces"
-    { kill -KILL "$daemon" && wait "$daemon"; } 2>/dev/null
-    start_daemon port --data "$scratch/data"
-    "$build/interop/surfaces" "$port" again >"$scratch/surfaces" 2>&1
-    collect "$scratch/surfaces"
-    count "clean stop after a restart" stops_cleanly
-}
-
-constrained_sets() {
-    timeout 300 "$build/interop/constrained" 10000 2000 "$(date +%s)"
-}
-
-many_small_sets() {
-    timeout 120 "$build/interop/small_sets" 20000 "$(date +%s)"
-}
-
-stops_cleanly() {
-    local status
-    kill -TERM "$daemon"
-    wait "$daemon"
-    status=$?
-    cat "$scratch/log.port"
-    [ "$status" -eq 0 ]
-}
-
 start_daemon port
-compare_with_cgal
 netcat_conversations
 count "redis-cli" redis_cli_converses
 count "redis-benchmark" redis_benchmark_finishes
-count "constrained sets" constrained_sets
-count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
-compare_surfaces
-if /usr/bin/python3 -c 'import prometheus_client' 2>/dev/null; then
-    /usr/bin/python3 tests/interop/metrics.py "$build" >"$scratch/metrics" 2>&1
-    collect "$scratch/metrics"
-else
-    skip "metrics" "the Debian package python3-prometheus-client is missing"
-fi
-for seed in 1 2; do
-    /usr/bin/python3 tests/interop/follow/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
-    collect "$scratch/follow"
-done
-tests/interop/same.py "$build" "$build/delaunayd" 150 >"$scratch/same" 2>&1
-collect "$scratch/same"
-tests/interop/upgrade.sh "$build" >"$scratch/upgrade" 2>&1
-collect "$scratch/upgrade"
 result
