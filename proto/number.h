@@ -55,4 +55,7 @@ size_t proto_write_double(char *dst, double v);
  * overwritten. */
 size_t proto_write_u32(char *dst, uint32_t v);
 
+/* The same of 64 bits: at most 20 digits, and 20 bytes. */
+size_t proto_write_u64(char *dst, uint64_t v);
+
 #endif

@@ -257,3 +257,14 @@ size_t proto_write_u32(char *dst, uint32_t v)
     write_three(dst + n + 3, v % 1000);
     return n + 6;
 }
+
+size_t proto_write_u64(char *dst, uint64_t v)
+{
+    enum { DIGITS = 9 };
+    const uint64_t part = 1000000000; /* 10^DIGITS */
+    if (v <= UINT32_MAX)              /* most are */
+        return proto_write_u32(dst, (uint32_t)v);
+    size_t n = proto_write_u64(dst, v / part);
+    write_digits(dst + n, v % part, DIGITS);
+    return n + DIGITS;
+}

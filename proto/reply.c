@@ -52,24 +52,11 @@ const char *reply_code_name(enum reply_code code)
     return code_name[code];
 }
 
-/* Writes at most U64_ROOM bytes; returns how many. Most numbers in replies are small. */
-static size_t write_u64(char *to, uint64_t v)
-{
-    if (v <= UINT32_MAX)
-        return proto_write_u32(to, (uint32_t)v);
-    char digits[U64_ROOM];
-    size_t at = sizeof digits;
-    for (; v != 0; v /= 10)
-        digits[--at] = (char)('0' + v % 10);
-    memcpy(to, digits + at, sizeof digits - at);
-    return sizeof digits - at;
-}
-
 void reply_u64(struct buf *out, uint64_t v)
 {
     char *to = buf_reserve(out, U64_ROOM);
     if (to != NULL)
-        buf_commit(out, write_u64(to, v));
+        buf_commit(out, proto_write_u64(to, v));
 }
 
 static void append_key(struct buf *out, const char *key)
@@ -85,7 +72,7 @@ void reply_ok(struct buf *out, uint64_t rows)
     if (to == NULL)
         return;
     memcpy(to, "OK ", 3);
-    buf_commit(out, 3 + write_u64(to + 3, rows));
+    buf_commit(out, 3 + proto_write_u64(to + 3, rows));
 }
 
 void reply_key_u64(struct buf *out, const char *key, uint64_t value)
@@ -97,7 +84,7 @@ void reply_key_u64(struct buf *out, const char *key, uint64_t value)
     *to++ = ' ';
     memcpy(to, key, len);
     to[len] = '=';
-    buf_commit(out, len + 2 + write_u64(to + len + 1, value));
+    buf_commit(out, len + 2 + proto_write_u64(to + len + 1, value));
 }
 
 /* A number; beyond the largest double `inf` or `-inf`, and `nan` if there is none. */

@@ -4,6 +4,8 @@
  * starts again and reports how many bytes are needed before a new attempt is useful. */
 #include "proto/resp.h"
 
+#include "proto/number.h"
+
 #include <stdint.h>
 #include <string.h>
 
@@ -205,15 +207,11 @@ const char *resp_fault_text(enum resp_fault fault)
 
 enum { HEADER_ROOM = 23 }; /* the mark, a number, CR LF */
 
-/* `<mark><n>\r\n`; returns its length. Rows are many and short, so it is formatted without printf. */
+/* `<mark><n>\r\n`; returns its length. */
 static size_t write_header(char *to, char mark, uint64_t n)
 {
-    size_t digits = 1;
-    for (uint64_t rest = n; rest >= 10; rest /= 10)
-        digits++;
     to[0] = mark;
-    for (size_t at = digits; at > 0; n /= 10)
-        to[at--] = (char)('0' + n % 10);
+    size_t digits = proto_write_u64(to + 1, n);
     memcpy(to + digits + 1, "\r\n", 2);
     return digits + 3;
 }

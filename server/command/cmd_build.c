@@ -117,20 +117,13 @@ static bool waited_for(struct server *s, const struct answer *a, const struct da
 
 static bool read_method(struct answer *a, const struct request *q, enum dt_method *method)
 {
-    const struct word *name = &q->word[3];
+    const struct word *name = q->n == 4 && word_is(&q->word[2], "METHOD") ? &q->word[3] : NULL;
     *method = DT_AUTO;
-    if (q->n == 2)
+    if (q->n == 2 || (name != NULL && word_is(name, "AUTO")))
         return true;
-    if (q->n == 4 && word_is(&q->word[2], "METHOD")) {
-        if (word_is(name, "AUTO"))
-            return true;
-        *method = DT_SHELLING;
-        if (word_is(name, "SHELLING"))
-            return true;
-        *method = DT_DIVIDE;
-        if (word_is(name, "DIVIDE"))
-            return true;
-    }
+    *method = name != NULL && word_is(name, "DIVIDE") ? DT_DIVIDE : DT_SHELLING;
+    if (name != NULL && (*method == DT_DIVIDE || word_is(name, "SHELLING")))
+        return true;
     answer_usage(a);
     return false;
 }

@@ -165,32 +165,25 @@ static bool read_missing(const struct word *w, bool *skip)
 static bool read_option(struct answer *a, enum option option, const struct word *w,
                         struct surface *out)
 {
+    bool known = true;
     switch (option) {
     case OPTION_METHOD:
-        if (read_method(w, &out->how))
-            return true;
-        answer_usage(a);
-        return false;
+        known = read_method(w, &out->how);
+        break;
     case OPTION_AS:
         out->quantity = word_is(w, "aspect") ? DT_ASPECT : DT_SLOPE;
-        if (word_is(w, "aspect") || word_is(w, "slope"))
-            return true;
-        answer_usage(a);
-        return false;
+        known = word_is(w, "aspect") || word_is(w, "slope");
+        break;
     case OPTION_OUTSIDE:
         out->beyond = word_is(w, "nearest");
-        if (out->beyond || word_is(w, "nan"))
-            return true;
-        answer_usage(a);
-        return false;
+        known = out->beyond || word_is(w, "nan");
+        break;
     case OPTION_MISSING:
-        if (read_missing(w, &out->skip))
-            return true;
-        answer_usage(a);
-        return false;
+        known = read_missing(w, &out->skip);
+        break;
     case OPTION_CLIP:
         out->other = w;
-        return true;
+        break;
     case OPTION_MAXEDGE:
         return read_length(a, w, "length", &out->max_edge);
     case OPTION_EVERY:
@@ -202,7 +195,9 @@ static bool read_option(struct answer *a, enum option option, const struct word 
     case OPTION_INSIDE:
         break;
     }
-    return true;
+    if (!known)
+        answer_usage(a);
+    return known;
 }
 
 /* Reads the options among `allowed` from the word `at` on, in any order; no other word may follow. */

@@ -53,6 +53,19 @@ static void release(struct holders *in, struct hold *h)
         in->released(h);
 }
 
+/* `fails`: those that still wait are not saved. */
+static void release_all(struct holders *in, bool fails)
+{
+    for (unsigned i = 0; i < HOLD_REACTORS; i++) {
+        for (struct hold *h = list_first(&in->holds[i]), *next; h != NULL; h = next) {
+            next = list_next(&in->holds[i], h);
+            release(in, h);
+            if (fails && h->groups > 0)
+                in->not_saved(h);
+        }
+    }
+}
+
 /* Sets the durable lsn, here and on followers. */
 static void look_again(struct holders *in)
 {
@@ -61,12 +74,7 @@ static void look_again(struct holders *in)
     if (durable == in->durable)
         return;
     in->durable = durable;
-    for (unsigned i = 0; i < HOLD_REACTORS; i++) {
-        for (struct hold *h = list_first(&in->holds[i]), *next; h != NULL; h = next) {
-            next = list_next(&in->holds[i], h);
-            release(in, h);
-        }
-    }
+    release_all(in, false);
 }
 
 void holders_release(struct holders *in, uint64_t lsn)
@@ -93,14 +101,7 @@ void holders_follow_none(struct holders *in)
 void holders_fail(struct holders *in, enum hold_cause cause)
 {
     in->failing |= cause;
-    for (unsigned i = 0; i < HOLD_REACTORS; i++) {
-        for (struct hold *h = list_first(&in->holds[i]), *next; h != NULL; h = next) {
-            next = list_next(&in->holds[i], h);
-            release(in, h);
-            if (h->groups > 0)
-                in->not_saved(h);
-        }
-    }
+    release_all(in, true);
 }
 
 void holders_recover(struct holders *in, enum hold_cause cause)

@@ -197,28 +197,24 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
 
 static inline struct rows rows_of(const struct query *q, struct version *v)
 {
+    static const struct {
+        enum row_form form;
+        size_t width;
+    } of[] = {[QUERY_LISTS] = {ROW_RING, 1},
+              [QUERY_TRIANGLES] = {ROW_IDS, 3},
+              [QUERY_EDGES] = {ROW_IDS, 2},
+              [QUERY_NEAREST] = {ROW_NEIGHBOUR, 1},
+              [QUERY_BOX] = {ROW_POINT, 1},
+              [QUERY_DISC] = {ROW_POINT, 1},
+              [QUERY_WEIGHTS] = {ROW_VALUE, ROW_VALUE_WORDS},
+              [QUERY_CONSTRAINTS] = {ROW_CONSTRAINT, ROW_CONSTRAINT_WORDS},
+              [QUERY_CONSTRAINED] = {ROW_IDS, 2}};
     struct rows rows = {.version = v,
-                        .form = ROW_POINT,
-                        .width = 1,
+                        .form = of[q->kind].form,
+                        .width = of[q->kind].width,
                         .from = q->place.at,
                         .cw = q->cw,
                         .binary = q->binary};
-    if (q->kind == QUERY_LISTS)
-        rows.form = ROW_RING;
-    if (q->kind == QUERY_NEAREST)
-        rows.form = ROW_NEIGHBOUR;
-    if (q->kind == QUERY_TRIANGLES || q->kind == QUERY_EDGES || q->kind == QUERY_CONSTRAINED) {
-        rows.form = ROW_IDS;
-        rows.width = q->kind == QUERY_TRIANGLES ? 3 : 2;
-    }
-    if (q->kind == QUERY_CONSTRAINTS) {
-        rows.form = ROW_CONSTRAINT;
-        rows.width = ROW_CONSTRAINT_WORDS;
-    }
-    if (q->kind == QUERY_WEIGHTS) {
-        rows.form = ROW_VALUE;
-        rows.width = ROW_VALUE_WORDS;
-    }
     return rows;
 }
 

@@ -68,20 +68,25 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
     write_values(r, out, id);
 }
 
-static void write_ids(struct rows *r, struct buf *out, const uint32_t *id, size_t n)
+static void write_listed_point(struct rows *r, struct buf *out, const uint32_t *id)
 {
-    if (r->binary)
-        reply_words_u32(out, id, n);
-    else
-        reply_row_ids(out, id, n);
+    write_point(r, out, *id);
 }
 
-static void write_ring(struct rows *r, struct buf *out, uint32_t id)
+static void write_ids(struct rows *r, struct buf *out, const uint32_t *id)
+{
+    if (r->binary)
+        reply_words_u32(out, id, r->width);
+    else
+        reply_row_ids(out, id, r->width);
+}
+
+static void write_ring(struct rows *r, struct buf *out, const uint32_t *id)
 {
     uint32_t rep;
     bool boundary;
     r->ring.n = 0;
-    r->status = dt_view_ring(r->version->dt, r->view, id, r->cw, &r->ring, &rep, &boundary);
+    r->status = dt_view_ring(r->version->dt, r->view, *id, r->cw, &r->ring, &rep, &boundary);
     if (r->status != DT_OK || !make_room(r, out, r->ring.n + 2, 0, r->ring.cap * sizeof *r->ring.v))
         return;
     if (r->binary) {
@@ -103,8 +108,9 @@ void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value)
     memcpy(&word[1], &value, sizeof value);
 }
 
-static void write_value(struct buf *out, const uint32_t word[ROW_VALUE_WORDS])
+static void write_value(struct rows *r, struct buf *out, const uint32_t *word)
 {
+    (void)r;
     double value;
     memcpy(&value, &word[1], sizeof value);
     reply_row_value(out, word[0], value);
@@ -117,7 +123,7 @@ void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint
     word[3] = places;
 }
 
-static void write_line(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_line(struct rows *r, struct buf *out, const uint32_t *word)
 {
     double level;
     if (!make_room(r, out, 1, 2 * (size_t)word[3] + 1, 0))
@@ -135,7 +141,7 @@ void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring
     word[6] = (uint32_t)ring->n;
 }
 
-static void write_band(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_band(struct rows *r, struct buf *out, const uint32_t *word)
 {
     double level[2];
     if (!make_room(r, out, 2, 2 * (size_t)word[6] + 2, 0))
@@ -152,21 +158,22 @@ void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *reg
     memcpy(&word[3], &region->area, sizeof region->area);
 }
 
-static void write_region(struct buf *out, const uint32_t word[ROW_REGION_WORDS])
+static void write_region(struct rows *r, struct buf *out, const uint32_t *word)
 {
+    (void)r;
     double area;
     memcpy(&area, &word[3], sizeof area);
     reply_row_region(out, word[0], word[1] != 0, word[2], area);
 }
 
 /* k, and k ids. */
-static void write_counted(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_counted(struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (make_room(r, out, 1 + (size_t)word[0], 0, 0))
         reply_row_ids(out, word, 1 + (size_t)word[0]);
 }
 
-static void write_loop(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_loop(struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (!make_room(r, out, 1 + (size_t)word[1], 0, 0))
         return;
@@ -174,7 +181,7 @@ static void write_loop(const struct rows *r, struct buf *out, const uint32_t *wo
     reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
 }
 
-static void write_numbers(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_numbers(struct rows *r, struct buf *out, const uint32_t *word)
 {
     double v[ROW_NUMBERS_MOST];
     memcpy(v, word, r->width * sizeof *word);
@@ -184,7 +191,7 @@ static void write_numbers(const struct rows *r, struct buf *out, const uint32_t 
         reply_row_numbers(out, v, r->width / 2);
 }
 
-static void write_constraint(const struct rows *r, struct buf *out, const uint32_t *word)
+static void write_constraint(struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (r->binary)
         reply_words_u32(out, word, ROW_CONSTRAINT_WORDS);
@@ -192,16 +199,31 @@ static void write_constraint(const struct rows *r, struct buf *out, const uint32
         reply_row_constraint(out, word[0], word[1], (word[2] & 1) != 0, word[2] >> 1);
 }
 
+/* How a row of a list is written, and its words: `head`, and `each` more for each of those that word `count` of it counts.
+ * Without a head: `width`. */
+static const struct list_form {
+    void (*write)(struct rows *r, struct buf *out, const uint32_t *word);
+    size_t head, count, each;
+} list_forms[] = {
+    [ROW_IDS] = {.write = write_ids},
+    [ROW_POINT] = {.write = write_listed_point},
+    [ROW_NEIGHBOUR] = {.write = write_listed_point},
+    [ROW_RING] = {.write = write_ring},
+    [ROW_VALUE] = {.write = write_value},
+    [ROW_LINE] = {write_line, ROW_LINE_WORDS, 3, 4},
+    [ROW_BAND] = {write_band, ROW_BAND_WORDS, 6, 4},
+    [ROW_LOOP] = {write_loop, 2, 1, 1},
+    [ROW_CONSTRAINT] = {.write = write_constraint},
+    [ROW_REGION] = {.write = write_region},
+    [ROW_COUNTED] = {write_counted, 1, 0, 1},
+    [ROW_NUMBERS] = {.write = write_numbers},
+};
+
 /* The words of the list that the row at `at` takes. */
 static size_t list_words(const struct rows *r, size_t at)
 {
-    if (r->form == ROW_COUNTED)
-        return 1 + (size_t)r->ids.v[at];
-    if (r->form == ROW_LOOP)
-        return 2 + (size_t)r->ids.v[at + 1];
-    if (r->form == ROW_BAND)
-        return ROW_BAND_WORDS + 4 * (size_t)r->ids.v[at + 6];
-    return r->form == ROW_LINE ? ROW_LINE_WORDS + 4 * (size_t)r->ids.v[at + 3] : r->width;
+    const struct list_form *f = &list_forms[r->form];
+    return f->head == 0 ? r->width : f->head + f->each * r->ids.v[at + f->count];
 }
 
 /* Prefetches the data of the next rows. */
@@ -225,28 +247,7 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
         }
         if (r->at % DT_AHEAD == 0 && r->ids.n > 1)
             fetch_next(r);
-        if (r->form == ROW_IDS)
-            write_ids(r, out, id, r->width);
-        else if (r->form == ROW_RING)
-            write_ring(r, out, *id);
-        else if (r->form == ROW_LOOP)
-            write_loop(r, out, id);
-        else if (r->form == ROW_COUNTED)
-            write_counted(r, out, id);
-        else if (r->form == ROW_REGION)
-            write_region(out, id);
-        else if (r->form == ROW_NUMBERS)
-            write_numbers(r, out, id);
-        else if (r->form == ROW_CONSTRAINT)
-            write_constraint(r, out, id);
-        else if (r->form == ROW_VALUE)
-            write_value(out, id);
-        else if (r->form == ROW_LINE)
-            write_line(r, out, id);
-        else if (r->form == ROW_BAND)
-            write_band(r, out, id);
-        else
-            write_point(r, out, *id);
+        list_forms[r->form].write(r, out, id);
         r->at += list_words(r, r->at);
     }
     r->done = r->at == r->ids.n;
