@@ -8,7 +8,7 @@
 #include "server/info.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "server/sets/valued.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"

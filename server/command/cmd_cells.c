@@ -9,7 +9,7 @@
 
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

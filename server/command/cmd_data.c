@@ -5,8 +5,8 @@
 #include "server/clients/clients.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/submit.h"
-#include "server/replies/answer_rows.h"
 #include "server/replies/listing.h"
+#include "server/rows/answer_rows.h"
 #include "server/sets/valued.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "core/delaunay_fields.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* cmd_mesh.c - REFINE: the request becomes a drawing that is planned as a split is (changes/drawing.h). */
 #include "server/command/command.h"
 
-#include "server/sets/surface_rows.h"
+#include "server/rows/surface_rows.h"
 
 enum { ANGLE_UNASKED = 25, POINTS_EACH = 16 }; /* without limits; and that may be added for each */
 

@@ -4,9 +4,9 @@
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
 #include "server/ops/limits.h"
-#include "server/replies/answer_rows.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"
+#include "server/rows/answer_rows.h"
 
 #include <stdlib.h>
 

@@ -5,12 +5,9 @@
 #include "server/command/ahead.h"
 #include "server/jobs/skip.h"
 #include "server/ops/limits.h"
-#include "server/replies/clip.h"
-#include "server/replies/profile.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"
 #include "server/replies/surface.h"
-#include "server/replies/volume.h"
 
 #include <math.h>
 #include <stdlib.h>

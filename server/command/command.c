@@ -9,7 +9,7 @@
 #include "server/jobs/upkeep.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 
 #include <stdlib.h>
 #include <string.h>

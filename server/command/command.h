@@ -9,7 +9,7 @@
 #include "server/changes/change.h"
 #include "server/jobs/server.h"
 #include "server/replies/listing.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 /* set is NULL for a command without CMD_SET, or if there is no set of that name and the command does not require
  * one. */

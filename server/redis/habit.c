@@ -1,5 +1,5 @@
-/* habit.c - see habit.h. */
-#include "server/redis/habit.h"
+/* habit.c - see handlers.h. Small requests that libraries send by habit, and unknown ones. */
+#include "server/redis/handlers.h"
 
 #include "proto/number.h"
 #include "proto/resp.h"

@@ -1,12 +1,11 @@
-/* keys.c - see keys.h. */
-#include "server/redis/keys.h"
+/* keys.c - see handlers.h. Sets as keys. */
+#include "server/redis/handlers.h"
 
 #include "proto/number.h"
 #include "proto/resp.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/expire.h"
 #include "server/redis/glob.h"
-#include "server/redis/redis_reply.h"
 
 #include <inttypes.h>
 #include <stdio.h>

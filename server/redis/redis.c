@@ -7,13 +7,7 @@
 #include "server/bodies/load.h"
 #include "server/clients/clients.h"
 #include "server/ops/setting.h"
-#include "server/redis/habit.h"
-#include "server/redis/keys.h"
-#include "server/redis/redis_client.h"
-#include "server/redis/redis_expire.h"
-#include "server/redis/redis_info.h"
-#include "server/redis/redis_reply.h"
-#include "server/redis/transaction.h"
+#include "server/redis/handlers.h"
 
 #include <inttypes.h>
 #include <stdio.h>

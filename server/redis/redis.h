@@ -1,12 +1,8 @@
 /* redis.h - requests of Redis tools and client libraries that are not commands of ours, or that need a reply in
  * Redis's form. Only in RESP framing (proto/resp.h).
  *
- *     redis.c          HELLO 2 and 3, PING, ECHO, SELECT, CONFIG GET, COMMAND, AUTH
- *     redis_client.h   CLIENT
- *     redis_info.h     INFO
- *     keys.h           sets as keys; redis_expire.h: when they expire
- *     transaction.h    transactions, which are not carried out
- *     habit.h          small requests, and those that neither Redis's table nor ours has */
+ *     redis.c      HELLO 2 and 3, PING, ECHO, SELECT, CONFIG GET, COMMAND, AUTH
+ *     handlers.h   the others */
 #ifndef SERVER_REDIS_REDIS_H
 #define SERVER_REDIS_REDIS_H
 

@@ -1,5 +1,5 @@
-/* redis_client.c - see redis_client.h. */
-#include "server/redis/redis_client.h"
+/* redis_client.c - see handlers.h. CLIENT. */
+#include "server/redis/handlers.h"
 
 #include "proto/resp.h"
 #include "server/clients/clients.h"

@@ -1,9 +1,8 @@
-/* redis_expire.c - see redis_expire.h. Times are turned into the seconds of our EXPIRE. */
-#include "server/redis/redis_expire.h"
+/* redis_expire.c - see handlers.h. When sets are dropped. Times are turned into the seconds of our EXPIRE. */
+#include "server/redis/handlers.h"
 
 #include "proto/number.h"
 #include "server/jobs/expire.h"
-#include "server/redis/keys.h"
 
 #include <math.h>
 #include <stdio.h>

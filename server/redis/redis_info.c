@@ -1,6 +1,6 @@
-/* redis_info.c - see redis_info.h. A section is a line `# Name`, Redis's facts, and ours as INFO in lines has them. Programs take the
+/* redis_info.c - see handlers.h. INFO. A section is a line `# Name`, Redis's facts, and ours as INFO in lines has them. Programs take the
  * sections apart by these lines, and facts by their names; so two facts of ours that mean something else in Redis have other names. */
-#include "server/redis/redis_info.h"
+#include "server/redis/handlers.h"
 
 #include "proto/resp.h"
 #include "server/clients/clients.h"

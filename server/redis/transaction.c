@@ -1,5 +1,5 @@
-/* transaction.c - see transaction.h. */
-#include "server/redis/transaction.h"
+/* transaction.c - see handlers.h. MULTI and what follows it. */
+#include "server/redis/handlers.h"
 
 void redis_multi(struct server *s, const struct request *q, struct answer *a)
 {

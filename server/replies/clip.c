@@ -1,5 +1,5 @@
-/* clip.c - see clip.h. */
-#include "server/replies/clip.h"
+/* clip.c - see surface.h. */
+#include "server/replies/surface.h"
 
 #include "core/delaunay_constraints.h"
 #include "server/jobs/job.h"

@@ -5,7 +5,7 @@
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 #ifndef SERVER_LISTING_H
 #define SERVER_LISTING_H
 
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 
 /* The rows that have been made. */
 struct listing_rows {

@@ -1,9 +1,9 @@
-/* profile.c - see profile.h. */
-#include "server/replies/profile.h"
+/* profile.c - see surface.h. */
+#include "server/replies/surface.h"
 
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "core/delaunay_constraints.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
-#include "server/replies/answer_rows.h"
-#include "server/replies/constraint_rows.h"
+#include "server/rows/answer_rows.h"
+#include "server/rows/constraint_rows.h"
 
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
 #define SERVER_REGIONS_H
 
 #include "server/jobs/server.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 enum regions_kind {
     REGIONS_ALL,

@@ -1,7 +1,7 @@
 /* surface.c - see surface.h. */
 #include "server/replies/surface.h"
 
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include <stdlib.h>
 

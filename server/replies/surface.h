@@ -1,13 +1,13 @@
-/* surface.h - values between points: at places, at the cells of a raster, and contours.
+/* surface.h - surfaces between points: values at places and at the cells of a raster, contours, profiles and volumes.
  *
- * Everything is of one state of the set. Values are rows that are made as they are sent (sets/surface_rows.h). Contours
- * are traced by a job (contour.c). */
+ * Everything is of one state of the set. Values are rows that are made as they are sent (rows/surface_rows.h). Jobs trace contours
+ * (contour.c), follow profiles (profile.c), add up volumes (volume.c), and mark the cells that CLIP keeps (clip.c). */
 #ifndef SERVER_SURFACE_H
 #define SERVER_SURFACE_H
 
 #include "core/delaunay_surface.h"
 #include "server/jobs/server.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 enum surface_kind { SURFACE_PLACES, SURFACE_RASTER, SURFACE_CONTOUR, SURFACE_PROFILE };
 
@@ -47,15 +47,48 @@ struct surface_moment {
 void surface_answer_values(struct server *s, struct answer *a, const struct surface_moment *m,
                            struct surface *q);
 
-/* Answers, except SURFACE_CONTOUR, SURFACE_PROFILE (profile.h) and CLIP (clip.h); what *q owns moves here. The version has the
- * field. */
+/* Answers SURFACE_PLACES, and SURFACE_RASTER without CLIP; what *q owns moves here. The version has the field. */
 void surface_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
 
-/* Answers a SURFACE_CONTOUR; what *q owns moves here. The source has the field (contour.c). */
+/* Answers a SURFACE_CONTOUR; what *q owns moves here. The source has the field. */
 void contour_answer(struct server *s, struct answer *a, const struct surface_source *from,
+                    struct surface *q);
+
+/* The same for a SURFACE_PROFILE. A short way is followed at once, others by a worker, while edits of the set wait. The rows are in memory
+ * before they are sent. */
+void profile_answer(struct server *s, struct answer *a, const struct surface_source *from,
                     struct surface *q);
 
 /* Frees what it owns. */
 void surface_clear(struct surface *q);
+
+/* ---- RASTER ... CLIP: only cells whose centres are inside a border of another set ----
+ *
+ * A worker marks them, a bit for each cell, before the reply begins. Edits of the other set wait meanwhile. The values are read
+ * afterwards, as the raster's set was when the request came, so no worker reads both sets at a time. */
+
+/* Whether the set `other` can clip: its regions are known, and one of its borders is closed. If not, the request waits, or the ERR
+ * line has been written. */
+bool clip_ready(struct server *s, struct answer *a, struct dataset *other);
+
+/* Answers with the raster of the version, clipped by q->clip; what *q owns moves here. */
+void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
+
+/* ---- VOLUME: between a surface and a level, or another surface ---- */
+
+struct volume {
+    const struct dt_field *field, *minus; /* of the set now; minus: NULL for the level */
+    double level;
+    bool based;           /* the level or the other field has been read */
+    struct inside inside; /* regions_ready */
+    bool skip;            /* MISSING skip */
+    bool clipped;
+    struct dt_point lo, hi; /* of the box, if clipped */
+};
+
+/* Answers with the volumes above and below, and the area of the surface: `OK 0 above= below= area=`. All of one state of
+ * the set; a worker reads it in pieces of a few milliseconds. With INSIDE edits of the set wait until it has. */
+void volume_answer(struct server *s, struct answer *a, const struct surface_source *from,
+                   const struct volume *volume);
 
 #endif

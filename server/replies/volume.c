@@ -1,5 +1,5 @@
-/* volume.c - see volume.h. */
-#include "server/replies/volume.h"
+/* volume.c - see surface.h. */
+#include "server/replies/surface.h"
 
 #include <string.h>
 

@@ -10,7 +10,7 @@
 #include "server/command/command.h"
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "server/session/request_stats.h"
 #include "server/session/session_inside.h"
 #include "server/watch/watch.h"

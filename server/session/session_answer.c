@@ -4,7 +4,7 @@
 #include "server/bodies/load.h"
 #include "server/command/command.h"
 #include "server/replies/resp3.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "server/session/request_stats.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"

@@ -3,7 +3,7 @@
 #include "server/bodies/load.h"
 #include "server/clients/clients.h"
 #include "server/ops/limits.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 

@@ -15,7 +15,7 @@ trap 'rm -rf "$found"' EXIT
 declare -A rooms=(
     [core]='exact control memory fields points mesh constraints grid set divide shelling query cells triangle contours surface edit meshing thinning arrays tiles'
     [clients]='lib reading points lines grids files meshes surfaces pictures cli commands'
-    [server]='system ops sets changes disk jobs bodies replies clients command watch follow redis repair session'
+    [server]='system ops sets changes disk jobs bodies rows replies clients command watch follow redis repair session'
 )
 
 # ---- which files ----

@@ -7,7 +7,7 @@
 #include "server/jobs/job.h"
 #include "server/jobs/keep.h"
 #include "server/lifecycle.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "tests/test.h"
 
 #include <poll.h>

@@ -8,7 +8,7 @@
 #include "server/jobs/job.h"
 #include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/server/local.h"

@@ -1,6 +1,6 @@
 /* surface_rows_test.c - values of a surface are made while they are sent. They are the values of the moment of the
  * request, although other clients edit the set, and they take the memory of a few pieces. */
-#include "server/replies/row_stream.h"
+#include "server/rows/row_stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -1,7 +1,7 @@
 /* stream_test.c - replies that workers make in pieces: the same bytes as without workers, and abandoned
  * replies, or those without memory, leave nothing behind. */
 #include "server/command/command.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -4,7 +4,7 @@
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 /* Answers with *rows, whose version need not be pinned. Writes them at once if they are few. Otherwise it creates a
  * stream (ANSWER_STREAM), which takes *ids, so that *ids is empty, and rows->made. ids is NULL for a table. The status

@@ -7,8 +7,8 @@
 
 #include "core/delaunay_surface.h"
 #include "proto/buf.h"
-#include "server/sets/pace.h"
-#include "server/sets/room.h"
+#include "server/rows/pace.h"
+#include "server/rows/room.h"
 
 /* INSIDE: the part inside a border, or inside any border. */
 struct inside {

@@ -8,10 +8,10 @@
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "proto/reply.h"
+#include "server/rows/pace.h"
+#include "server/rows/room.h"
+#include "server/rows/surface_rows.h"
 #include "server/sets/dataset.h"
-#include "server/sets/pace.h"
-#include "server/sets/room.h"
-#include "server/sets/surface_rows.h"
 
 enum row_form {
     ROW_IDS,        /* `width` ids from the list */

@@ -1,8 +1,8 @@
 /* row_stream.c - see row_stream.h. */
-#include "server/replies/row_stream.h"
+#include "server/rows/row_stream.h"
 
 #include "server/jobs/job.h"
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 #include "server/sets/past.h"
 
 #include <stdlib.h>

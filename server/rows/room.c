@@ -1,5 +1,5 @@
 /* room.c - see room.h. */
-#include "server/sets/room.h"
+#include "server/rows/room.h"
 
 bool room_make(struct reservation *memory, struct buf *out, size_t bytes, size_t beside)
 {

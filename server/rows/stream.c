@@ -1,5 +1,5 @@
 /* stream.c - see stream.h. */
-#include "server/replies/stream.h"
+#include "server/rows/stream.h"
 
 #include <stdlib.h>
 

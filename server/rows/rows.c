@@ -1,5 +1,5 @@
 /* rows.c - see rows.h. */
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 #include "core/delaunay_fields.h"
 #include "server/ops/limits.h"

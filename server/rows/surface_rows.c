@@ -1,5 +1,5 @@
 /* surface_rows.c - see surface_rows.h. */
-#include "server/sets/surface_rows.h"
+#include "server/rows/surface_rows.h"
 
 #include "core/delaunay_constraints.h"
 #include "proto/reply.h"

@@ -1,5 +1,5 @@
 /* rows_test.c - rows that take long: a piece of them ends at a bound of steps, and where its flag is set. */
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -1,5 +1,5 @@
 /* room_test.c - the room of long rows is counted before it is taken, and is exact. */
-#include "server/sets/room.h"
+#include "server/rows/room.h"
 #include "tests/test.h"
 
 static size_t limit;

@@ -1,8 +1,8 @@
 /* answer_rows.c - see answer_rows.h. */
-#include "server/replies/answer_rows.h"
+#include "server/rows/answer_rows.h"
 
 #include "server/ops/cost.h"
-#include "server/replies/row_stream.h"
+#include "server/rows/row_stream.h"
 
 #include <stdlib.h>
 

@@ -1,9 +1,9 @@
 /* constraint_rows.c - see constraint_rows.h. */
-#include "server/replies/constraint_rows.h"
+#include "server/rows/constraint_rows.h"
 
 #include "core/delaunay_constraints.h"
 #include "server/changes/constraint.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -16,8 +16,8 @@
 #ifndef SERVER_ROW_STREAM_H
 #define SERVER_ROW_STREAM_H
 
-#include "server/replies/stream.h"
-#include "server/sets/rows.h"
+#include "server/rows/rows.h"
+#include "server/rows/stream.h"
 
 /* Answers with a stream of *rows and pins their version. True: ANSWER_STREAM; what *rows owns, its fields, and *places
  * (NULL: none) move to the stream. False: answer_out_of_memory or answer_busy; then they are still the caller's.
