@@ -3,6 +3,7 @@
 
 #include "server/clients/clients.h"
 #include "server/clients/reload.h"
+#include "server/jobs/durable.h"
 #include "server/ops/setting.h"
 
 #include <stdio.h>
@@ -94,6 +95,7 @@ static void set(struct server *s, const struct request *q, struct answer *a)
     }
     report(s, a, &next);
     *s->config = next;
+    durable_settings_changed(s);
     notice_set_level(next.log_level);
     server_memory_freed(s); /* a higher limit is like freed memory */
     answer_ok(a);

@@ -374,6 +374,7 @@ const char *follower_promote(struct server *s)
     leader_dismiss(s);
     s->follows = false;
     s->read_only.why = NULL;
+    durable_settings_changed(s);
     notice(NOTICE_INFO, "this daemon is a leader now");
     inform(f);
     return NULL;

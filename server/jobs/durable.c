@@ -199,6 +199,7 @@ static bool end_reading(struct server *s)
     recovery_clear(&d->recovery);
     holders_release(&s->held, d->saver.status.durable);
     d->stage = STAGE_READ;
+    durable_settings_changed(s);
     return true;
 }
 
@@ -216,13 +217,6 @@ void durable_complete(struct server *s)
 
 /* ---- snapshots ---- */
 
-/* The setting may be another one than at the last snapshot. */
-static void apply_keep_log(struct server *s)
-{
-    if (s->durable->keeps)
-        s->durable->dir.keep_log = s->config->keep_log;
-}
-
 enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
 {
     struct durable *d = s->durable;
@@ -230,7 +224,6 @@ enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
         return DURABLE_OFF;
     if (d->saver.state != SAVER_IDLE)
         return DURABLE_BUSY;
-    apply_keep_log(s);
     if (!saver_begin(&d->saver, clock_ms()))
         return DURABLE_NOMEM;
     *lsn = d->saver.cut;
@@ -262,12 +255,6 @@ void durable_note_backup(struct server *s, const struct backup *b)
 
 /* ---- events ---- */
 
-static void step_saver(struct server *s)
-{
-    apply_keep_log(s); /* before a snapshot may remove segments */
-    saver_step(&s->durable->saver, clock_ms(), s->stopping);
-}
-
 enum durable_news durable_on_event(struct server *s)
 {
     struct durable *d = s->durable;
@@ -277,7 +264,7 @@ enum durable_news durable_on_event(struct server *s)
     if (read && !end_reading(s))
         return DURABLE_FAILED;
     if (is_running(d))
-        step_saver(s);
+        saver_step(&d->saver, clock_ms(), s->stopping);
     return read ? DURABLE_READ : DURABLE_NO_NEWS;
 }
 
@@ -288,7 +275,7 @@ void durable_tick(struct server *s)
         return;
     if (d->saver.status.state != LOG_FAILED)
         log_tend(d->log);
-    step_saver(s);
+    saver_step(&d->saver, clock_ms(), s->stopping);
 }
 
 /* ---- for followers ---- */
@@ -311,7 +298,19 @@ bool durable_has_gap(const struct server *s)
 void durable_keep_log(struct server *s)
 {
     s->durable->keeps = true;
-    apply_keep_log(s);
+    durable_settings_changed(s);
+}
+
+void durable_settings_changed(struct server *s)
+{
+    struct durable *d = s->durable;
+    bool leads = s->leader != NULL && s->read_only.why == NULL;
+    if (!is_running(d)) /* when it has read the directory */
+        return;
+    if (d->keeps)
+        d->dir.keep_log = s->config->keep_log;
+    if (leads && s->config->min_followers > 0 && !s->held.needs_followers)
+        holders_follow(&s->held, 0);
 }
 
 void durable_set_digest(struct server *s, const uint64_t *digest)

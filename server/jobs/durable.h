@@ -57,6 +57,11 @@ bool durable_prepare_backup(struct server *s, struct backup *b);
 /* It has been written: for INFO. */
 void durable_note_backup(struct server *s, const struct backup *b);
 
+/* A setting, or the role of this daemon, has changed. To be called before others can make requests that rely on it: with several reactors
+ * they may do so before the end of this turn. From now on the log keeps what --keep-log says. If changes need followers now, replies wait
+ * until leader.h has counted these. */
+void durable_settings_changed(struct server *s);
+
 /* ---- for followers (server/follow) ---- */
 
 /* The directory; NULL without --data, and while it is being read. */

@@ -4,6 +4,8 @@
 
 #include "server/command/command.h"
 #include "server/disk/recover.h"
+#include "server/follow/follower.h"
+#include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 #include "server/jobs/upkeep.h"
@@ -123,7 +125,7 @@ TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep
     CHECK(directory_file(&b.dir, "log.", 1, path));
     local_ask(&b.l, "ADD t 2 2\n");
     durable_turn_end(&b.l.server);
-    b.l.config.keep_log = 1;
+    local_ask(&b.l, "CONFIG SET keep-log 1\n");
     CHECK(durable_begin_snapshot(&b.l.server, &lsn) == DURABLE_BEGUN);
     event.fd = durable_event(&b.l.server);
     do {
@@ -131,6 +133,72 @@ TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep
         durable_facts(&b.l.server, &facts);
     } while (facts.snapshots == 1);
     CHECK(!directory_file(&b.dir, "log.", 1, path));
+    local_stop(&b.l);
+    directory_remove(&b.dir);
+}
+
+/* ---- --min-followers within a turn ---- */
+
+static void ignore_hold(struct hold *h)
+{
+    (void)h;
+}
+
+/* Makes a change, and writes it to the disk before the turn ends; whether its reply still waits. */
+static bool waits_for_followers(struct bench *b)
+{
+    struct hold hold = {.groups = 0};
+    struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
+    local_ask(&b->l, "ADD t 1 1\n");
+    uint64_t lsn = durable_last_lsn(&b->l.server);
+    hold_acknowledgement(&b->l.server.held, &hold, lsn, 0);
+    log_push(durable_log(&b->l.server));
+    while (durable_status(&b->l.server)->durable < lsn)
+        CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b->l.server));
+    bool waits = hold.groups > 0;
+    hold_clear(&hold);
+    return waits;
+}
+
+static void begin_leading(struct bench *b)
+{
+    begin(b, 0);
+    b->l.server.held.released = b->l.server.held.not_saved = ignore_hold;
+    CHECK(leader_start(&b->l.server, &b->l.server.reactor->loop));
+    CHECK(!waits_for_followers(b));
+}
+
+/* Another reactor answers CONFIG SET and the next change, which the disk has before the turn of the first one ends. */
+TEST(change_after_config_set_min_followers_waits_at_once)
+{
+    struct bench b;
+    begin_leading(&b);
+    CHECK_STR(local_ask(&b.l, "CONFIG SET min-followers 1\n"), "OK 0\n");
+    CHECK(waits_for_followers(&b));
+    leader_turn_end(&b.l.server);
+    CHECK(waits_for_followers(&b));
+    local_ask(&b.l, "CONFIG SET min-followers 0\n");
+    leader_turn_end(&b.l.server);
+    CHECK(!waits_for_followers(&b));
+    local_stop(&b.l);
+    directory_remove(&b.dir);
+}
+
+/* The same after FOLLOW NONE. */
+TEST(change_after_a_promotion_waits_for_followers_at_once)
+{
+    struct bench b;
+    begin_leading(&b);
+    struct server *s = &b.l.server;
+    CHECK(follower_prepare(s, &s->reactor->loop));
+    follower_begin(s);
+    struct history newer = history_next(&durable_dir(s)->lineage.history, 1);
+    follower_meet(s, &newer);
+    CHECK(strncmp(local_ask(&b.l, "ADD t 1 1\n"), "ERR READONLY", 12) == 0);
+    local_ask(&b.l, "CONFIG SET min-followers 1\n");
+    leader_turn_end(s);
+    CHECK(follower_promote(s) == NULL);
+    CHECK(waits_for_followers(&b));
     local_stop(&b.l);
     directory_remove(&b.dir);
 }
