@@ -2,7 +2,7 @@
 #ifndef DELAUNAY_VERSION_H
 #define DELAUNAY_VERSION_H
 
-#define DELAUNAY_VERSION "0.1.0"
-#define DELAUNAY_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch */
+#define DELAUNAY_VERSION "1.0.0"
+#define DELAUNAY_VERSION_NUMBER 10000 /* 10000 major + 100 minor + patch */
 
 #endif

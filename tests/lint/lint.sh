@@ -147,6 +147,16 @@ file_rules() {
     files . | xargs grep -HnIE '(^|[^A-Za-z])/([w]ork|[r]oot|[t]mp/(wt|bash))(/|$)' | sed 's|$|    (path of one machine)|'
 }
 
+# What is released has the version of proto/version.h.
+versions() {
+    local f first version='[0-9]+\.[0-9]+\.[0-9]+'
+    local released=$(grep -oE "$version" proto/version.h)
+    for f in debian/changelog man/delaunay.1 man/delaunayd.8 clients/python/{pyproject.toml,delaunayd/__init__.py} clients/js/package.json; do
+        first=$(head -n 25 "$f" | grep -oE "$version" | head -n 1)
+        [ "$first" = "$released" ] || echo "$f: version $first, not $released"
+    done
+}
+
 # Parts of the clients follow from the table of commands.
 generated() {
     have python3 || return
@@ -201,6 +211,7 @@ rules() {
     [ -z "$build" ] || for folder in core server; do calls_no_room_above "$folder"; done
     [ -z "$build" ] || for folder in core proto server; do declares_what_its_room_defines "$folder"; done
     file_rules
+    versions
     [ -z "$build" ] || generated
 }
 

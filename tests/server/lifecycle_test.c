@@ -43,7 +43,7 @@ TEST(help_and_version_are_printed)
 {
     char text[4096];
     CHECK(run("--version", NULL, text, sizeof text) == 0);
-    CHECK_STR(text, "delaunayd 0.1.0\n");
+    CHECK_STR(text, "delaunayd 1.0.0\n");
     CHECK(run("--help", NULL, text, sizeof text) == 0);
     CHECK(strstr(text, "--max-memory") != NULL);
 }

@@ -18,7 +18,7 @@ __all__ = [
     "Band", "Cells", "Change", "Client", "ConnectionLost", "Constraint", "Constraints", "Contour", "Field", "Located", "Mirror", "Neighbour",
     "Pipeline", "Quality", "Refused", "Region", "Regions", "Reply"
 ]
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 _HOMES = {
     "Band": "_protocol", "Cells": "_protocol", "Change": "mirror", "Constraint": "mirror", "Constraints": "_constraints", "Contour": "_protocol", "Field": "_protocol",

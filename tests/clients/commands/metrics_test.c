@@ -11,7 +11,7 @@ static void send_info(int fd)
     char line[100];
     peer_hear(fd, line, sizeof line);
     CHECK_STR(line, "INFO");
-    peer_say(fd, "OK 12\nversion:0.1.0\nuptime_s:7\nmemory:100\nlog_bytes:64\ncommands:3\n"
+    peer_say(fd, "OK 12\nversion:1.0.0\nuptime_s:7\nmemory:100\nlog_bytes:64\ncommands:3\n"
                  "durability:good\ntides_us:2500\nmoon:full \"\\\"\ncommand_ADD:calls=2,p50_us=66\n"
                  "command_OTHER:calls=1,p50_us=1.5\n"
                  "buoy3:addr=[::1]:7,lag_ms=20,colour=red\nno value\n");
@@ -25,7 +25,7 @@ TEST(metrics_have_types_units_and_labels_also_those_that_are_unknown)
     CHECK_STR(peer_shell(&status, "%s -p %s metrics 2>&1", getenv("DELAUNAY"), port),
               "# HELP delaunayd_version_info Version of the daemon.\n"
               "# TYPE delaunayd_version_info gauge\n"
-              "delaunayd_version_info{version=\"0.1.0\"} 1\n"
+              "delaunayd_version_info{version=\"1.0.0\"} 1\n"
               "# HELP delaunayd_uptime_seconds Time since the start.\n"
               "# TYPE delaunayd_uptime_seconds gauge\n"
               "delaunayd_uptime_seconds 7\n"

@@ -238,8 +238,8 @@ TEST(words_about_the_server)
 {
     converse_alone("PING\nping\n  \nHELP ping\nhello\nHELLO 1\nAUTH whatever\nQUIT\nPING\n",
                    "OK 0\nOK 0\nOK 1\nPING - answers OK 0\n"
-                   "OK 0 server=delaunayd version=0.1.0 protocol=1\nOK 0 server=delaunayd "
-                   "version=0.1.0 protocol=1\n"
+                   "OK 0 server=delaunayd version=1.0.0 protocol=1\nOK 0 server=delaunayd "
+                   "version=1.0.0 protocol=1\n"
                    "OK 0 role=rw\nOK 0\n");
 }
 
