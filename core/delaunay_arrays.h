@@ -41,7 +41,8 @@ enum dt_status dt_arrays_thin(const struct dt_thinning *in, struct dt_thinned *o
 struct dt_arrays;
 
 /* Triangulates n points p[n] and writes the rows of DT_TRIANGLES into triangle[], which has room for 3 words for each of 2 n rows;
- * dt_arrays_counts says how many rows there are. pages, a keeper, may be NULL. DT_RANGE, DT_TOOBIG, DT_NOMEM. The caller owns
+ * dt_arrays_counts says how many rows there are. triangle == NULL: no rows are made; dt_arrays_locate is then DT_UNTRIANGULATED, and
+ * dt_arrays_twins, _inside and _faces must not be called. pages, a keeper, may be NULL. DT_RANGE, DT_TOOBIG, DT_NOMEM. The caller owns
  * *out. Cost: O(n log n). */
 enum dt_status dt_arrays_new(const struct dt_point *p, size_t n, struct dt_pages *pages,
                              unsigned workers, uint32_t *triangle, struct dt_arrays **out);

@@ -170,12 +170,14 @@ bench-clients: all lib $(O)/tests/bench/points
 bench-python: lib
 	@/usr/bin/python3 tests/bench/beside_scipy.py $(or $(POINTS),1000000) | tee $(O)/bench-python.md
 
-# ---- bench-dask: uniform points in tiles by processes of Dask, from file to file, beside one triangulation in process; N=3e7 TILE=5e6 WORKERS=2 ----
+# ---- bench-dask: uniform points in tiles by processes of Dask, from file to file, beside one triangulation in process; and a raster beside those
+# ---- of the tiles; N=3e7 TILE=5e6 WORKERS=2 RASTER=4e6 ----
 
 .PHONY: bench-dask
 bench-dask: lib
 	$(call need,python3-distributed,/usr/bin/python3 -c 'import distributed')
 	@/usr/bin/python3 tests/bench/set/tiles.py $(or $(N),3e6) $(or $(TILE),5e5) $(or $(WORKERS),2) | tee $(O)/bench-dask.md
+	@/usr/bin/python3 tests/bench/set/tiles.py --raster $(or $(RASTER),2e6) $(or $(TILE),5e5) | tee -a $(O)/bench-dask.md
 
 # ---- bench-simplify: a raster of a million cells beside delatin, which npm fetches, with its goal; SIDE=1025 ERROR=1.62 ----
 

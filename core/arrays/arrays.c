@@ -140,7 +140,7 @@ static enum dt_status triangulate(struct dt_arrays *a, const struct input *in,
         s = find_heirs(a, added.added, added.coincident);
     if (s == DT_OK)
         measure(a);
-    return s == DT_OK ? dt_flat_rows(a->t, false, triangle, &a->place_of) : s;
+    return s == DT_OK && triangle != NULL ? dt_flat_rows(a->t, false, triangle, &a->place_of) : s;
 }
 
 static enum dt_status make(const struct input *in, struct dt_pages *pages, unsigned workers,

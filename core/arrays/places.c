@@ -92,6 +92,8 @@ enum dt_status dt_arrays_locate(const struct dt_arrays *a, const struct dt_point
     enum dt_status s = DT_OK;
     if (dt_mesh_is_line(&a->t->mesh))
         memset(row, 0xff, n * sizeof *row);
+    else if (a->place_of == NULL)
+        s = DT_UNTRIANGULATED;
     else
         s = dt_answer_all(&(struct dt_pieces){locate_piece, &p}, n, workers);
     dt_call_end(&caller);

@@ -91,31 +91,31 @@ def _copied_bytes(address: Optional[int], size: int) -> NDArray[Any]:
 
 class Triangulation:
     """Of points of shape (n, 2), contiguous; with constraints, as of declare(), the constrained one. `simplices`: the triangles, sorted, each
-    counterclockwise from its smallest point."""
+    counterclockwise from its smallest point. Without `rows` there are none, and only values(), nearest(), within() and hull() may be called."""
 
     _handle: Any = None
 
-    def __init__(self, points: Floats, workers: Optional[int] = None, declared: Optional[NDArray[Any]] = None):
+    def __init__(self, points: Floats, workers: Optional[int] = None, declared: Optional[NDArray[Any]] = None, rows: bool = True):
         self._library = _library.library()
         n = len(points)
-        rows = np.empty((2 * n, 3), dtype=np.int32)  # there are fewer; pages that are not touched cost nothing
+        found = np.empty((2 * n if rows else 0, 3), dtype=np.int32)  # there are fewer; pages that are not touched cost nothing
         handle = ctypes.c_void_p()
         if declared is None:
             status = self._library.dt_arrays_new(
-                points.ctypes.data, n, _library.pages, workers_of(workers), rows.ctypes.data, byref(handle)
+                points.ctypes.data, n, _library.pages, workers_of(workers), found.ctypes.data if rows else None, byref(handle)
             )
             check(status, _first_bad(points) if status != 0 else "")
         else:
             wrong = (ctypes.c_uint32 * 4)()
             status = self._library.dt_arrays_declared(
                 points.ctypes.data, n, declared.ctypes.data, len(declared), _library.pages, workers_of(workers),
-                rows.ctypes.data, byref(handle), wrong
+                found.ctypes.data, byref(handle), wrong
             )
             _check_declared(status, points, wrong)
         self._handle = handle
         self.counts = _library.Counts()
         self._library.dt_arrays_counts(handle, byref(self.counts))
-        self.simplices: Ints = rows[: self.counts.triangles]
+        self.simplices: Ints = found[: self.counts.triangles]
 
     def __del__(self) -> None:
         if self._handle is not None:

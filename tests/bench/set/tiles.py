@@ -1,6 +1,7 @@
 """Uniform points from a .npy file to a .npy file of triangles by delaunayd.dask on a cluster of processes, beside one triangulation in process.
 
     tiles.py POINTS [TILE [WORKERS]]     a table for Markdown; the folder is $TMPDIR
+    tiles.py --raster POINTS TILE        a raster of as many cells, in this process, beside those of the tiles by delaunayd.interpolate
 """
 
 import os
@@ -117,5 +118,42 @@ def main():
         sys.exit("the triangles differ: %s, not %s" % (found, said[2]))
 
 
+def of_tiles(tin, points, z, grid):
+    """Processor time of the rasters of all tiles, each a triangulation of its own points alone."""
+    from delaunayd.dask import rasters, tasks
+    from delaunayd.interpolate import LinearNDInterpolator
+
+    (x, y), job, total = grid.centres(), tin._outcome.job, 0
+    for tile in tin._outcome.tiles:
+        xy, ids, _ = tasks.own_points(job, tile.number, tile.chunks, ())
+        columns, rows = rasters._in_box(job.boxes[tile.number], x, y)
+        here = z[ids]
+        begin = time.process_time()
+        LinearNDInterpolator(xy, here, workers=1)(*np.meshgrid(x[columns], y[rows]))
+        total += time.process_time() - begin
+    return total
+
+
+def raster(n, tile):
+    import dask
+
+    from delaunayd.dask import rasters, triangulate
+
+    points, side = np.random.default_rng(1).random((n, 2)), int(n**0.5)
+    z, grid, times = points[:, 0] * points[:, 1], rasters.Grid((0.0, 0.0, 1.0, 1.0), side, side), []
+    with dask.config.set(scheduler="synchronous"), triangulate(points, z, tile=tile) as tin:
+        for _ in range(3):
+            begin = time.process_time()
+            tin.raster(grid.box, (side, side))
+            times.append((time.process_time() - begin, of_tiles(tin, points, z, grid)))
+        tiles = tin.stats()["tiles"]
+    whole, parts = (min(column) / side**2 * 1e9 for column in zip(*times))
+    print("| points and cells | tiles | raster of the whole, ns processor a cell | of the tiles | ratio, at most 1.2 |\n|---|---|---|---|---|")
+    print("| %d | %d | %.0f | %.0f | %.2f |" % (n, tiles, whole, parts, whole / parts))
+
+
 if __name__ == "__main__":
-    alone(sys.argv[2]) if sys.argv[1] == "--alone" else main()
+    if sys.argv[1] == "--raster":
+        raster(int(float(sys.argv[2])), int(float(sys.argv[3])))
+    else:
+        alone(sys.argv[2]) if sys.argv[1] == "--alone" else main()

@@ -17,7 +17,8 @@ TEST_TIMEOUT(values_of_an_array_have_the_bytes_of_those_of_a_field, 60)
     double z[N], got[N], want[N];
     uint32_t triangle[6 * N];
     for (const struct family *f = families; f->name != NULL; f++) {
-        struct dt_arrays *a;
+        struct dt_arrays *a, *without_rows;
+        uint32_t row;
         size_t done;
         family_points(f, p, N, test_random());
         family_points(f, q, N, test_random());
@@ -26,6 +27,9 @@ TEST_TIMEOUT(values_of_an_array_have_the_bytes_of_those_of_a_field, 60)
             z[i] = i % 50 == 3 ? (double)NAN : sin(i);
         struct dt *t = set_with(p, z, N);
         CHECK(dt_arrays_new(p, N, NULL, 1, triangle, &a) == DT_OK);
+        CHECK(dt_arrays_new(p, N, NULL, 1, NULL, &without_rows) == DT_OK);
+        enum dt_status s_row = dt_arrays_locate(without_rows, q, 1, 0, 1, &row);
+        CHECK(s_row == DT_UNTRIANGULATED || (s_row == DT_OK && row == DT_NONE));
         for (unsigned m = 0; m < METHODS; m++) {
             struct dt_surface s = surface_in(t, all_methods[m]);
             CHECK(dt_values(t, &s, q, N, NULL, want, &done) == DT_OK);
@@ -33,9 +37,13 @@ TEST_TIMEOUT(values_of_an_array_have_the_bytes_of_those_of_a_field, 60)
                   DT_OK);
             for (unsigned i = 0; i < N; i++)
                 check_same(got[i], want[i], q[i]);
+            CHECK(dt_arrays_values(without_rows, z, all_methods[m], HUGE_VAL, q, N, 0, (double)NAN,
+                                   1, want) == DT_OK);
+            CHECK(memcmp(got, want, sizeof got) == 0);
             dt_surface_end(&s);
         }
         dt_arrays_free(a);
+        dt_arrays_free(without_rows);
         dt_free(t);
     }
 }

@@ -86,22 +86,22 @@ class Band:
             front = front[~hole[front]]
         return hole
 
-    def mine(self) -> NDArray[Any]:
-        """The triangles of all points that are not done and have an own corner."""
-        kept: NDArray[Any] = self.triangles[self._mine()]
-        return kept
-
-    def _mine(self) -> NDArray[np.bool_]:
+    def mine(self) -> NDArray[np.bool_]:
+        """Which triangles are triangles of all points, have an own corner, and are not done."""
         mine: NDArray[np.bool_] = self.own[self.triangles].any(axis=1) & ~self.hole
         return mine
 
+    def others(self) -> NDArray[np.bool_]:
+        """Which triangles have no own corner, and are not where the done ones are."""
+        return ~self.mine() & ~self.hole
+
     def has(self, places: Floats) -> NDArray[np.bool_]:
-        """Which places are in such a triangle."""
-        return self._among(self._mine(), places)
+        """Which places are in triangles of mine()."""
+        return self._among(self.mine(), places)
 
     def has_others(self, places: Floats) -> NDArray[np.bool_]:
-        """Which places are in a triangle without an own corner."""
-        return self._among(~self._mine() & ~self.hole, places)
+        """Which places are in triangles of others()."""
+        return self._among(self.others(), places)
 
     def _among(self, chosen: NDArray[np.bool_], places: Floats) -> NDArray[np.bool_]:
         rows = self._triangulation.locate(np.ascontiguousarray(places), 0.0, 1)

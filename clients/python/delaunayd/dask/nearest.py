@@ -17,7 +17,7 @@ import numpy as np
 
 from .._triangulation import Triangulation
 from . import band, spill
-from .rasters import Grid, cells_of, spread
+from .rasters import Grid, cells_of, spread, write_part
 from .surfaces import Surface
 from .tasks import Job, own_points
 
@@ -38,7 +38,7 @@ def nearest(job: Job, tile: Tile, grid: Grid, fields: Sequence[int], name: str) 
     to: Dict[int, Numbers] = {}
     distance = np.empty(0)
     if len(cells) > 0:
-        surface = Surface(job, tile, fields)
+        surface = Surface(job, tile, fields, rows=False)
         cells = cells[surface.has(grid.places(cells))]
         places = _tame(grid.places(cells))
         distance, rows = surface.nearest(places)
@@ -47,7 +47,7 @@ def nearest(job: Job, tile: Tile, grid: Grid, fields: Sequence[int], name: str) 
         asking = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *to.values()]))
         found = _points(surface, rows[asking])
         spill.write_arrays(spill.path_of(job.folder, name + "-own", tile.number), cells=cells[asking], points=found)
-    spill.write_arrays(spill.path_of(job.folder, name, tile.number), cells=cells, values=values)
+    write_part(spill.path_of(job.folder, name, tile.number), cells, values)
     for other, which in to.items():
         path = spill.path_of(job.folder, name + "-ask", tile.number, other)
         spill.write_arrays(path, cells=cells[which], reach=distance[which] * _REACH)
@@ -102,7 +102,7 @@ def answer(job: Job, tile: Tile, grid: Grid, fields: Sequence[int], name: str, a
     points = np.empty(len(kept), dtype=band.points_type(len(fields)))
     points["id"], points["x"], points["y"], points["z"] = ids[kept], xy[kept, 0], xy[kept, 1], z[:, kept].T
     if len(kept) > 0:
-        distance, rows = Triangulation(np.ascontiguousarray(xy[kept]), 1).nearest(places, 1, 1)
+        distance, rows = Triangulation(np.ascontiguousarray(xy[kept]), 1, rows=False).nearest(places, 1, 1)
         nearer = distance[:, 0] <= reach * _REACH
         cells, points = cells[nearer], points[rows[nearer, 0]]
     else:
@@ -134,12 +134,13 @@ def _near(xy: Floats, places: Floats, reach: Floats) -> NDArray[np.bool_]:
 
 def decided(folder: str, grid: Grid, fields: Sequence[int], name: str) -> Tuple[Numbers, Floats]:
     """The cells about which tiles have asked, and their values."""
-    found = [part for kind in ("-own", "-answer") for part in spill.parts(folder, name + kind)]
+    paths = [path for kind in ("-own", "-answer") for path in spill.numbered(folder, name + kind)]
+    found = [spill.read_arrays(path) for path in paths]
     points = np.concatenate([np.empty(0, dtype=band.points_type(len(fields))), *(part["points"] for part in found)])
     cells: Numbers = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(part["cells"] for part in found)]))
     if len(cells) == 0:
         return cells, points["z"]
     _, first = np.unique(points["id"], return_index=True)
     points = points[first]
-    _, rows = Triangulation(band.xy_of(points), 1).nearest(_tame(grid.places(cells)), 1, 1)
+    _, rows = Triangulation(band.xy_of(points), 1, rows=False).nearest(_tame(grid.places(cells)), 1, 1)
     return cells, points["z"][rows[:, 0]]

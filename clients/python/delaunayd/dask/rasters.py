@@ -39,36 +39,67 @@ class Grid(NamedTuple):
 
 
 def linear(job: Job, tile: Tile, grid: Grid, fields: Sequence[int], name: str) -> None:
-    """Writes the cells that belong to the tile, and their values, of shape (cells, fields)."""
+    """Writes the cells that belong to the tile, and their values."""
     cells = cells_of(job, tile, grid)
     values = np.empty((len(cells), len(fields)))
     if len(cells) > 0:
-        surface, places = Surface(job, tile, fields), grid.places(cells)
+        surface, places = Surface(job, tile, fields, rows=False), grid.places(cells)
         for k in range(len(fields)):
             values[:, k] = surface.values(k, LINEAR, places)
     there = ~np.isnan(values).all(axis=1)  # the others may have values in other tiles
-    spill.write_arrays(spill.path_of(job.folder, name, tile.number), cells=cells[there], values=values[there])
+    write_part(spill.path_of(job.folder, name, tile.number), cells[there], values[there])
+
+
+def write_part(path: str, cells: Numbers, values: Floats) -> None:
+    """Writes cells and their values, of shape (cells, fields)."""
+    spill.write(path, [cells, np.ascontiguousarray(values)])
+
+
+def read_part(path: str, fields: int) -> Tuple[Numbers, Floats]:
+    """What write_part has written."""
+    rows = np.fromfile(path)
+    n = len(rows) // (1 + fields)
+    return rows[:n].view(np.int64), rows[n:].reshape(n, fields)
 
 
 def cells_of(job: Job, tile: Tile, grid: Grid) -> Numbers:
-    """The cells that belong to the tile, and others that are outside the hull of all points that the tile has."""
+    """The cells that belong to the tile, and others that are outside the hull of all points that the tile has. Those in the box of the tile
+    belong to it, but for some in triangles of other tiles."""
     x, y = grid.centres()
     points, now = band_of(job.folder, tile.number, tile.last)
     if len(now.triangles) == 0 and len(points) > 0:
         return _on_edges(points, now, grid, x, y)
-    found = [_in_box(grid, job.boxes[tile.number], x, y)]
-    corners = band.xy_of(points)[now.mine()]
-    if len(corners) > 0:
-        found.append(_crossed(corners, x, y))
-    cells: Numbers = np.unique(np.concatenate(found))
-    return cells[~now.has_others(grid.places(cells))]
+    columns, rows = _in_box(job.boxes[tile.number], x, y)
+    corners = band.xy_of(points)[now.triangles]
+    cells = _cells(grid, columns, rows)
+    inside = _crossed(corners[now.others()], x[columns], y[rows])
+    inside = inside[now.has_others(grid.places(cells[inside]))]
+    beside = _crossed(corners[now.mine()], x, y)
+    beside = beside[~(_within(beside % grid.columns, columns) & _within(beside // grid.columns, rows))]
+    found: Numbers = np.concatenate([np.delete(cells, inside), beside[~now.has_others(grid.places(beside))]])
+    return found
 
 
-def _in_box(grid: Grid, box: Any, x: Floats, y: Floats) -> Numbers:
+def _in_box(box: Any, x: Floats, y: Floats) -> Tuple[slice, slice]:
+    """The columns and the rows whose centres are in a box."""
     columns = np.flatnonzero((x >= box[0]) & (x <= box[2]))
     rows = np.flatnonzero((y >= box[1]) & (y <= box[3]))
-    cells: Numbers = (rows[:, None] * grid.columns + columns).ravel()
-    return cells
+    return _range(columns), _range(rows)
+
+
+def _range(ascending: Numbers) -> slice:
+    return slice(int(ascending[0]), int(ascending[-1]) + 1) if len(ascending) > 0 else slice(0, 0)
+
+
+def _within(numbers: Numbers, of: slice) -> NDArray[np.bool_]:
+    within: NDArray[np.bool_] = (numbers >= of.start) & (numbers < of.stop)
+    return within
+
+
+def _cells(grid: Grid, columns: slice, rows: slice) -> Numbers:
+    """The cells of these columns and rows, row by row."""
+    found: Numbers = np.arange(rows.start, rows.stop)[:, None] * grid.columns + np.arange(columns.start, columns.stop)
+    return found.ravel()
 
 
 def _on_edges(points: NDArray[Any], now: band.Band, grid: Grid, x: Floats, y: Floats) -> Numbers:
@@ -77,7 +108,7 @@ def _on_edges(points: NDArray[Any], now: band.Band, grid: Grid, x: Floats, y: Fl
     order = np.argsort(line, kind="stable")
     own = np.flatnonzero(now.own[order])
     near = line[order[max(own[0] - 1, 0) : own[-1] + 2]]
-    cells = _in_box(grid, (near.real.min(), near.imag.min(), near.real.max(), near.imag.max()), x, y)
+    cells = _cells(grid, *_in_box((near.real.min(), near.imag.min(), near.real.max(), near.imag.max()), x, y))
     places = grid.places(cells)
     at = places[:, 0] + 1j * places[:, 1]
     before = np.maximum(np.searchsorted(line[order], at, "right") - 1, 0)
@@ -87,7 +118,8 @@ def _on_edges(points: NDArray[Any], now: band.Band, grid: Grid, x: Floats, y: Fl
 
 
 def _crossed(corners: Floats, x: Floats, y: Floats) -> Numbers:
-    """The cells on rows through triangles, of shape (n, 3, 2), from a column before the triangle to one behind it."""
+    """The cells of a grid of these columns and rows on rows through triangles, of shape (n, 3, 2), from a column before the triangle to one
+    behind it; ascending."""
     first = np.searchsorted(-y, -corners[:, :, 1].max(axis=1), "left")
     after = np.searchsorted(-y, -corners[:, :, 1].min(axis=1), "right")
     triangle, row = spread(first, after)

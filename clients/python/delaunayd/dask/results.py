@@ -139,8 +139,9 @@ class Tin:
             os.posix_fallocate(file.fileno(), 0, spill.HEADER + 8 * math.prod(shape))
             out = np.memmap(file.name, dtype="<f8", mode="r+", offset=spill.HEADER, shape=(grid.rows * grid.columns, max(fields, 1)))
             out[:] = np.nan
-            for part in spill.parts(self._job.folder, name):
-                out[part["cells"]] = part["values"]
+            for path in spill.numbered(self._job.folder, name):
+                cells, values = rasters.read_part(path, max(fields, 1))
+                out[cells] = values
             out[last[0]] = last[1]
             out.flush()
 

@@ -12,7 +12,7 @@ import re
 import shutil
 import time
 import uuid
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List
 
 import numpy as np
 
@@ -118,11 +118,10 @@ def lazy(path: str, whole: bool = False) -> Any:
     return array.concatenate([array.from_delayed(read(path, a, b), (b - a, *shape[1:]), dtype) for a, b in zip(after, after[1:])])
 
 
-def parts(folder: str, name: str) -> Iterator[Dict[str, NDArray[Any]]]:
-    """The named arrays of the files NAME-NUMBER, the greatest number first."""
+def numbered(folder: str, name: str) -> List[str]:
+    """The files NAME-NUMBER, the greatest number first."""
     numbers = [int(file[len(name) + 1 :]) for file in os.listdir(folder) if re.fullmatch(re.escape(name) + "-[0-9]+", file)]
-    for number in sorted(numbers, reverse=True):
-        yield read_arrays(path_of(folder, name, number))
+    return [path_of(folder, name, number) for number in sorted(numbers, reverse=True)]
 
 
 def remove_all(folder: str, start: str) -> None:

@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 
 class Surface:
-    """`own`: whether each point is the tile's own. `z`: the values of some fields, of shape (fields, n). Needs 200 bytes a point."""
+    """`own`: whether each point is the tile's own. `z`: the values of some fields. Without `rows` there are no triangles and no
+    locate(). Needs 200 bytes a point."""
 
-    def __init__(self, job: Job, tile: Tile, fields: Sequence[int] = ()):
+    def __init__(self, job: Job, tile: Tile, fields: Sequence[int] = (), rows: bool = True):
         xy, ids, z = own_points(job, tile.number, tile.chunks, fields)
         foreign = spill.read_arrays(spill.path_of(job.folder, "state", tile.number, tile.last))["foreign"]
-        ids = np.concatenate([ids, foreign["id"].astype(ids.dtype)])
-        order = np.argsort(ids, kind="stable")
-        self.ids, self.own = ids[order], order < len(xy)
-        self.xy = np.concatenate([xy, band.xy_of(foreign)])[order]
-        theirs = [foreign["z"][:, field] for field in fields]
-        self.z = [np.concatenate([mine, others])[order] for mine, others in zip(z, theirs)]
-        self._triangulation = Triangulation(self.xy, 1)
+        foreign = foreign[np.argsort(foreign["id"], kind="stable")]
+        at = np.searchsorted(ids, foreign["id"])
+        self.ids, self.own = np.insert(ids, at, foreign["id"]), np.insert(np.ones(len(ids), dtype=bool), at, False)
+        self.xy = np.insert(xy, at, band.xy_of(foreign), axis=0)
+        self.z = [np.insert(column, at, foreign["z"][:, field]) for column, field in zip(z, fields)]
+        self._triangulation = Triangulation(self.xy, 1, rows=rows)
         self.triangles = self._triangulation.simplices
 
     def locate(self, places: Floats) -> Numbers:
@@ -86,7 +86,7 @@ def _candidates(job: Job, tile: Tile, places: Floats) -> Numbers:
 def hull(job: Job, tile: Tile) -> NDArray[Any]:
     """The hull of the own points: their places and numbers."""
     xy, ids, _ = own_points(job, tile.number, tile.chunks, ())
-    rows = Triangulation(xy, 1).hull()
+    rows = Triangulation(xy, 1, rows=False).hull()
     found = np.empty(len(rows), dtype=band.points_type(0))
     found["id"], found["x"], found["y"] = ids[rows], xy[rows, 0], xy[rows, 1]
     return found
