@@ -93,8 +93,10 @@ def main():
             check("all metrics have a type", names_in(re.sub(r"^#.*$", "", text, flags=re.M)) <= known)
             check("no metric is unknown to the program", " untyped\n" not in text)
 
-            with open(f"{CLIENTS}/dashboard.json", encoding="utf-8") as f:
-                panels = json.load(f)["panels"]
+            printed = subprocess.run([sys.executable, f"{CLIENTS}/dashboard.py"], check=True, stdout=subprocess.PIPE).stdout
+            panels = json.loads(printed)["panels"]
+            places = [(p["gridPos"]["x"], p["gridPos"]["y"]) for p in panels]
+            check("panels of the dashboard have places and numbers of their own", len(set(places)) == len({p["id"] for p in panels}) == len(panels))
             used = set().union(*(names_in(t["expr"]) for p in panels for t in p["targets"]))
             check(f"the dashboard uses metrics that exist: {sorted(used - known)}", used and used <= known)
             with open(f"{CLIENTS}/alerts.yml", encoding="utf-8") as f:
