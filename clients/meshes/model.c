@@ -1,5 +1,4 @@
-/* model.c - see model.h. Raw bytes arrive in pieces of any size and are gathered into one block for
- * each reply, whose size the status line announces. */
+/* model.c - see model.h. */
 #include "clients/meshes/model.h"
 
 #include "proto/number.h"
@@ -14,37 +13,10 @@ enum { MOST_TRIES = 10 };
 
 /* ---- replies ---- */
 
-struct block {
-    struct model *m;
-    char *bytes; /* owns */
-    size_t n, at;
-    uint64_t rows;
-};
-
 static bool fault(struct model *m, const char *what)
 {
     m->fault = what;
     return false;
-}
-
-static bool gather(void *ctx, const struct delaunay_part *part)
-{
-    struct block *b = ctx;
-    uint64_t n = 0;
-    if (part->kind == DELAUNAY_PART_OK) {
-        if (!delaunay_key_number(part, "rows", &b->rows) || !delaunay_key_number(part, "bytes", &n))
-            return fault(b->m, "the server sends no binary replies");
-        b->n = (size_t)n;
-        b->bytes = malloc(b->n + 1);
-        return b->bytes != NULL || fault(b->m, "out of memory");
-    }
-    if (part->kind == DELAUNAY_PART_BYTES) {
-        if (part->len > b->n - b->at)
-            return fault(b->m, "more bytes than announced");
-        memcpy(b->bytes + b->at, part->text, part->len);
-        b->at += part->len;
-    }
-    return true;
 }
 
 static uint32_t word(const char *at)
@@ -61,20 +33,36 @@ static double number(const char *at)
     return v;
 }
 
+/* Receives a binary reply whose rows have `size` bytes. The caller frees *bytes if DELAUNAY_OK is returned. */
+static enum delaunay_result receive_rows(struct delaunay_client *c, struct model *m, size_t size,
+                                         char **bytes, size_t *rows)
+{
+    void *got;
+    size_t n;
+    enum delaunay_result r = delaunay_receive_bytes(c, &got, &n);
+    if (r != DELAUNAY_OK)
+        return r;
+    if (got == NULL || n % size != 0) {
+        fault(m, got == NULL ? "the server sends no binary replies" : "a row of another size");
+        free(got);
+        return DELAUNAY_STOPPED;
+    }
+    *bytes = got;
+    *rows = n / size;
+    return DELAUNAY_OK;
+}
+
 /* Rows of POINTS: id, x, y and a value of each field. */
-static bool take_points(struct model *m, const struct block *b)
+static bool take_points(struct model *m, const char *bytes)
 {
     size_t width = 20 + 8 * m->fields;
-    if (b->n != b->rows * width)
-        return fault(m, "a point of another size");
-    m->n = (size_t)b->rows;
     m->id = malloc((m->n + 1) * sizeof m->id[0]);
     m->xy = malloc((m->n + 1) * 2 * sizeof m->xy[0]);
     m->value = malloc((m->n * m->fields + 1) * sizeof m->value[0]);
     if (m->id == NULL || m->xy == NULL || m->value == NULL)
-        return fault(m, "out of memory");
+        return false;
     for (size_t i = 0; i < m->n; i++) {
-        const char *row = b->bytes + width * i;
+        const char *row = bytes + width * i;
         m->id[i] = word(row);
         m->xy[2 * i] = number(row + 4);
         m->xy[2 * i + 1] = number(row + 12);
@@ -130,22 +118,6 @@ bool model_find(const struct model *m, uint32_t id, uint32_t *place)
     return lo < m->n && m->id[lo] == id;
 }
 
-/* Rows of `width` ids, as places. */
-static bool take_ids(struct model *m, const struct block *b, size_t width, uint32_t **v, size_t *n)
-{
-    if (b->n != b->rows * width * 4)
-        return fault(m, "a row of another size");
-    size_t words = (size_t)b->rows * width;
-    *n = (size_t)b->rows;
-    *v = malloc((words + 1) * sizeof **v);
-    if (*v == NULL)
-        return fault(m, "out of memory");
-    for (size_t i = 0; i < words; i++)
-        if (!model_find(m, word(b->bytes + 4 * i), &(*v)[i]))
-            m->torn = true;
-    return true;
-}
-
 static bool take_hull_point(void *ctx, const struct delaunay_part *part)
 {
     struct model *m = ctx;
@@ -161,23 +133,6 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
         return fault(m, "a row is not a point");
     if (!model_find(m, id, &m->hull[m->hull_n++]))
         m->torn = true;
-    return true;
-}
-
-/* Rows of CONSTRAINTS: two ids, and the kind and number. */
-static bool take_constraints(struct model *m, const struct block *b)
-{
-    if (b->n != b->rows * 12)
-        return fault(m, "a constraint of another size");
-    m->constraints = (size_t)b->rows;
-    m->constraint = malloc((3 * m->constraints + 1) * sizeof m->constraint[0]);
-    if (m->constraint == NULL)
-        return fault(m, "out of memory");
-    for (size_t i = 0; i < 3 * m->constraints; i++) {
-        m->constraint[i] = word(b->bytes + 4 * i);
-        if (i % 3 < 2 && !model_find(m, m->constraint[i], &m->constraint[i]))
-            m->torn = true;
-    }
     return true;
 }
 
@@ -337,33 +292,37 @@ static enum delaunay_result send_points(struct delaunay_client *c, const char *s
 
 static enum delaunay_result receive_points(struct delaunay_client *c, struct model *m)
 {
-    struct block b = {.m = m};
-    enum delaunay_result r = delaunay_receive(c, gather, &b);
-    if (r == DELAUNAY_OK && !take_points(m, &b))
-        r = DELAUNAY_STOPPED;
-    free(b.bytes);
-    return r;
+    char *bytes;
+    enum delaunay_result r = receive_rows(c, m, 20 + 8 * m->fields, &bytes, &m->n);
+    if (r != DELAUNAY_OK)
+        return r;
+    bool ok = take_points(m, bytes);
+    free(bytes);
+    return ok ? DELAUNAY_OK : DELAUNAY_NOMEM;
 }
 
-static enum delaunay_result receive_ids(struct delaunay_client *c, struct model *m, size_t width,
-                                        uint32_t **v, size_t *n)
+/* Rows of `width` words, of which the first `ids` are ids and become places. */
+static enum delaunay_result receive_words(struct delaunay_client *c, struct model *m, size_t width,
+                                          size_t ids, uint32_t **v, size_t *n)
 {
-    struct block b = {.m = m};
-    enum delaunay_result r = delaunay_receive(c, gather, &b);
-    if (r == DELAUNAY_OK && !take_ids(m, &b, width, v, n))
-        r = DELAUNAY_STOPPED;
-    free(b.bytes);
-    return r;
+    char *bytes;
+    enum delaunay_result r = receive_rows(c, m, 4 * width, &bytes, n);
+    if (r != DELAUNAY_OK)
+        return r;
+    *v = malloc((*n * width + 1) * sizeof **v);
+    for (size_t i = 0; *v != NULL && i < *n * width; i++) {
+        (*v)[i] = word(bytes + 4 * i);
+        if (i % width < ids && !model_find(m, (*v)[i], &(*v)[i]))
+            m->torn = true;
+    }
+    free(bytes);
+    return *v != NULL ? DELAUNAY_OK : DELAUNAY_NOMEM;
 }
 
 /* A server that knows no constraints has none. */
 static enum delaunay_result receive_constraints(struct delaunay_client *c, struct model *m)
 {
-    struct block b = {.m = m};
-    enum delaunay_result r = delaunay_receive(c, gather, &b);
-    if (r == DELAUNAY_OK && !take_constraints(m, &b))
-        r = DELAUNAY_STOPPED;
-    free(b.bytes);
+    enum delaunay_result r = receive_words(c, m, 3, 2, &m->constraint, &m->constraints);
     return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
 }
 
@@ -411,15 +370,15 @@ static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned pa
         r = DELAUNAY_STOPPED;
     }
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
-        r = receive_ids(c, m, 3, &m->triangle, &m->triangles);
+        r = receive_words(c, m, 3, 3, &m->triangle, &m->triangles);
     if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
-        r = receive_ids(c, m, 2, &m->edge, &m->edges);
+        r = receive_words(c, m, 2, 2, &m->edge, &m->edges);
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = delaunay_receive(c, take_hull_point, m);
     if (r == DELAUNAY_OK && (parts & MODEL_CONSTRAINTS) != 0)
         r = receive_constraints(c, m);
     if (r == DELAUNAY_OK && (parts & MODEL_FIXED) != 0)
-        r = receive_ids(c, m, 2, &m->fixed, &m->fixed_n);
+        r = receive_words(c, m, 2, 2, &m->fixed, &m->fixed_n);
     if (r == DELAUNAY_OK && is_compared(parts))
         r = delaunay_receive(c, take_version, &after);
     if (before != after)
@@ -468,32 +427,17 @@ void model_free(struct model *m)
 
 enum { DROPPED = UINT32_MAX };
 
-/* Keeps the rows of `width` places that have a new place each; returns their number. */
-static size_t renumber(uint32_t *place, size_t n, size_t width, const uint32_t *next)
+/* Keeps the rows of `width` words whose first `places` are places that have a new place each; returns the number of these rows. */
+static size_t renumber(uint32_t *row, size_t n, size_t width, size_t places, const uint32_t *next)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
         bool whole = true;
-        for (size_t k = 0; k < width; k++)
-            whole &= next[place[width * i + k]] != DROPPED;
+        for (size_t k = 0; k < places; k++)
+            whole &= next[row[width * i + k]] != DROPPED;
         for (size_t k = 0; whole && k < width; k++)
-            place[width * kept + k] = next[place[width * i + k]];
+            row[width * kept + k] = k < places ? next[row[width * i + k]] : row[width * i + k];
         kept += whole;
-    }
-    return kept;
-}
-
-/* The same for constraints. */
-static size_t renumber_constraints(uint32_t *row, size_t n, const uint32_t *next)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
-        uint32_t a = next[row[3 * i]], b = next[row[3 * i + 1]];
-        if (a == DROPPED || b == DROPPED)
-            continue;
-        row[3 * kept] = a;
-        row[3 * kept + 1] = b;
-        row[3 * kept++ + 2] = row[3 * i + 2];
     }
     return kept;
 }
@@ -515,11 +459,11 @@ size_t model_drop_missing(struct model *m, bool *ok)
         next[i] = (uint32_t)n++;
     }
     m->n = n;
-    m->triangles = renumber(m->triangle, m->triangles, 3, next);
-    m->edges = renumber(m->edge, m->edges, 2, next);
-    m->hull_n = renumber(m->hull, m->hull_n, 1, next);
-    m->fixed_n = renumber(m->fixed, m->fixed_n, 2, next);
-    m->constraints = renumber_constraints(m->constraint, m->constraints, next);
+    m->triangles = renumber(m->triangle, m->triangles, 3, 3, next);
+    m->edges = renumber(m->edge, m->edges, 2, 2, next);
+    m->hull_n = renumber(m->hull, m->hull_n, 1, 1, next);
+    m->fixed_n = renumber(m->fixed, m->fixed_n, 2, 2, next);
+    m->constraints = renumber(m->constraint, m->constraints, 3, 2, next);
     free(next);
     return before - n;
 }

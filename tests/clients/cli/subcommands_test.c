@@ -96,7 +96,7 @@ TEST(export_refuses_replies_whose_size_does_not_match_their_rows)
 {
     static const struct {
         const char *set, *want;
-    } cases[] = {{"odd", "delaunay: a point of another size\n"},
+    } cases[] = {{"odd", "delaunay: a row of another size\n"},
                  {"none", "delaunay: the server sends no binary replies\n"},
                  {"t", "delaunay: a row of another size\n"}};
     char port[8];
