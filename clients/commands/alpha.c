@@ -3,10 +3,10 @@
 #include <strings.h>
 
 #include "clients/cli/command.h"
-#include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/commands/shapes_file.h"
 #include "clients/pictures/surface_picture.h"
+#include "clients/surfaces/rings.h"
 #include "proto/number.h"
 
 enum { MOST_TRIES = 10 };
@@ -94,62 +94,32 @@ static enum delaunay_result fetch_once(struct delaunay_client *c, struct work *w
 static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
 {
     enum delaunay_result r = DELAUNAY_OK;
+    double radius = 0;
     bool torn = true;
     for (int i = 0; i < MOST_TRIES && torn && r == DELAUNAY_OK; i++)
         r = fetch_once(c, w, &torn);
-    if (r != DELAUNAY_OK)
-        return r;
-    if (torn)
+    if (r == DELAUNAY_OK && torn)
         w->rings.fault = "the set is edited while it is read; try again";
-    return !torn && rings_place(&w->rings) ? DELAUNAY_OK : DELAUNAY_STOPPED;
+    (void)proto_read_double(w->radius, strlen(w->radius), &radius);
+    if (r == DELAUNAY_OK &&
+        (torn || !rings_place(&w->rings) || !rings_to_shapes(&w->rings, radius, &w->file.shapes)))
+        r = DELAUNAY_STOPPED;
+    w->file.shapes.fault = w->rings.fault;
+    return r;
 }
 
-/* ---- writing ---- */
-
-static int write_shape(void *ctx, FILE *out)
+static int draw(void *ctx, FILE *out)
 {
     struct work *w = ctx;
+    struct shapes_file *f = &w->file;
     char title[300];
-    if (strcmp(w->file.form, "wkt") == 0) {
-        rings_write_wkt(out, &w->rings, w->radius);
-    } else if (!shapes_file_is_picture(&w->file)) {
-        w->rings.crs = &w->file.crs;
-        rings_write_geojson(out, &w->rings, w->radius);
-    } else if (!shapes_file_project(&w->file, w->rings.xy, w->rings.corners)) {
+    if (!shapes_file_project(f))
         return EXIT_REFUSED;
-    } else {
-        snprintf(title, sizeof title, "%.100s: alpha shape of radius %.100s", w->set, w->radius);
-        if (!surface_write_rings(out, title, &w->rings, &w->file.model,
-                                 w->file.has_box ? w->file.box : NULL, shapes_file_unit(&w->file)))
-            return output_fault("", "out of memory");
-    }
-    return EXIT_DONE;
-}
-
-static void report(const struct work *w)
-{
-    size_t outer = rings_outer(&w->rings);
-    if (!json_chosen()) {
-        printf("%s: %zu polygons, %zu holes\n", w->file.path, outer, w->rings.n - outer);
-        return;
-    }
-    json_begin(true);
-    json_text("file", w->file.path);
-    json_number("polygons", outer);
-    json_number("holes", w->rings.n - outer);
-    json_finish();
-}
-
-static int finish(const struct delaunay_client *c, struct work *w, enum delaunay_result r)
-{
-    if (r == DELAUNAY_STOPPED)
-        return output_fault("", w->rings.fault != NULL ? w->rings.fault : w->file.model.fault);
-    if (r != DELAUNAY_OK)
-        return command_outcome(c, r);
-    int status = output_write(w->file.path, write_shape, w, NULL);
-    if (status == EXIT_DONE && !output_is_standard(w->file.path))
-        report(w);
-    return status;
+    snprintf(title, sizeof title, "%.100s: alpha shape of radius %.100s", w->set, w->radius);
+    return surface_write_rings(out, title, &f->shapes, &f->model, f->has_box ? f->box : NULL,
+                               shapes_file_unit(f))
+               ? EXIT_DONE
+               : output_fault("", "out of memory");
 }
 
 /* ---- arguments ---- */
@@ -182,14 +152,13 @@ static int read_arguments(struct work *w, int argc, char **argv)
 
 int command_alpha(struct delaunay_client *c, int argc, char **argv)
 {
-    struct work w = {.file = {.form = NULL}};
+    struct work w = {.file = {.shapes = {.kind = SHAPE_RING}}};
     if (!options_name_file(argc, argv))
         return command_any(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    status = finish(c, &w, fetch(c, &w));
+    status = shapes_file_finish(c, &w.file, fetch(c, &w), draw, &w);
     rings_free(&w.rings);
-    model_free(&w.file.model);
     return status;
 }

@@ -129,7 +129,7 @@ static int draw(void *ctx, FILE *out)
     int field = model_field(&w->file.model, w->field);
     if (field < 0)
         return output_fault(w->field, "the set has no such field");
-    if (!shapes_file_project(&w->file, w->file.shapes.xy, w->file.shapes.corners))
+    if (!shapes_file_project(&w->file))
         return EXIT_REFUSED;
     return write_picture(w, out, field) ? EXIT_DONE : output_fault("", "out of memory");
 }
@@ -215,6 +215,5 @@ int command_contour(struct delaunay_client *c, int argc, char **argv)
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    return shapes_file_finish(c, &w.file, fetch(c, &w), draw, &w, w.bands ? "polygons" : "lines",
-                              !w.bands);
+    return shapes_file_finish(c, &w.file, fetch(c, &w), draw, &w);
 }

@@ -41,7 +41,7 @@ int shapes_file_choose(struct shapes_file *f, const char *command, const char *p
     return options_wrong(command, "unknown format %s; there are geojson, svg and wkt", f->form);
 }
 
-bool shapes_file_project(struct shapes_file *f, double *xy, size_t n)
+bool shapes_file_project(struct shapes_file *f)
 {
     struct degrees d;
     if (!f->geographic || f->model.n == 0)
@@ -50,7 +50,7 @@ bool shapes_file_project(struct shapes_file *f, double *xy, size_t n)
         output_fault("", "--geographic: there are latitudes beyond 90 degrees");
         return false;
     }
-    degrees_project(&d, xy, n);
+    degrees_project(&d, f->shapes.xy, f->shapes.corners);
     degrees_project(&d, f->box, 2);
     degrees_project(&d, f->model.xy, f->model.n);
     return true;
@@ -93,28 +93,38 @@ static int write_text(void *ctx, FILE *out)
     return EXIT_DONE;
 }
 
-static void report(const struct shapes_file *f, const char *what, bool count_closed)
+static void report(const struct shapes_file *f)
 {
-    size_t closed = 0;
-    for (size_t i = 0; i < f->shapes.n; i++)
-        closed += f->shapes.shape[i].closed;
+    static const char *const names[] = {[SHAPE_CELL] = "cells",
+                                        [SHAPE_CONTOUR] = "lines",
+                                        [SHAPE_BAND] = "polygons",
+                                        [SHAPE_RING] = "polygons"};
+    const struct shapes *s = &f->shapes;
+    bool lines = s->kind == SHAPE_CONTOUR, rings = s->kind == SHAPE_RING;
+    size_t n = shapes_count(s), closed = 0;
+    for (size_t i = 0; i < s->n; i++)
+        closed += s->shape[i].closed;
     if (!json_chosen()) {
-        printf("%s: %zu %s", f->path, shapes_count(&f->shapes), what);
-        if (count_closed)
+        printf("%s: %zu %s", f->path, n, names[s->kind]);
+        if (lines)
             printf(", %zu of them closed", closed);
+        if (rings)
+            printf(", %zu holes", s->n - n);
         putchar('\n');
         return;
     }
     json_begin(true);
     json_text("file", f->path);
-    json_number(what, shapes_count(&f->shapes));
-    if (count_closed)
+    json_number(names[s->kind], n);
+    if (lines)
         json_number("closed", closed);
+    if (rings)
+        json_number("holes", s->n - n);
     json_finish();
 }
 
 int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum delaunay_result r,
-                       output_write_fn *draw, void *ctx, const char *what, bool count_closed)
+                       output_write_fn *draw, void *ctx)
 {
     int status;
     if (r == DELAUNAY_STOPPED)
@@ -126,7 +136,7 @@ int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum de
     else
         status = output_write(f->path, write_text, f, NULL);
     if (status == EXIT_DONE && !output_is_standard(f->path))
-        report(f, what, count_closed);
+        report(f);
     shapes_free(&f->shapes);
     model_free(&f->model);
     return status;

@@ -1,4 +1,4 @@
-/* shapes_file.h - a file of cells, contour lines or bands: what `delaunay voronoi` and `delaunay contour` have in common. */
+/* shapes_file.h - a file of cells, contour lines, bands or an alpha shape: what `delaunay voronoi`, `contour` and `alpha` have in common. */
 #ifndef CLIENTS_SHAPES_FILE_H
 #define CLIENTS_SHAPES_FILE_H
 
@@ -22,9 +22,9 @@ int shapes_file_option(struct shapes_file *f, int option, char **argv);
 /* Sets the path, and the format unless an option named it. Returns the exit status. */
 int shapes_file_choose(struct shapes_file *f, const char *command, const char *path);
 
-/* For a picture with --geographic: changes xy[2n], the box and the model to kilometres; returns false, having said why, if they are
+/* For a picture with --geographic: changes the shapes, the box and the model to kilometres; returns false, having said why, if they are
  * not in degrees. */
-bool shapes_file_project(struct shapes_file *f, double *xy, size_t n);
+bool shapes_file_project(struct shapes_file *f);
 
 /* The unit of the scale of a picture. */
 const char *shapes_file_unit(const struct shapes_file *f);
@@ -35,9 +35,9 @@ bool shapes_file_is_picture(const struct shapes_file *f);
 enum delaunay_result shapes_file_receive(struct delaunay_client *c, struct shapes_file *f,
                                          const char *set, unsigned parts);
 
-/* Writes the file after fetching ended with r: a picture by draw, text by itself; then prints how many shapes there are, and
- * how many are closed if count_closed. Frees what *f owns. Returns the exit status. */
+/* Writes the file after fetching ended with r: a picture by draw, text by itself. Then prints how many shapes there are; of lines also how
+ * many are closed, of an alpha shape how many holes it has. Frees what *f owns. Returns the exit status. */
 int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum delaunay_result r,
-                       output_write_fn *draw, void *ctx, const char *what, bool count_closed);
+                       output_write_fn *draw, void *ctx);
 
 #endif

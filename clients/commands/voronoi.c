@@ -51,7 +51,7 @@ static int draw_cells(void *ctx, FILE *out)
     int field = model_field(&w->file.model, w->field != NULL ? w->field : "z");
     if (field < 0 && w->field != NULL)
         return output_fault(w->field, "the set has no such field");
-    if (!shapes_file_project(&w->file, w->file.shapes.xy, w->file.shapes.corners))
+    if (!shapes_file_project(&w->file))
         return EXIT_REFUSED;
     snprintf(title, sizeof title, "%.100s: Voronoi cells of %zu points", w->set, w->file.shapes.n);
     return surface_write_cells(out, title, &w->file.shapes, &w->file.model, field,
@@ -97,5 +97,5 @@ int command_voronoi(struct delaunay_client *c, int argc, char **argv)
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    return shapes_file_finish(c, &w.file, fetch(c, &w), draw_cells, &w, "cells", false);
+    return shapes_file_finish(c, &w.file, fetch(c, &w), draw_cells, &w);
 }

@@ -330,7 +330,7 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
 
 /* ---- an alpha shape ---- */
 
-bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
+bool surface_write_rings(FILE *out, const char *title, const struct shapes *rings, struct model *m,
                          const double *box, const char *unit)
 {
     double around[4] = {0, 0, 1, 1};
@@ -340,12 +340,11 @@ bool surface_write_rings(FILE *out, const char *title, const struct rings *rings
         memcpy(around, box, sizeof around);
     svg_begin(&s, out, title, around, m->n, box != NULL, NULL, unit);
     for (size_t i = 0; i < rings->n; i++) {
-        const struct ring *outer = &rings->ring[i];
-        if (outer->hole)
-            continue;
-        svg_polygon(&s, SVG_NO_COLOUR, rings->xy + 2 * outer->first, outer->n);
-        for (size_t k = outer->next; k < rings->n; k = rings->ring[k].next)
-            svg_hole(&s, rings->xy + 2 * rings->ring[k].first, rings->ring[k].n);
+        const struct shape *ring = &rings->shape[i];
+        if (ring->hole)
+            svg_hole(&s, rings->xy + 2 * ring->first, ring->n);
+        else
+            svg_polygon(&s, SVG_NO_COLOUR, rings->xy + 2 * ring->first, ring->n);
     }
     svg_points(&s, m->xy, m->id, cut_points(m, around));
     svg_end(&s);

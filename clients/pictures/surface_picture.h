@@ -5,7 +5,6 @@
 #include "clients/meshes/model.h"
 #include "clients/pictures/relief.h"
 #include "clients/pictures/svg.h"
-#include "clients/surfaces/rings.h"
 #include "clients/surfaces/shapes.h"
 
 /* Fits r, whose style is given, to the heights of all points, or of what is inside of borders. Without heights r->low is above r->high. */
@@ -37,9 +36,8 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
                          int field, const char *unit);
 
-/* Writes a picture of an alpha shape, of which rings_place has found the holes, and of the points of m. box: NULL or what is
- * shown. False when out of memory. */
-bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
+/* Writes a picture of an alpha shape and of the points of m. box: NULL or what is shown. False when out of memory. */
+bool surface_write_rings(FILE *out, const char *title, const struct shapes *rings, struct model *m,
                          const double *box, const char *unit);
 
 #endif

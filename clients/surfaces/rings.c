@@ -79,14 +79,6 @@ void rings_free(struct rings *r)
     *r = (struct rings){0};
 }
 
-size_t rings_outer(const struct rings *r)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < r->n; i++)
-        n += !r->ring[i].hole;
-    return n;
-}
-
 /* ---- which ring a hole is in ---- */
 
 struct strips {
@@ -238,74 +230,14 @@ bool rings_place(struct rings *r)
     return ok;
 }
 
-/* ---- writing ---- */
-
-static void put_number(FILE *out, double v)
+bool rings_to_shapes(struct rings *r, double radius, struct shapes *s)
 {
-    char text[PROTO_NUMBER_MAX];
-    size_t n = proto_write_double(text, v);
-    fwrite(text, 1, n, out);
-}
-
-/* The corners, the first one again in the end. */
-static void put_ring(FILE *out, const struct rings *r, size_t ring, const char *before,
-                     char between, const char *after)
-{
-    for (size_t i = 0; i <= r->ring[ring].n; i++) {
-        const double *p = corner(r, ring, i);
-        fputs(i > 0 ? "," : "", out);
-        fputs(before, out);
-        put_number(out, p[0]);
-        putc(between, out);
-        put_number(out, p[1]);
-        fputs(after, out);
-    }
-}
-
-static size_t count_holes(const struct rings *r, size_t outer)
-{
-    size_t n = 0;
-    for (size_t k = r->ring[outer].next; k < r->n; k = r->ring[k].next)
-        n++;
-    return n;
-}
-
-static void write_polygons(FILE *out, const struct rings *r, const char *radius, bool wkt)
-{
-    size_t left = rings_outer(r);
-    for (size_t ring = 0; ring < r->n; ring++) {
-        if (r->ring[ring].hole)
-            continue;
-        size_t holes = count_holes(r, ring);
-        if (wkt)
-            fputs("\"POLYGON (", out);
-        else
-            fprintf(out,
-                    "{\"type\":\"Feature\",\"properties\":{\"radius\":%s,\"holes\":%zu},"
-                    "\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[",
-                    radius, holes);
-        for (size_t k = ring; k < r->n; k = r->ring[k].next) {
-            fputs(k == ring ? "" : ",", out);
-            putc(wkt ? '(' : '[', out);
-            put_ring(out, r, k, wkt ? "" : "[", wkt ? ' ' : ',', wkt ? "" : "]");
-            putc(wkt ? ')' : ']', out);
+    bool ok = true;
+    for (size_t outer = 0; outer < r->n; outer++)
+        for (size_t k = outer; ok && !r->ring[outer].hole && k < r->n; k = r->ring[k].next) {
+            const struct ring *ring = &r->ring[k];
+            struct shape shape = {.key = radius, .closed = true, .hole = ring->hole, .n = ring->n};
+            ok = shapes_add(s, &shape, r->xy + 2 * ring->first);
         }
-        if (wkt)
-            fprintf(out, ")\",%s,%zu\n", radius, holes);
-        else
-            fputs(--left > 0 ? "]}},\n" : "]}}\n", out);
-    }
-}
-
-void rings_write_geojson(FILE *out, const struct rings *r, const char *radius)
-{
-    crs_begin_geojson(out, r->crs);
-    write_polygons(out, r, radius, false);
-    fputs("]}\n", out);
-}
-
-void rings_write_wkt(FILE *out, const struct rings *r, const char *radius)
-{
-    fputs("WKT,radius,holes\n", out);
-    write_polygons(out, r, radius, true);
+    return ok || fault(r, "out of memory");
 }

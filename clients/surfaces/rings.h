@@ -5,9 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
-#include "clients/meshes/crs.h"
+#include "clients/surfaces/shapes.h"
 
 struct ring {
     bool hole;
@@ -22,8 +21,7 @@ struct rings {
     uint32_t *id; /* owns: of the corners */
     double *xy;   /* owns 2 * corners, to be filled in by the caller before rings_place */
     size_t corners, corners_cap;
-    const struct crs *crs; /* the caller's: of the coordinates; may be NULL */
-    const char *fault;     /* why a function returned false: a static sentence */
+    const char *fault; /* why a function returned false: a static sentence */
 };
 
 /* Takes a row `outer k id1 ... idk` or `hole k id1 ... idk` of ALPHA. *r must be zeroed. */
@@ -34,12 +32,7 @@ void rings_free(struct rings *r);
  * about O(corners), and for each hole O(sqrt(corners)). */
 bool rings_place(struct rings *r);
 
-/* The number of outer rings. */
-size_t rings_outer(const struct rings *r);
-
-/* After rings_place, writes a FeatureCollection: for each outer ring a Polygon with its holes and the properties radius and holes. Or the
- * same as a table with a column WKT. ferror() shows whether writing failed. */
-void rings_write_geojson(FILE *out, const struct rings *r, const char *radius);
-void rings_write_wkt(FILE *out, const struct rings *r, const char *radius);
+/* After rings_place, appends to *s, whose kind is SHAPE_RING, each outer ring and after it its holes. False: see r->fault. */
+bool rings_to_shapes(struct rings *r, double radius, struct shapes *s);
 
 #endif

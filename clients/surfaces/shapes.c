@@ -114,6 +114,17 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     return true;
 }
 
+bool shapes_add(struct shapes *s, const struct shape *shape, const double *xy)
+{
+    if (!reserve(s, shape->n))
+        return false;
+    memcpy(s->xy + 2 * s->corners, xy, shape->n * 2 * sizeof xy[0]);
+    s->shape[s->n] = *shape;
+    s->shape[s->n++].first = s->corners;
+    s->corners += shape->n;
+    return true;
+}
+
 void shapes_free(struct shapes *s)
 {
     free(s->shape);
@@ -165,10 +176,13 @@ static void put_level(FILE *out, double level, const char *infinite)
         put_number(out, level);
 }
 
-static void put_properties(FILE *out, const struct shapes *s, const struct shape *shape)
+/* Of a polygon of n rings, or a line. */
+static void put_properties(FILE *out, const struct shapes *s, const struct shape *shape, size_t n)
 {
-    static const char *const first[] = {
-        [SHAPE_CELL] = "{\"id\":", [SHAPE_CONTOUR] = "{\"level\":", [SHAPE_BAND] = "{\"low\":"};
+    static const char *const first[] = {[SHAPE_CELL] = "{\"id\":",
+                                        [SHAPE_CONTOUR] = "{\"level\":",
+                                        [SHAPE_BAND] = "{\"low\":",
+                                        [SHAPE_RING] = "{\"radius\":"};
     fputs(first[s->kind], out);
     put_level(out, shape->key, "null");
     if (s->kind == SHAPE_CONTOUR)
@@ -177,6 +191,8 @@ static void put_properties(FILE *out, const struct shapes *s, const struct shape
         fputs(",\"high\":", out);
         put_level(out, shape->high, "null");
     }
+    if (s->kind == SHAPE_RING)
+        fprintf(out, ",\"holes\":%zu", n - 1);
     putc('}', out);
 }
 
@@ -203,7 +219,7 @@ void shapes_write_geojson(FILE *out, const struct shapes *s)
     for (size_t i = 0, n; i < s->n; i += n) {
         n = shapes_rings(s, i);
         fputs("{\"type\":\"Feature\",\"properties\":", out);
-        put_properties(out, s, &s->shape[i]);
+        put_properties(out, s, &s->shape[i], n);
         fputs(line ? ",\"geometry\":{\"type\":\"LineString\",\"coordinates\":["
                    : ",\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[",
               out);
@@ -222,7 +238,8 @@ void shapes_write_wkt(FILE *out, const struct shapes *s)
 {
     static const char *const head[] = {[SHAPE_CELL] = "WKT,id\n",
                                        [SHAPE_CONTOUR] = "WKT,level,closed\n",
-                                       [SHAPE_BAND] = "WKT,low,high\n"};
+                                       [SHAPE_BAND] = "WKT,low,high\n",
+                                       [SHAPE_RING] = "WKT,radius,holes\n"};
     bool line = s->kind == SHAPE_CONTOUR;
     fputs(head[s->kind], out);
     for (size_t i = 0, n; i < s->n; i += n) {
@@ -239,6 +256,8 @@ void shapes_write_wkt(FILE *out, const struct shapes *s)
             putc(',', out);
             put_level(out, shape->high, "inf");
         }
+        if (s->kind == SHAPE_RING)
+            fprintf(out, ",%zu", n - 1);
         fputs(!line ? "\n" : shape->closed ? ",true\n" : ",false\n", out);
     }
 }

@@ -12,14 +12,15 @@
 enum shape_kind {
     SHAPE_CELL,    /* a row `id k x1 y1 ... xk yk` */
     SHAPE_CONTOUR, /* a row `level closed|open k x1 y1 ... xk yk` */
-    SHAPE_BAND     /* a row `low high number outer|hole k x1 y1 ... xk yk` */
+    SHAPE_BAND,    /* a row `low high number outer|hole k x1 y1 ... xk yk` */
+    SHAPE_RING     /* of an alpha shape, from rings_to_shapes */
 };
 
 struct shape {
-    double key;  /* the id, or the level, of a band the lower one */
+    double key;  /* the id, the level, of a band the lower one, or the radius */
     double high; /* of a band the upper level */
     bool closed;
-    bool hole;       /* of the band whose outer ring is before it */
+    bool hole;       /* of the polygon whose outer ring is before it */
     size_t first, n; /* its corners in xy */
 };
 
@@ -33,6 +34,9 @@ struct shapes {
     const char *fault;     /* why shapes_take returned false: a static sentence */
 };
 
+/* Appends a shape with a copy of its corners xy[2 shape->n]; shape->first is ignored. False: see s->fault. */
+bool shapes_add(struct shapes *s, const struct shape *shape, const double *xy);
+
 /* Takes a row; one without corners is left out. *s must be zeroed, except its kind. */
 bool shapes_take(struct shapes *s, const char *row, size_t len);
 void shapes_free(struct shapes *s);
@@ -40,17 +44,17 @@ void shapes_free(struct shapes *s);
 /* The box around all of them; false if there are none. */
 bool shapes_bounds(const struct shapes *s, double *box);
 
-/* The number of shapes from i on that are one polygon, a band with its holes; 1 for cells and lines. */
+/* The number of shapes from i on that are one polygon, an outer ring with its holes; 1 for cells and lines. */
 size_t shapes_rings(const struct shapes *s, size_t i);
 
 /* The number of polygons or lines. */
 size_t shapes_count(const struct shapes *s);
 
-/* A FeatureCollection: Polygons with the property id, or with low and high, null if they are infinite; LineStrings with
- * level and closed. A closed line and a ring end where they begin. ferror() shows whether writing failed. */
+/* A FeatureCollection: Polygons with the property id, with low and high, null if they are infinite, or with
+ * radius and holes; LineStrings with level and closed. A closed line and a ring end where they begin. ferror() shows whether writing failed. */
 void shapes_write_geojson(FILE *out, const struct shapes *s);
 
-/* A table with a column WKT, and id, level and closed, or low and high. */
+/* A table with a column WKT, and the same columns. */
 void shapes_write_wkt(FILE *out, const struct shapes *s);
 
 #endif

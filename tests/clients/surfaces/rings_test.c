@@ -30,7 +30,7 @@ TEST(a_hole_belongs_to_the_innermost_ring_around_it)
     add_square(&r, 20, 0, 4, false);
     add_square(&r, 20, 0, 1, true);
     add_square(&r, 22, 2, 1, true);
-    CHECK(rings_place(&r) && rings_outer(&r) == 3);
+    CHECK(rings_place(&r));
     CHECK(r.ring[1].outer == 0 && r.ring[3].outer == 2);
     CHECK(r.ring[5].outer == 4 && r.ring[6].outer == 4);
     CHECK(r.ring[0].next == 1 && r.ring[1].next == r.n);
@@ -52,27 +52,34 @@ TEST(holes_of_many_rings_are_each_in_their_own)
     rings_free(&r);
 }
 
-TEST(rings_are_written_with_the_first_corner_at_the_end)
+TEST(holes_follow_their_outer_ring_and_polygons_are_written_with_the_first_corner_at_the_end)
 {
     char *text = NULL;
     size_t n;
     struct rings r = {0};
+    struct shapes s = {.kind = SHAPE_RING};
     add_square(&r, 0, 0, 2, false);
+    add_square(&r, 9, 0, 2, false);
     add_square(&r, 0, 0, 1, true);
-    CHECK(rings_place(&r));
+    CHECK(rings_place(&r) && rings_to_shapes(&r, 2.5, &s) && shapes_count(&s) == 2);
     FILE *out = open_memstream(&text, &n);
     CHECK(out != NULL);
-    rings_write_wkt(out, &r, "2.5");
-    rings_write_geojson(out, &r, "2.5");
+    shapes_write_wkt(out, &s);
+    shapes_write_geojson(out, &s);
     CHECK(fclose(out) == 0);
-    CHECK_STR(text,
-              "WKT,radius,holes\n"
-              "\"POLYGON ((-2 -2,2 -2,2 2,-2 2,-2 -2),(-1 1,1 1,1 -1,-1 -1,-1 1))\",2.5,1\n"
-              "{\"type\":\"FeatureCollection\",\"features\":[\n"
-              "{\"type\":\"Feature\",\"properties\":{\"radius\":2.5,\"holes\":1},\"geometry\":{"
-              "\"type\":\"Polygon\",\"coordinates\":[[[-2,-2],[2,-2],[2,2],[-2,2],[-2,-2]],"
-              "[[-1,1],[1,1],[1,-1],[-1,-1],[-1,1]]]}}\n]}\n");
+    CHECK_STR(
+        text,
+        "WKT,radius,holes\n"
+        "\"POLYGON ((-2 -2,2 -2,2 2,-2 2,-2 -2),(-1 1,1 1,1 -1,-1 -1,-1 1))\",2.5,1\n"
+        "\"POLYGON ((7 -2,11 -2,11 2,7 2,7 -2))\",2.5,0\n"
+        "{\"type\":\"FeatureCollection\",\"features\":[\n"
+        "{\"type\":\"Feature\",\"properties\":{\"radius\":2.5,\"holes\":1},\"geometry\":{"
+        "\"type\":\"Polygon\",\"coordinates\":[[[-2,-2],[2,-2],[2,2],[-2,2],[-2,-2]],"
+        "[[-1,1],[1,1],[1,-1],[-1,-1],[-1,1]]]}},\n"
+        "{\"type\":\"Feature\",\"properties\":{\"radius\":2.5,\"holes\":0},\"geometry\":{"
+        "\"type\":\"Polygon\",\"coordinates\":[[[7,-2],[11,-2],[11,2],[7,2],[7,-2]]]}}\n]}\n");
     free(text);
+    shapes_free(&s);
     rings_free(&r);
 }
 
