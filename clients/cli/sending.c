@@ -18,7 +18,7 @@
 enum { NOT_INSIDE = -1, AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
 
 struct sending {
-    struct reading *r;
+    struct file_options *r;
     struct delaunay_client *c;
     const char *set;
     bool is_new;
@@ -110,7 +110,7 @@ static enum delaunay_result send_file(struct sending *s)
     if (s->r->split && f->paths.n > 0)
         note_crossings(s);
     if (strstr(s->status, "coincident=0") == NULL)
-        reading_note_coincident(s->r);
+        file_options_note_coincident(s->r);
     return DELAUNAY_OK;
 }
 
@@ -432,7 +432,7 @@ static int send_lines(struct sending *s)
     return status;
 }
 
-int sending_send(struct reading *r, struct delaunay_client *c, const char *set,
+int sending_send(struct file_options *r, struct delaunay_client *c, const char *set,
                  char status[SENDING_STATUS])
 {
     struct sending s = {.r = r, .c = c, .set = set, .status = status};

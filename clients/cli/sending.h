@@ -2,7 +2,7 @@
 #ifndef CLIENTS_SENDING_H
 #define CLIENTS_SENDING_H
 
-#include "clients/cli/reading.h"
+#include "clients/cli/file_options.h"
 #include "clients/lib/delaunay_client.h"
 
 enum { SENDING_STATUS = 400 };
@@ -11,7 +11,7 @@ enum { SENDING_STATUS = 400 };
  * which shows where they cross. Then nothing stays: a new set is dropped, from an old one the points are deleted. `status` becomes
  * the status line of LOADB, with what was declared. Returns the exit status, having said what is wrong, and where coincident points have
  * different values. */
-int sending_send(struct reading *r, struct delaunay_client *c, const char *set,
+int sending_send(struct file_options *r, struct delaunay_client *c, const char *set,
                  char status[SENDING_STATUS]);
 
 #endif

@@ -159,7 +159,7 @@ static bool has_field(const struct table_fields *t, const char *field)
 
 /* Makes the set of few points of the set of all, which the file had, and says how many are left. Returns the exit status. */
 static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s,
-                                const struct reading *from, const char *field)
+                                const struct file_options *from, const char *field)
 {
     char line[400];
     const char *text;
@@ -193,7 +193,7 @@ static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s
 /* ---- from the file to the mesh ---- */
 
 struct drawing {
-    struct reading reading;
+    struct file_options input;
     struct export to;
     struct simplifying simplifying;
     struct refining refining;
@@ -204,8 +204,7 @@ struct drawing {
 static int read_option(struct drawing *d, int option, char **argv)
 {
     bool known;
-    int status =
-        reading_option(&d->reading, option == 'c' ? READING_COLUMNS : option, argv, &known);
+    int status = file_options_take(&d->input, option == 'c' ? FILE_COLUMNS : option, argv, &known);
     if (!known)
         status = simplifying_option(&d->simplifying, option, argv, &known);
     if (!known)
@@ -216,8 +215,8 @@ static int read_option(struct drawing *d, int option, char **argv)
 /* The last part of the path, without characters of markup. */
 static void choose_name(struct drawing *d)
 {
-    const char *slash = strrchr(d->reading.from.path, '/');
-    snprintf(d->name, sizeof d->name, "%s", slash != NULL ? slash + 1 : d->reading.from.path);
+    const char *slash = strrchr(d->input.from.path, '/');
+    snprintf(d->name, sizeof d->name, "%s", slash != NULL ? slash + 1 : d->input.from.path);
     for (char *p = d->name; *p != '\0'; p++)
         if (strchr("<>&", *p) != NULL || iscntrl((unsigned char)*p))
             *p = '_';
@@ -227,7 +226,7 @@ static void choose_name(struct drawing *d)
 static void put_more(const void *ctx)
 {
     const struct drawing *d = ctx;
-    reading_json(&d->reading);
+    file_options_json(&d->input);
     if (simplifying_asked(&d->simplifying)) {
         json_key("error");
         printf("%.17g", d->simplifying.reached);
@@ -236,14 +235,13 @@ static void put_more(const void *ctx)
 
 static int read_arguments(struct drawing *d, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},
-        {"input-format", required_argument, NULL, READING_FORMAT},
-        READING_OPTIONS,
-        SIMPLIFYING_OPTIONS,
-        REFINING_OPTIONS,
-        EXPORT_OPTIONS,
-        {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"input-format", required_argument, NULL, FILE_FORMAT},
+                                            FILE_OPTIONS,
+                                            SIMPLIFYING_OPTIONS,
+                                            REFINING_OPTIONS,
+                                            EXPORT_OPTIONS,
+                                            {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
     int option, status = EXIT_DONE;
     optind = 0;
@@ -251,11 +249,11 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
         status = read_option(d, option, argv);
     if (status != EXIT_DONE)
         return status;
-    d->on_terminal = argc - optind == 1 && (draws || d->reading.dry_run);
+    d->on_terminal = argc - optind == 1 && (draws || d->input.dry_run);
     if (argc - optind != 2 && !d->on_terminal)
         return options_wrong(argv[0], draws ? "draw takes a file of points and that of the picture"
                                             : "run takes a file of points and that of the mesh");
-    d->reading.from.path = argv[optind];
+    d->input.from.path = argv[optind];
     choose_name(d);
     if (d->on_terminal)
         return EXIT_DONE;
@@ -273,7 +271,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
 static int triangulate(struct delaunay_client *c, const struct drawing *d, const char *set)
 {
     char line[40];
-    if (d->reading.file.paths.n > 0 && set == all_points)
+    if (d->input.file.paths.n > 0 && set == all_points)
         return EXIT_DONE;
     snprintf(line, sizeof line, "TRIANGULATE %s", set);
     enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
@@ -289,7 +287,7 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
     int status = EXIT_DONE;
     snprintf(name, sizeof name, "%s", set);
     if (set == few_points)
-        status = simplifying_simplify(c, &d->simplifying, &d->reading, field);
+        status = simplifying_simplify(c, &d->simplifying, &d->input, field);
     if (status == EXIT_DONE)
         status = triangulate(c, d, set);
     if (status == EXIT_DONE && refining_asked(&d->refining))
@@ -305,18 +303,18 @@ static int carry_out(struct drawing *d)
     char why[300], line[SENDING_STATUS];
     bool go_on;
     struct private_daemon own;
-    int status = reading_read(&d->reading, &go_on);
+    int status = file_options_read(&d->input, &go_on);
     if (!go_on)
         return status;
-    if (d->reading.file.n == 0)
+    if (d->input.file.n == 0)
         return EXIT_REFUSED; /* the report says so */
     if (!private_daemon_start(&own, why, sizeof why)) {
         message_print("%s", why);
         return EXIT_NO_CONNECTION;
     }
     d->to.picture.geographic |=
-        !d->to.planar && source_is_geographic(&d->reading.from, &d->reading.file);
-    status = sending_send(&d->reading, own.client, all_points, line);
+        !d->to.planar && source_is_geographic(&d->input.from, &d->input.file);
+    status = sending_send(&d->input, own.client, all_points, line);
     if (status == EXIT_DONE)
         status = write_result(own.client, d);
     private_daemon_end(&own);
@@ -325,11 +323,11 @@ static int carry_out(struct drawing *d)
 
 int command_draw(struct delaunay_client *c, int argc, char **argv)
 {
-    struct drawing d = {.reading = {.from = {.form = SOURCE_GUESS}}};
+    struct drawing d = {.input = {.from = {.form = SOURCE_GUESS}}};
     (void)c;
     int status = read_arguments(&d, argc, argv);
     if (status == EXIT_DONE)
         status = carry_out(&d);
-    reading_free(&d.reading);
+    file_options_free(&d.input);
     return status;
 }

@@ -6,12 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/cli/child.h"
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/output.h"
 #include "clients/meshes/line_formats.h"
+#include "clients/reading/program.h"
 #include "clients/surfaces/grid_file.h"
 
 struct export_work {
@@ -32,16 +32,15 @@ static int write_model(void *ctx, FILE *out)
 /* Turns a drawing into a PNG in its place, with librsvg's or Inkscape's program. */
 static int make_png(const char *part, const char *path)
 {
-    char png[4200], drawing[4200];
+    char png[4200];
     snprintf(png, sizeof png, "%s.png", part);
-    snprintf(drawing, sizeof drawing, "%s", part);
-    char rsvg[] = "rsvg-convert", o[] = "-o", *with_rsvg[] = {rsvg, o, png, drawing, NULL};
-    char inkscape[] = "inkscape", type[] = "--export-type=png", name[] = "--export-filename";
-    char *with_inkscape[] = {inkscape, type, name, png, drawing, NULL};
-    int status = child_run(with_rsvg);
-    if (status == CHILD_MISSING)
-        status = child_run(with_inkscape);
-    if (status == CHILD_MISSING)
+    const char *rsvg[] = {"rsvg-convert", "-o", png, part, NULL};
+    const char *inkscape[] = {"inkscape", "--export-type=png", "--export-filename", png, part,
+                              NULL};
+    int status = program_run(rsvg);
+    if (status == PROGRAM_MISSING)
+        status = program_run(inkscape);
+    if (status == PROGRAM_MISSING)
         output_fault(path, "PNG needs rsvg-convert (Debian: librsvg2-bin) or inkscape");
     else if (status != 0)
         output_fault(path, "the drawing could not be converted");

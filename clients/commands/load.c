@@ -7,19 +7,19 @@
 #include "clients/cli/json.h"
 #include "clients/cli/sending.h"
 
-static int read_arguments(struct reading *r, const char **set, int argc, char **argv)
+static int read_arguments(struct file_options *r, const char **set, int argc, char **argv)
 {
     static const struct option options[] = {
-        {"format", required_argument, NULL, READING_FORMAT}, READING_OPTIONS, {NULL, 0, NULL, 0}};
+        {"format", required_argument, NULL, FILE_FORMAT}, FILE_OPTIONS, {NULL, 0, NULL, 0}};
     int option;
     optind = 0;
     while ((option = options_next(argc, argv, "f:c:", options)) != -1) {
         bool known;
-        int status = reading_option(r,
-                                    option == 'f'   ? READING_FORMAT
-                                    : option == 'c' ? READING_COLUMNS
-                                                    : option,
-                                    argv, &known);
+        int status = file_options_take(r,
+                                       option == 'f'   ? FILE_FORMAT
+                                       : option == 'c' ? FILE_COLUMNS
+                                                       : option,
+                                       argv, &known);
         if (status != EXIT_DONE || !known)
             return known ? status : options_unknown(argv[0], argv, option);
     }
@@ -30,7 +30,7 @@ static int read_arguments(struct reading *r, const char **set, int argc, char **
     return EXIT_DONE;
 }
 
-static void print_status(const struct reading *r, const char *status)
+static void print_status(const struct file_options *r, const char *status)
 {
     struct json_reply j = {.rows = 0};
     if (!json_chosen()) {
@@ -38,15 +38,15 @@ static void print_status(const struct reading *r, const char *status)
         return;
     }
     json_part(&j, &(struct delaunay_part){DELAUNAY_PART_OK, status, strlen(status), true});
-    reading_json(r);
+    file_options_json(r);
     json_end(&j);
 }
 
-static int load(struct delaunay_client *c, struct reading *r, const char *set)
+static int load(struct delaunay_client *c, struct file_options *r, const char *set)
 {
     bool go_on;
     char line[SENDING_STATUS];
-    int status = reading_read(r, &go_on);
+    int status = file_options_read(r, &go_on);
     if (!go_on)
         return status;
     status = sending_send(r, c, set, line);
@@ -57,11 +57,11 @@ static int load(struct delaunay_client *c, struct reading *r, const char *set)
 
 int command_load(struct delaunay_client *c, int argc, char **argv)
 {
-    struct reading r = {.from = {.form = SOURCE_GUESS}};
+    struct file_options r = {.from = {.form = SOURCE_GUESS}};
     const char *set = NULL;
     int status = read_arguments(&r, &set, argc, argv);
     if (status == EXIT_DONE)
         status = load(c, &r, set);
-    reading_free(&r);
+    file_options_free(&r);
     return status;
 }

@@ -5,15 +5,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/cli/child.h"
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
 #include "clients/cli/part_file.h"
-#include "clients/files/program.h"
 #include "clients/pictures/png_file.h"
 #include "clients/pictures/relief.h"
+#include "clients/reading/program.h"
 #include "clients/surfaces/grid_file.h"
 #include "clients/surfaces/raster_fetch.h"
 
@@ -144,14 +143,17 @@ static int write_files(struct work *w)
 static int write_tiff(struct work *w)
 {
     char bil[4096], header[4096], part[4096];
-    char gdal[] = "gdal_translate", q[] = "-q", of[] = "-of", type[] = "GTiff", srs[] = "-a_srs";
     char name[2 * CRS_PART + 2];
-    char *words[] = {gdal, q, of, type, bil, part, NULL, NULL, NULL};
+    const char *words[] = {"gdal_translate",
+                           "-q",
+                           "-of",
+                           "GTiff",
+                           bil,
+                           part,
+                           crs_is_given(&w->crs) ? "-a_srs" : NULL,
+                           name,
+                           NULL};
     name_system(w, name, sizeof name);
-    if (crs_is_given(&w->crs)) {
-        words[6] = srs;
-        words[7] = name;
-    }
     if ((size_t)snprintf(bil, sizeof bil, "%s.part.bil", w->path) >= sizeof bil ||
         !output_beside(bil, "hdr", header, sizeof header))
         return output_fault(w->path, "the name is too long");
@@ -159,8 +161,8 @@ static int write_tiff(struct work *w)
     int status = output_write(header, write_header, w, NULL);
     if (status == EXIT_DONE)
         status = output_write(bil, write_grid, w, NULL);
-    int ended = status == EXIT_DONE ? child_run(words) : 0;
-    if (ended == CHILD_MISSING)
+    int ended = status == EXIT_DONE ? program_run(words) : 0;
+    if (ended == PROGRAM_MISSING)
         status = output_fault(w->path, "GeoTIFF needs gdal_translate (Debian: gdal-bin)");
     else if (ended != 0)
         status = output_fault(w->path, "gdal_translate failed");

@@ -2,10 +2,11 @@
  * does not consume them. */
 #include "clients/files/input.h"
 
-#include "clients/files/program.h"
-#include "clients/files/raster_file.h"
+#include "clients/files/ogr_file.h"
 #include "clients/files/zip_file.h"
 #include "clients/grids/asc_grid.h"
+#include "clients/grids/raster_file.h"
+#include "clients/reading/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -90,34 +91,13 @@ static bool open_member(struct input *in, char *why, size_t room)
     return true;
 }
 
-/* Files of which OGR makes GeoJSON, in their own reference system. Their names are arguments, so they are no pipes or members. */
-static bool is_of_ogr(const struct input *in, const char *path)
-{
-    static const char *const endings[] = {".shp", ".gpkg", ".fgb"};
-    size_t n = strlen(path);
-    for (size_t i = 0; !in->standard && i < sizeof endings / sizeof endings[0]; i++) {
-        size_t len = strlen(endings[i]);
-        if (n > len && strcasecmp(path + n - len, endings[i]) == 0)
-            return true;
-    }
-    return false;
-}
-
 static bool open_by_ogr(struct input *in, const char *path, char *why, size_t room)
 {
-    char name[4100]; /* which is no option */
-    snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
-    const char *argument[] = {"ogr2ogr",     "-f", "GeoJSON", "-lco", "SIGNIFICANT_FIGURES=17",
-                              "/vsistdout/", name, NULL};
-    in->program = argument[0];
+    close(in->fd);
     in->size = 0;
-    if (convert(in, argument))
-        return true;
-    char closed[64];
-    snprintf(why, room, "to read this file the program ogr2ogr is needed (Debian: gdal-bin): %s",
-             strerror(errno));
-    input_close(in, false, closed, sizeof closed);
-    return false;
+    in->first = '{';
+    in->program = ogr_program;
+    return ogr_start(path, &in->child, &in->fd, why, room);
 }
 
 /* Looks at the first bytes of the content. */
@@ -143,12 +123,8 @@ bool input_open(struct input *in, const char *path, char *why, size_t room)
     }
     if (fstat(in->fd, &st) == 0 && S_ISREG(st.st_mode))
         in->size = (uint64_t)st.st_size;
-    if (is_of_ogr(in, path)) {
-        bool ok = open_by_ogr(in, path, why, room);
-        if (ok)
-            in->first = '{';
-        return ok;
-    }
+    if (!in->standard && ogr_is_name(path))
+        return open_by_ogr(in, path, why, room);
     size_t n = look(in, head);
     in->raster |= !in->standard && !in->grid && raster_is_name(path);
     if (n >= 4 && memcmp(head, "PK\3\4", 4) == 0) {
@@ -183,8 +159,6 @@ bool input_close(struct input *in, bool all, char *why, size_t room)
     int status = program_end(in->child);
     if (status != 0 && all)
         snprintf(why, room, "%s could not read all of it%s", in->program,
-                 strcmp(in->program, "ogr2ogr") == 0
-                     ? " as one layer (ogr2ogr OUT FILE LAYER copies a layer)"
-                     : "");
+                 in->program == ogr_program ? ogr_hint : "");
     return status == 0 || !all;
 }

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "clients/files/las_file.h"
-#include "clients/files/program.h"
+#include "clients/reading/program.h"
 #include "proto/number.h"
 
 enum { USUAL_PLACES = 9 };

@@ -283,7 +283,7 @@ TEST(shapefiles_and_geopackages_are_read_through_ogr2ogr)
         "No such file or directory\n1\n");
     folder_expect(
         "printf '#!/bin/sh\nexit 1\n' > ogr2ogr; PATH=$PWD:$PATH $D run a.shp - -f ele || echo $?",
-        "delaunay: a.shp: ogr2ogr could not read all of it as one layer "
+        "delaunay: a.shp: ogr2ogr could not read all of it and write it as one layer of GeoJSON "
         "(ogr2ogr OUT FILE LAYER copies a layer); nothing was loaded\n1\n");
     folder_finish();
 }

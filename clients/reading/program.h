@@ -1,10 +1,10 @@
-/* program.h - another program whose output is read: a file format that it knows becomes one that we know. */
+/* program.h - another program, whose output is read: a file format that it knows becomes one that we know; or which is run to its end. */
 #ifndef CLIENTS_PROGRAM_H
 #define CLIENTS_PROGRAM_H
 
 #include <sys/types.h>
 
-enum { PROGRAM_WORDS = 15 };
+enum { PROGRAM_WORDS = 16, PROGRAM_MISSING = 127 };
 
 /* Starts word[0], searched for in $PATH, with these words, at most PROGRAM_WORDS and then NULL. Its standard input is `in`, or ours if that
  * is -1. *out gets its output, which the caller closes. Returns 0 or an errno. */
@@ -12,5 +12,9 @@ int program_start(pid_t *pid, const char *const *word, int in, int *out);
 
 /* Waits until it has ended. Returns 0 if it has succeeded. */
 int program_end(pid_t pid);
+
+/* Runs a program with these words, and our output, and waits for it. Returns its exit status; PROGRAM_MISSING if there is no such
+ * program; -1 if it was killed or could not be started. */
+int program_run(const char *const *word);
 
 #endif

@@ -1,30 +1,39 @@
 /* program.c - see program.h. */
-#include "clients/files/program.h"
+#include "clients/reading/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 extern char **environ;
 
-int program_start(pid_t *pid, const char *const *word, int in, int *out)
+/* Starts it; in and out replace its standard input and output, unless they are -1. Returns 0 or an errno. */
+static int start(pid_t *pid, const char *const *word, int in, int out)
 {
-    int pipes[2];
     char *words[PROGRAM_WORDS + 1] = {NULL};
     posix_spawn_file_actions_t actions;
     for (size_t i = 0; i < PROGRAM_WORDS && word[i] != NULL; i++)
         memcpy(&words[i], &word[i], sizeof words[i]);
-    if (pipe2(pipes, O_CLOEXEC) != 0)
-        return errno;
     posix_spawn_file_actions_init(&actions);
     if (in >= 0)
         posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, pipes[1], STDOUT_FILENO);
+    if (out >= 0)
+        posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
     int failed = posix_spawnp(pid, words[0], &actions, NULL, words, environ);
     posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+int program_start(pid_t *pid, const char *const *word, int in, int *out)
+{
+    int pipes[2];
+    if (pipe2(pipes, O_CLOEXEC) != 0)
+        return errno;
+    int failed = start(pid, word, in, pipes[1]);
     close(pipes[1]);
     if (failed != 0)
         close(pipes[0]);
@@ -39,4 +48,15 @@ int program_end(pid_t pid)
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
         continue;
     return status;
+}
+
+int program_run(const char *const *word)
+{
+    pid_t pid;
+    fflush(stdout);
+    int failed = start(&pid, word, -1, -1);
+    if (failed != 0)
+        return failed == ENOENT ? PROGRAM_MISSING : -1;
+    int status = program_end(pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -1,6 +1,6 @@
 /* raster_file.c - see raster_file.h. GDAL writes values with all digits into an ASCII grid, but its header with 12 decimal places. So where
  * the cells lie is read from another output, a VRT. */
-#include "clients/files/raster_file.h"
+#include "clients/grids/raster_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "clients/files/program.h"
+#include "clients/reading/program.h"
 #include "clients/grids/vrt_frame.h"
 
 bool raster_is_name(const char *name)

@@ -1,5 +1,5 @@
-/* reading.c - see reading.h. */
-#include "clients/cli/reading.h"
+/* file_options.c - see file_options.h. */
+#include "clients/cli/file_options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,14 +12,14 @@
 
 /* ---- options ---- */
 
-static int read_change(struct reading *r, int option, char **argv)
+static int read_change(struct file_options *r, int option, char **argv)
 {
     struct survey_wish *w = &r->from.wish;
     double nodata;
-    size_t *n = option == READING_NODATA ? &w->nodata_n : &w->negate_n;
+    size_t *n = option == FILE_NODATA ? &w->nodata_n : &w->negate_n;
     if (*n == SURVEY_CHANGES)
         return options_wrong(argv[0], "at most %d values of one option", SURVEY_CHANGES);
-    if (option == READING_NEGATE) {
+    if (option == FILE_NEGATE) {
         w->negate[(*n)++] = optarg;
         return EXIT_DONE;
     }
@@ -34,42 +34,42 @@ static bool read_number(const char *text, uint32_t *number)
     return proto_read_u32(text, strlen(text), number) && *number <= PATHS_MOST_NUMBER;
 }
 
-int reading_option(struct reading *r, int option, char **argv, bool *known)
+int file_options_take(struct file_options *r, int option, char **argv, bool *known)
 {
     struct source *s = &r->from;
     uint32_t lines;
     *known = true;
-    if (option == READING_SKIP_BAD)
+    if (option == FILE_SKIP_BAD)
         s->skip_bad = true;
-    else if (option == READING_FIELDS)
+    else if (option == FILE_FIELDS)
         s->table.fields.all = true;
-    else if (option == READING_DRY_RUN)
+    else if (option == FILE_DRY_RUN)
         r->dry_run = true;
-    else if (option == READING_FORMAT && !source_read_form(optarg, s))
+    else if (option == FILE_FORMAT && !source_read_form(optarg, s))
         return options_wrong(
             argv[0],
             "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las, poly, obj, asc",
             optarg);
-    else if (option == READING_COLUMNS && !wish_columns(&s->table.wish, optarg))
+    else if (option == FILE_COLUMNS && !wish_columns(&s->table.wish, optarg))
         return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
                              optarg);
-    else if (option == READING_SKIP_LINES && !proto_read_u32(optarg, strlen(optarg), &lines))
+    else if (option == FILE_SKIP_LINES && !proto_read_u32(optarg, strlen(optarg), &lines))
         return options_wrong(argv[0], "--skip-lines %s is not a number of lines", optarg);
-    else if (option == READING_SKIP_LINES)
+    else if (option == FILE_SKIP_LINES)
         s->table.wish.skip_lines = lines;
-    else if (option == READING_POINTS)
+    else if (option == FILE_POINTS)
         s->points_only = true;
-    else if (option == READING_BORDER)
+    else if (option == FILE_BORDER)
         s->lines_border = true;
-    else if (option == READING_SPLIT)
+    else if (option == FILE_SPLIT)
         r->split = true;
-    else if (option == READING_OF && !read_number(optarg, &s->first_number))
+    else if (option == FILE_OF && !read_number(optarg, &s->first_number))
         return options_wrong(argv[0], "--of %s is not a number up to %d", optarg,
                              PATHS_MOST_NUMBER);
-    else if (option == READING_NODATA || option == READING_NEGATE)
+    else if (option == FILE_NODATA || option == FILE_NEGATE)
         return read_change(r, option, argv);
     else
-        *known = option == READING_FORMAT || option == READING_COLUMNS || option == READING_OF;
+        *known = option == FILE_FORMAT || option == FILE_COLUMNS || option == FILE_OF;
     return EXIT_DONE;
 }
 
@@ -85,7 +85,7 @@ static void put_number(const char *key, double v)
         fputs("null", stdout);
 }
 
-static void put_range(const struct reading *r, size_t column)
+static void put_range(const struct file_options *r, size_t column)
 {
     struct range range = survey_range(&r->file, column);
     put_number("from", range.least);
@@ -94,7 +94,7 @@ static void put_range(const struct reading *r, size_t column)
 }
 
 /* The place of a table's column among x, y and the fields; SIZE_MAX: it is not used. */
-static size_t field_of(const struct reading *r, size_t column)
+static size_t field_of(const struct file_options *r, size_t column)
 {
     const struct table_file *t = &r->from.table;
     for (size_t k = 0; k < t->fields.n; k++)
@@ -105,12 +105,12 @@ static size_t field_of(const struct reading *r, size_t column)
                                                       : SIZE_MAX;
 }
 
-static const char *name_of(const struct reading *r, size_t place)
+static const char *name_of(const struct file_options *r, size_t place)
 {
     return place == 0 ? "x" : place == 1 ? "y" : r->from.table.fields.name[place - 2];
 }
 
-static void put_column(const struct reading *r, size_t i)
+static void put_column(const struct file_options *r, size_t i)
 {
     const struct plan *p = &r->from.table.plan;
     size_t place = field_of(r, i);
@@ -154,7 +154,7 @@ static void put_notes(const struct report *report)
     putchar(']');
 }
 
-void reading_json(const struct reading *r)
+void file_options_json(const struct file_options *r)
 {
     const struct table_file *t = &r->from.table;
     json_key("input");
@@ -191,7 +191,8 @@ static const char *shown(double v, char *room)
     return room;
 }
 
-static void show_row(const char *column, const char *use, const struct reading *r, size_t place)
+static void show_row(const char *column, const char *use, const struct file_options *r,
+                     size_t place)
 {
     char from[PROTO_NUMBER_MAX + 1], to[PROTO_NUMBER_MAX + 1];
     if (place == SIZE_MAX) {
@@ -203,7 +204,7 @@ static void show_row(const char *column, const char *use, const struct reading *
            shown(range.greatest, to), (uintmax_t)range.missing);
 }
 
-static void show_columns(const struct reading *r)
+static void show_columns(const struct file_options *r)
 {
     const struct plan *p = &r->from.table.plan;
     printf("  %-24s %-10s %16s %16s %9s\n", "column", "use", "from", "to", "missing");
@@ -239,7 +240,7 @@ static const char *separator_name(const struct plan *p)
     }
 }
 
-static void show_plan(const struct reading *r)
+static void show_plan(const struct file_options *r)
 {
     const struct plan *p = &r->from.table.plan;
     printf("  values between %s%s%s", separator_name(p),
@@ -255,7 +256,7 @@ static void show_plan(const struct reading *r)
         putchar('\n');
 }
 
-static void show(const struct reading *r)
+static void show(const struct file_options *r)
 {
     struct coincidence c = {0};
     bool known = survey_coincident(&r->file, &c);
@@ -265,7 +266,7 @@ static void show(const struct reading *r)
         fputs("true", stdout);
         if (known)
             json_number("coincident", c.points);
-        reading_json(r);
+        file_options_json(r);
         json_finish();
         return;
     }
@@ -284,7 +285,7 @@ static void show(const struct reading *r)
 /* ---- the file ---- */
 
 /* That is what has been added to the report since the file was read. */
-void reading_note_coincident(struct reading *r)
+void file_options_note_coincident(struct file_options *r)
 {
     struct report *report = &r->file.report;
     size_t before = report->n;
@@ -293,7 +294,7 @@ void reading_note_coincident(struct reading *r)
         fprintf(stderr, "delaunay: %s: %s\n", source_name(&r->from), report->note[i].text);
 }
 
-int reading_read(struct reading *r, bool *go_on)
+int file_options_read(struct file_options *r, bool *go_on)
 {
     *go_on = false;
     if (!source_read(&r->from, &r->file)) {
@@ -302,19 +303,19 @@ int reading_read(struct reading *r, bool *go_on)
         json_begin(false);
         json_text("error", "REFUSED");
         json_text("message", r->from.message);
-        reading_json(r);
+        file_options_json(r);
         json_finish();
         return EXIT_REFUSED;
     }
     *go_on = !r->dry_run;
     if (r->dry_run) {
-        reading_note_coincident(r);
+        file_options_note_coincident(r);
         show(r);
     }
     return EXIT_DONE;
 }
 
-void reading_free(struct reading *r)
+void file_options_free(struct file_options *r)
 {
     points_file_free(&r->file);
     source_free(&r->from);

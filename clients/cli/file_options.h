@@ -1,0 +1,58 @@
+/* file_options.h - what load, draw and run share: the options that say how a file is read, and how they report it. */
+#ifndef CLIENTS_FILE_OPTIONS_H
+#define CLIENTS_FILE_OPTIONS_H
+
+#include "clients/cli/options.h"
+#include "clients/files/source.h"
+
+enum file_options_take {
+    FILE_FORMAT = 300,
+    FILE_COLUMNS,
+    FILE_SKIP_BAD,
+    FILE_FIELDS,
+    FILE_NODATA,
+    FILE_SKIP_LINES,
+    FILE_NEGATE,
+    FILE_DRY_RUN,
+    FILE_POINTS,
+    FILE_BORDER,
+    FILE_OF,
+    FILE_SPLIT
+};
+
+#define FILE_OPTIONS                                                                               \
+    {"columns", required_argument, NULL, FILE_COLUMNS},                                            \
+        {"skip-bad", no_argument, NULL, FILE_SKIP_BAD},                                            \
+        {"fields", no_argument, NULL, FILE_FIELDS},                                                \
+        {"nodata", required_argument, NULL, FILE_NODATA},                                          \
+        {"skip-lines", required_argument, NULL, FILE_SKIP_LINES},                                  \
+        {"negate", required_argument, NULL, FILE_NEGATE},                                          \
+        {"points", no_argument, NULL, FILE_POINTS}, {"border", no_argument, NULL, FILE_BORDER},    \
+        {"of", required_argument, NULL, FILE_OF}, {"split", no_argument, NULL, FILE_SPLIT},        \
+    {                                                                                              \
+        "dry-run", no_argument, NULL, FILE_DRY_RUN                                                 \
+    }
+
+struct file_options {
+    struct source from;
+    struct points_file file;
+    bool dry_run;
+    bool split; /* where lines cross they get points */
+};
+
+/* Takes one of these options; a usage error's status, or EXIT_DONE. *known says whether it is one. */
+int file_options_take(struct file_options *r, int option, char **argv, bool *known);
+
+/* Reads the file. With --dry-run it prints how. *go_on says whether the points are to be sent; returns the exit
+ * status if they are not. */
+int file_options_read(struct file_options *r, bool *go_on);
+
+/* Prints where coincident points have different values. */
+void file_options_note_coincident(struct file_options *r);
+
+/* For --json: the key "input" with what was read. */
+void file_options_json(const struct file_options *r);
+
+void file_options_free(struct file_options *r);
+
+#endif

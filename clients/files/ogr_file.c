@@ -1,0 +1,40 @@
+/* ogr_file.c - see ogr_file.h. The name is an argument of the program, so such a file is no pipe and in no archive. */
+#include "clients/files/ogr_file.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "clients/reading/program.h"
+
+const char ogr_program[] = "ogr2ogr";
+const char ogr_hint[] =
+    " and write it as one layer of GeoJSON (ogr2ogr OUT FILE LAYER copies a layer)";
+
+bool ogr_is_name(const char *path)
+{
+    static const char *const endings[] = {".shp", ".gpkg", ".fgb"};
+    size_t n = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t len = strlen(endings[i]);
+        if (n > len && strcasecmp(path + n - len, endings[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool ogr_start(const char *path, pid_t *pid, int *out, char *why, size_t room)
+{
+    char name[4100]; /* which is no option */
+    snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
+    const char *word[] = {ogr_program,   "-f", "GeoJSON", "-lco", "SIGNIFICANT_FIGURES=17",
+                          "/vsistdout/", name, NULL};
+    int failed = program_start(pid, word, -1, out);
+    if (failed == 0)
+        return true;
+    *pid = 0;
+    *out = -1;
+    snprintf(why, room, "to read this file the program %s is needed (Debian: gdal-bin): %s",
+             ogr_program, strerror(failed));
+    return false;
+}
