@@ -46,7 +46,7 @@ def parse(url: Optional[str]) -> Address:
     if found is None:
         raise ValueError(_FORMS)
     token, path = found.groups()
-    return Address(path=unquote(path), token=unquote(token or ""))
+    return Address(path=path, token=unquote(token or ""))
 
 
 def _connect_to(address: Address, timeout: Optional[float]) -> socket.socket:
