@@ -294,8 +294,10 @@ static bool read_objects(struct geojson *g, const struct json_scan *at, bool geo
     g->j = *at;
     if (!json_take(&g->j, '['))
         return bad(g);
-    if (json_take(&g->j, ']'))
+    if (json_take(&g->j, ']')) {
+        g->notes->nowhere += geometry && g->survey;
         return true;
+    }
     do {
         if (!read_object(g, geometry))
             return false;

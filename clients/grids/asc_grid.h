@@ -13,6 +13,7 @@ struct grid_frame {
     double column[2], row[2]; /* the steps to the next column, and to the next row, in x and y */
     double first[2];          /* the centre of the first cell, in steps from the origin */
     bool geographic;          /* x and y are longitude and latitude */
+    bool scaled;              /* the values are to be scaled, other than the one that means: none */
 };
 
 struct grid_notes {

@@ -8,8 +8,8 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "clients/reading/program.h"
 #include "clients/grids/vrt_frame.h"
+#include "clients/reading/program.h"
 
 bool raster_is_name(const char *name)
 {
@@ -39,21 +39,37 @@ static bool start(struct points_file *f, const char *const *word, pid_t *pid, in
                strerror(failed));
 }
 
-/* Starts gdal_translate into a description of the raster. */
+/* Starts gdal_translate into a description of the raster. With the option -mo it also describes a raster that is a description itself. */
 static bool start_frame(struct points_file *f, const char *name, pid_t *pid, int *out)
 {
-    const char *word[] = {"gdal_translate", "-q", "-of", "VRT", name, "/vsistdout/", NULL};
+    const char *word[] = {"gdal_translate",  "-q", "-of",         "VRT", "-mo",
+                          "reader=delaunay", name, "/vsistdout/", NULL};
     return start(f, word, pid, out);
 }
 
-/* Starts gdal_translate into an ASCII grid of cells of 1 x 1, whose first row is the northernmost one: GDAL reverses the rows of others. */
+/* Starts gdal_translate into an ASCII grid of cells of 1 x 1, whose first row is the northernmost one: GDAL reverses the rows of others.
+ * GDAL scales all values but the one that means: none, so a scaled value may equal that one; nan equals none. */
 static bool start_values(struct points_file *f, const char *name, const struct grid_frame *frame,
                          pid_t *pid, int *out)
 {
     char columns[16], rows[16];
-    const char *word[] = {"gdal_translate", "-q",       "-of",     "AAIGrid",     "-ot",
-                          "Float64",        "-unscale", "-a_ullr", "0",           rows,
-                          columns,          "0",        name,      "/vsistdout/", NULL};
+    const char *word[] = {"gdal_translate",
+                          "-q",
+                          "-of",
+                          "AAIGrid",
+                          "-ot",
+                          "Float64",
+                          "-unscale",
+                          "-a_ullr",
+                          "0",
+                          rows,
+                          columns,
+                          "0",
+                          name,
+                          "/vsistdout/",
+                          frame->scaled ? "-a_nodata" : NULL,
+                          "nan",
+                          NULL};
     snprintf(columns, sizeof columns, "%ju", (uintmax_t)frame->columns);
     snprintf(rows, sizeof rows, "%ju", (uintmax_t)frame->rows);
     return start(f, word, pid, out);

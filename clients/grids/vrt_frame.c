@@ -11,8 +11,8 @@
 enum { TERMS = 6 };
 
 struct vrt {
-    unsigned bands;
-    bool sized, placed;
+    unsigned bands, masks; /* a mask is one of the bands */
+    bool sized, placed, complex_values;
     double term[TERMS]; /* x = term[0] + column * term[1] + row * term[2], y = term[3] + ... */
 };
 
@@ -38,14 +38,24 @@ static bool read_terms(struct xml_part text, double *term)
     return true;
 }
 
-/* A system of longitudes and latitudes [OGC 01-009, OGC 18-010r7]. */
+static bool has(struct xml_part part, const char *word)
+{
+    return memmem(part.text, part.len, word, strlen(word)) != NULL;
+}
+
+/* A system of longitudes and latitudes, alone or with heights [OGC 01-009, OGC 18-010r7]. A projected system has one, too. */
 static bool is_geographic(struct xml_part system)
 {
-    static const char *const words[] = {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["};
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        if (system.len > strlen(words[i]) && memcmp(system.text, words[i], strlen(words[i])) == 0)
-            return true;
-    return false;
+    return (has(system, "GEOGCS[") || has(system, "GEOGCRS[") || has(system, "GEOGRAPHICCRS[")) &&
+           !has(system, "PROJCS[") && !has(system, "PROJCRS[") && !has(system, "PROJECTEDCRS[");
+}
+
+static void take_band(struct vrt *v, const struct xml_tag *tag)
+{
+    struct xml_part type;
+    v->bands++;
+    v->complex_values |= xml_attribute(tag, "dataType", &type) && type.len > 0 &&
+                         type.text[0] == 'C'; /* CFloat32 and others */
 }
 
 static void take_tag(struct vrt *v, const struct xml_tag *tag, struct grid_frame *g)
@@ -54,7 +64,11 @@ static void take_tag(struct vrt *v, const struct xml_tag *tag, struct grid_frame
         v->sized =
             read_size(tag, "rasterXSize", &g->columns) && read_size(tag, "rasterYSize", &g->rows);
     else if (tag->opens && xml_is(tag->name, "VRTRasterBand"))
-        v->bands++;
+        take_band(v, tag);
+    else if (tag->opens && xml_is(tag->name, "MaskBand"))
+        v->masks++;
+    else if (tag->closes && (xml_is(tag->name, "Scale") || xml_is(tag->name, "Offset")))
+        g->scaled = true;
     else if (tag->closes && xml_is(tag->name, "GeoTransform"))
         v->placed = read_terms(tag->before, v->term);
     else if (tag->closes && xml_is(tag->name, "SRS"))
@@ -72,8 +86,13 @@ const char *vrt_read_frame(const char *text, size_t n, struct grid_frame *g)
         take_tag(&v, &tag, g);
     if (got < 0 || !v.sized || v.bands == 0)
         return "GDAL's description of the raster is not understood";
-    if (v.bands > 1)
+    if (v.bands > 1 + v.masks)
         return "the raster has several bands; gdal_translate -b 1 IN OUT chooses one";
+    if (v.masks > 0)
+        return "the raster has a mask; gdalwarp -dstnodata VALUE IN OUT gives the cells that it "
+               "hides a value that means: none";
+    if (v.complex_values)
+        return "the values of the raster are complex numbers";
     if (!v.placed)
         return "the raster does not say where it lies; gdal_translate -a_ullr LEFT TOP RIGHT "
                "BOTTOM "

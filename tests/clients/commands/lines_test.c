@@ -80,8 +80,10 @@ TEST(lines_that_meet_have_a_common_point_unless_its_values_differ)
 TEST(empty_features_and_rings_that_say_nothing_are_named_and_left_out)
 {
     cli_begin();
-    load_says("a.geojson", LINE("[]") FEATURE("{}", "Polygon", "[]") POLYGON("[[]]"), "", 0,
-              "2 without a place (a geometry that is null or empty)");
+    load_says("a.geojson",
+              LINE("[]") FEATURE("{}", "Polygon", "[]")
+                  POLYGON("[[]]") "{\"type\":\"GeometryCollection\",\"geometries\":[]}\n",
+              "", 0, "3 without a place (a geometry that is null or empty)");
     cli_run_well("drop t");
     load_says("a.geojson", LINE("[[1,1],[1,1],[2,1]]"), "", 0,
               "1 step of a line has no length and is left out");

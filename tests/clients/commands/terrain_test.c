@@ -60,7 +60,7 @@ TEST(run_reads_other_rasters_through_gdal_translate)
     folder_begin();
     snprintf(command, sizeof command, "%s $D run a.img - -f node; cat asked", fake);
     folder_expect(command, GRID_NOTES("a.img") GRID_NODES
-                  "-q -of VRT a.img /vsistdout/\n"
+                  "-q -of VRT -mo reader=delaunay a.img /vsistdout/\n"
                   "-q -of AAIGrid -ot Float64 -unscale -a_ullr 0 2 3 0 a.img /vsistdout/\n");
     folder_expect("PATH=$PWD:$PATH; $D run B.TIF - -f node", GRID_NOTES("B.TIF") GRID_NODES);
     folder_expect("PATH=$PWD:$PATH; $D run c - -f node", GRID_NOTES("c") GRID_NODES);
@@ -105,8 +105,37 @@ TEST(run_reads_geotiff_with_all_digits_through_gdal)
         "gdal_translate -q -b 1 -b 1 a.tif two.tif; $D run two.tif - || echo $?",
         "delaunay: two.tif: the raster has several bands; gdal_translate -b 1 IN OUT chooses one; "
         "nothing was loaded\n1\n");
+    folder_expect("gdal_translate -q -of VRT a.tif a.vrt; $D run a.vrt - -f node 2> /dev/null | "
+                  "diff want -",
+                  "");
     if (has("zip"))
         folder_expect("zip -q a.zip a.tif; $D run a.zip - -f node 2> /dev/null | diff want -", "");
+    folder_finish();
+}
+
+/* The value that means: none is one of the values before they are scaled; the cell of 10000 is 0 afterwards. */
+TEST(run_reads_rasters_with_scaled_values_masks_and_an_affine_place)
+{
+    if (!has("gdal_translate") || !has("gdalwarp"))
+        SKIP("the Debian package gdal-bin is missing");
+    folder_begin();
+    folder_run(&(int){0}, "printf 'ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+                          "0 10000\n10010 9990\n' > a.asc; gdal_translate -q -ot Int32 -a_nodata 0 "
+                          "-a_scale 0.5 -a_offset -5000 a.asc a.tif");
+    folder_expect("$D run a.tif - -f node",
+                  "delaunay: a.tif: using the centres of 2 x 2 cells of 1 x 1\n"
+                  "delaunay: a.tif: 1 cell without a value (nan) is left out\n"
+                  "3 2 1 1\n0 1.5 1.5 0 1\n1 0.5 0.5 5 1\n2 1.5 0.5 -5 1\n");
+    folder_expect("gdal_translate -q -b 1 -mask 1 --config GDAL_TIFF_INTERNAL_MASK YES "
+                  "-a_nodata none -ot Float32 a.asc b.tif; $D run b.tif - 2>&1 | cut -c 1-59; "
+                  "gdalwarp -q -dstnodata -1 b.tif c.tif; $D run c.tif - -f node 2>/dev/null",
+                  "delaunay: b.tif: the raster has a mask; gdalwarp -dstnodata\n"
+                  "3 2 1 1\n0 1.5 1.5 10000 1\n1 0.5 0.5 10010 1\n2 1.5 0.5 9990 1\n");
+    folder_expect(
+        "gdal_translate -q -of VRT a.asc t.vrt; sed '/<GeoTransform>/s/>.*</>100, 1, 0.5, "
+        "200, 0.25, -1</' t.vrt > d.vrt; $D run d.vrt - -f node 2>/dev/null",
+        "4 2 1 1\n0 100.75 199.625 0 1\n1 101.75 199.875 10000 1\n"
+        "2 101.25 198.625 10010 1\n3 102.25 198.875 9990 1\n");
     folder_finish();
 }
 

@@ -26,7 +26,12 @@ TEST(a_description_of_a_raster_gives_its_frame_with_all_digits)
     CHECK(g.origin[0] == 0.1 && g.origin[1] == 10.6 && g.first[0] == 0.5 && g.first[1] == 0.5);
     CHECK(g.column[0] == 0.3 && g.column[1] == 0.25 && g.row[0] == 0.5 && g.row[1] == -0.3);
     CHECK(read_text(SIZE "<SRS>GEOGCS[\"y\"]</SRS>" PLACE BAND "</VRTDataset>", &g) == NULL &&
+          g.geographic && !g.scaled);
+    CHECK(read_text(SIZE "<SRS>COMPD_CS[\"x\",GEOGCS[\"y\"],VERT_CS[\"z\"]]</SRS>" PLACE BAND,
+                    &g) == NULL &&
           g.geographic);
+    CHECK(read_text(SIZE PLACE "<VRTRasterBand><Scale>0.1</Scale></VRTRasterBand>", &g) == NULL &&
+          g.scaled);
 }
 
 TEST(a_raster_of_several_bands_or_without_a_place_is_refused)
@@ -38,6 +43,12 @@ TEST(a_raster_of_several_bands_or_without_a_place_is_refused)
     CHECK(fault != NULL && strstr(fault, "does not say where it lies") != NULL);
     fault = read_text(SIZE "<GeoTransform>0,1,0,0,0</GeoTransform>" BAND "</VRTDataset>", &g);
     CHECK(fault != NULL && strstr(fault, "does not say where it lies") != NULL);
+    fault = read_text(SIZE PLACE BAND "<MaskBand>" BAND "</MaskBand></VRTDataset>", &g);
+    CHECK(fault != NULL && strstr(fault, "the raster has a mask; gdalwarp -dstnodata") == fault);
+    fault = read_text(SIZE PLACE BAND BAND "<MaskBand>" BAND "</MaskBand></VRTDataset>", &g);
+    CHECK(fault != NULL && strstr(fault, "several bands") != NULL);
+    CHECK_STR(read_text(SIZE PLACE "<VRTRasterBand dataType=\"CFloat32\"></VRTRasterBand>", &g),
+              "the values of the raster are complex numbers");
     CHECK_STR(read_text(SIZE "<GeoTransform>0,1,2,0,2,4</GeoTransform>" BAND "</VRTDataset>", &g),
               "the cells of the raster have no area");
     static const char *const odd[] = {"", "<a>", SIZE PLACE "</VRTDataset>", PLACE BAND,
