@@ -1,27 +1,23 @@
 // Against a real daemon, $DELAUNAYD.
 
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
 import net from 'node:net';
 import { after, before, beforeEach, describe, it as test } from 'node:test';
 import { connect, Disconnected, NONE, Refused, Triangulation } from '../index.mjs';
+import { startDaemon } from './daemon.mjs';
 
 let daemon;
-let url;
 let client;
 
 describe('a client', () => {
   before(async () => {
-    daemon = spawn(process.env.DELAUNAYD, ['--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
-    const ready = await new Promise((resolve) => daemon.stdout.once('data', resolve));
-    url = `delaunay://${ready.toString().trim().split(' ').pop()}`;
-    client = await connect(url);
+    daemon = await startDaemon();
+    client = await connect(daemon.url);
   });
 
   after(async () => {
     client.close();
-    daemon.kill();
-    assert.equal(await new Promise((resolve) => daemon.once('exit', resolve)), 0);
+    assert.equal(await daemon.end(), 0);
   });
 
   beforeEach(async () => {

@@ -20,13 +20,23 @@ def without_numpy():
         _protocol.numpy = kept
 
 
+def start_daemon(*options):
+    """A daemon and its address; the options come after those of a free port."""
+    daemon = subprocess.Popen([os.environ["DELAUNAYD"], "--port", "0", *options], stdout=subprocess.PIPE, text=True)
+    return daemon, daemon.stdout.readline().split()[-1]
+
+
+def end_daemon(daemon):
+    daemon.kill()
+    daemon.wait()
+    daemon.stdout.close()
+
+
 class WithDaemon(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.daemon = subprocess.Popen(
-            [os.environ["DELAUNAYD"], "--port", "0"], stdout=subprocess.PIPE, text=True
-        )
-        cls.url = "delaunay://" + cls.daemon.stdout.readline().split()[-1]
+        cls.daemon, address = start_daemon()
+        cls.url = "delaunay://" + address
 
     @classmethod
     def tearDownClass(cls):

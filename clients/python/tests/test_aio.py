@@ -3,7 +3,6 @@
 import ast
 import asyncio
 import inspect
-import os
 import tempfile
 import unittest
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 import delaunayd
 from delaunayd import ConnectionLost, Refused, _commands, aio
 
-from .common import WithDaemon
+from .common import WithDaemon, end_daemon, start_daemon
 
 
 class Asyncio(WithDaemon):
@@ -85,21 +84,12 @@ class Asyncio(WithDaemon):
 
 class Tokens(unittest.TestCase):
     def test_tokens_and_unix_sockets(self):
-        import subprocess
-
         with tempfile.TemporaryDirectory() as directory:
             path = Path(directory)
             (path / "tokens").write_text("rw sesame/1\n")
             (path / "tokens").chmod(0o600)
-            daemon = subprocess.Popen(
-                [os.environ["DELAUNAYD"], "--port", "0", "--unix", path / "s", "--auth-file", path / "tokens"],
-                stdout=subprocess.PIPE,
-                text=True,
-            )
-            self.addCleanup(daemon.stdout.close)
-            self.addCleanup(daemon.wait)
-            self.addCleanup(daemon.terminate)
-            daemon.stdout.readline()
+            daemon, _ = start_daemon("--unix", path / "s", "--auth-file", path / "tokens")
+            self.addCleanup(end_daemon, daemon)
             with delaunayd.Client("unix://:sesame%%2F1@%s" % (path / "s")) as c:
                 self.assertEqual(c.sets(), [])
 

@@ -3,7 +3,6 @@
 import os
 import pickle
 import socket
-import subprocess
 import tempfile
 import threading
 import unittest
@@ -12,7 +11,7 @@ from array import array
 from delaunayd import Client, ConnectionLost, Refused
 from delaunayd import _protocol as module
 
-from .common import SQUARE, WithDaemon
+from .common import SQUARE, WithDaemon, end_daemon, start_daemon
 
 try:
     import numpy
@@ -109,15 +108,9 @@ class Commands(WithDaemon):
 
     def test_backups_and_snapshots(self):
         with tempfile.TemporaryDirectory() as path:
-            daemon = subprocess.Popen(
-                [os.environ["DELAUNAYD"], "--port", "0", "--data", path + "/data", "--backup-dir", path + "/backups"],
-                stdout=subprocess.PIPE,
-                text=True,
-            )
-            self.addCleanup(daemon.stdout.close)
-            self.addCleanup(daemon.wait)
-            self.addCleanup(daemon.terminate)
-            with Client("delaunay://" + daemon.stdout.readline().split()[-1]) as c:
+            daemon, address = start_daemon("--data", path + "/data", "--backup-dir", path + "/backups")
+            self.addCleanup(end_daemon, daemon)
+            with Client("delaunay://" + address) as c:
                 c.load("t", SQUARE)
                 self.assertGreaterEqual(c.snapshot(), 1)
                 backup = c.backup("monday")

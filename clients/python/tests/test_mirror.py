@@ -4,15 +4,13 @@ import asyncio
 import os
 import random
 import socket
-import subprocess
 import tempfile
 import threading
 import unittest
 
-import delaunayd
 from delaunayd import Client, ConnectionLost, Mirror, Refused, _mirror, aio
 
-from .common import SQUARE, WithDaemon, without_numpy
+from .common import SQUARE, WithDaemon, end_daemon, start_daemon, without_numpy
 
 WAIT = 60
 
@@ -301,22 +299,14 @@ class Reconnecting(unittest.TestCase):
         directory = tempfile.TemporaryDirectory()
         self.addCleanup(directory.cleanup)
         self.data, self.path = os.path.join(directory.name, "d"), os.path.join(directory.name, "s")
-        self.daemon = None
         self.start()
         self.addCleanup(self.kill)
 
     def start(self, *options):
-        self.daemon = subprocess.Popen(
-            [os.environ["DELAUNAYD"], "--port", "0", "--unix", self.path, *(options or ("--data", self.data))],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.daemon.stdout.readline()
+        self.daemon, _ = start_daemon("--unix", self.path, *(options or ("--data", self.data)))
 
     def kill(self):
-        self.daemon.kill()
-        self.daemon.wait()
-        self.daemon.stdout.close()
+        end_daemon(self.daemon)
 
     def test_a_mirror_continues_after_the_daemon_was_killed(self):
         with Client(self.path) as c:

@@ -2,14 +2,13 @@
 
 import os
 import socket
-import subprocess
 import threading
 import time
 import unittest
 
 from delaunayd import Client, ConnectionLost, Refused
 
-from .common import WithDaemon
+from .common import WithDaemon, end_daemon, start_daemon
 
 
 def in_threads(n, work):
@@ -131,13 +130,9 @@ class Threads(WithDaemon):
 
 class Reconnecting(unittest.TestCase):
     def start(self, port):
-        daemon = subprocess.Popen(
-            [os.environ["DELAUNAYD"], "--port", str(port)], stdout=subprocess.PIPE, text=True
-        )
-        self.addCleanup(daemon.stdout.close)
-        self.addCleanup(daemon.wait)
-        self.addCleanup(daemon.kill)
-        return daemon, int(daemon.stdout.readline().split(":")[-1])
+        daemon, address = start_daemon("--port", str(port))
+        self.addCleanup(end_daemon, daemon)
+        return daemon, int(address.split(":")[-1])
 
     def test_the_next_request_connects_again(self):
         daemon, port = self.start(0)
