@@ -123,7 +123,8 @@ int main(int argc, char **argv)
         else if (option != 'u')
             return options_unknown("", argv, option);
         else if (!url_read(optarg, &where))
-            return options_wrong("", "%s is not a URL: delaunay://host:port", optarg);
+            return options_wrong(
+                "", "%s is not delaunay://[:token@]host[:port] or unix://[:token@]/path", optarg);
     }
     int status = dispatch(NULL, argc - optind, argv + optind, &where);
     finish_json(status);

@@ -515,7 +515,8 @@ TEST(every_command_reports_the_option_that_is_wrong)
     static const char *const wrong[][2] = {
         {"--nonsense sets", "delaunay: unknown option --nonsense\nTry 'delaunay --help'.\n"},
         {"-p", "delaunay: the option -p needs a value\nTry 'delaunay --help'.\n"},
-        {"-u here sets", "delaunay: here is not a URL: delaunay://host:port\n"},
+        {"-u here sets",
+         "delaunay: here is not delaunay://[:token@]host[:port] or unix://[:token@]/path\n"},
         {"export t - --box 1", "delaunay: unknown option --box\nTry 'delaunay export --help'.\n"},
         {"export t - --colour red",
          "delaunay: unknown colour red; there are angle, quality, degree and relief\n"},
