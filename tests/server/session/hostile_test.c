@@ -46,7 +46,7 @@ static double patience_ms(int fd)
     while (lines-- > 0)
         if (sscanf(hear_line(fd), "reactors:%u", &n) == 1)
             reactors = n;
-    return MOST_MS * (reactors > processors ? reactors / processors : 1);
+    return MOST_MS * test_slowness() * (reactors > processors ? reactors / processors : 1);
 }
 
 static void expect_no_delay(int fd)
