@@ -122,14 +122,22 @@ static inline dt_floats dt_floats_abs(dt_floats a)
     return (dt_floats)((dt_floats_holds)a & magnitude);
 }
 
-/* The greater one; b if a is a NaN. */
-static inline float dt_float_most(float a, float b)
+static inline void dt_floats_store(float *p, dt_floats v)
+{
+    typedef float aligned __attribute__((vector_size(16), may_alias));
+    *(aligned *)p = v;
+}
+
+/* The greater ones; b where a is a NaN. */
+static inline dt_floats dt_floats_most(dt_floats a, dt_floats b)
 {
 #ifdef __SSE2__
-    typedef float four __attribute__((vector_size(16)));
-    return __builtin_ia32_maxss((four){a}, (four){b})[0];
+    return __builtin_ia32_maxps(a, b);
+#elif defined(__wasm_simd128__)
+    return __builtin_wasm_pmax_f32x4(b, a);
 #else
-    return a > b ? a : b;
+    const dt_floats_holds more = a > b;
+    return (dt_floats)((more & (dt_floats_holds)a) | (~more & (dt_floats_holds)b));
 #endif
 }
 

@@ -1,8 +1,6 @@
 /* coarse.c - see coarse.h. */
 #include "core/thinning/coarse.h"
 
-#include "core/exact/lanes.h"
-
 #include <float.h>
 
 #define U 0x1p-24
@@ -37,6 +35,8 @@ void dt_coarse_end(struct dt_coarse *c, uint32_t half)
     const float of_slope = (float)(ABOVE * (e + 4.1 * U * r));
     c->half = half;
     for (uint32_t i = 0; i < c->n; i++) {
+        c->most[i] = dt_floats_all(0);
+        c->count[i] = (dt_floats_holds){0, 0, 0, 0};
         c->doubt[i] = (fabsf(c->x[i]) + fabsf(c->y[i])) * of_edge + FLT_MIN;
         c->error[i] += (fabsf(c->dx[i]) + fabsf(c->dy[i])) * of_slope + (float)(ABOVE * 5.3 * U);
     }
@@ -75,7 +75,7 @@ void dt_coarse_find(const struct dt_coarse *c, struct dt_coarse_points *p)
     const int32_t before = (int32_t)c->half - 1;
     const dt_floats_holds first = {before, before, before, before};
     for (uint32_t k = p->n; k % 4 != 0; k++) /* up to a multiple of four */
-        p->x[k] = p->y[k] = 0;
+        p->x[k] = p->y[k] = p->z[k] = 0;
     for (uint32_t k = 0; k < p->n; k += 4) {
         dt_floats x = dt_floats_load(p->x + k), y = dt_floats_load(p->y + k);
         dt_floats_holds sure = {-1, -1, -1, -1};
@@ -88,5 +88,34 @@ void dt_coarse_find(const struct dt_coarse *c, struct dt_coarse_points *p)
         }
         sector |= ~sure;
         __builtin_memcpy(p->sector + k, &sector, sizeof sector);
+    }
+}
+
+void dt_coarse_measure(struct dt_coarse *c, struct dt_coarse_points *p)
+{
+    for (uint32_t k = p->n; k % 4 != 0; k++)
+        p->sector[k] = DT_NONE;
+    for (uint32_t k = 0; k < p->n; k += 4)
+        dt_floats_store(p->off + k, dt_floats_all(0));
+    for (uint32_t i = 0; i < c->n; i++) {
+        const dt_floats dx = dt_floats_all(c->dx[i]), dy = dt_floats_all(c->dy[i]);
+        const int32_t number = (int32_t)i;
+        const dt_floats_holds same = {number, number, number, number};
+        dt_floats most = c->most[i];
+        dt_floats_holds count = c->count[i];
+        for (uint32_t k = 0; k < p->n; k += 4) {
+            dt_floats x = dt_floats_load(p->x + k), y = dt_floats_load(p->y + k);
+            dt_floats off = dt_floats_abs(dx * x + dy * y - dt_floats_load(p->z + k));
+            dt_floats_holds sector, in;
+            __builtin_memcpy(&sector, p->sector + k, sizeof sector);
+            in = sector == same;
+            off = (dt_floats)((dt_floats_holds)off & in);
+            dt_floats_holds before = (dt_floats_holds)dt_floats_load(p->off + k);
+            dt_floats_store(p->off + k, (dt_floats)(before | (dt_floats_holds)off));
+            most = dt_floats_most(off, most);
+            count += in;
+        }
+        c->most[i] = most;
+        c->count[i] = count;
     }
 }

@@ -14,6 +14,7 @@
 #ifndef DT_COARSE_H
 #define DT_COARSE_H
 
+#include "core/exact/lanes.h"
 #include "core/thinning/plane.h"
 
 enum { DT_COARSE_SECTORS = 16, DT_COARSE_POINTS = 64 };
@@ -25,16 +26,19 @@ struct dt_coarse {
     double reach;         /* r */
     float x[DT_COARSE_SECTORS], y[DT_COARSE_SECTORS], doubt[DT_COARSE_SECTORS];   /* of edges */
     float dx[DT_COARSE_SECTORS], dy[DT_COARSE_SECTORS], error[DT_COARSE_SECTORS]; /* of planes */
+    /* of the points of each sector, in four parts: how far the worst one is off, and how many they are, negative */
+    dt_floats most[DT_COARSE_SECTORS];
+    dt_floats_holds count[DT_COARSE_SECTORS];
 };
 
 /* Points as seen from the centre. */
 struct dt_coarse_points {
     uint32_t n;
-    uint32_t item[DT_COARSE_POINTS];
     _Alignas(16) float x[DT_COARSE_POINTS];
     _Alignas(16) float y[DT_COARSE_POINTS];
     _Alignas(16) float z[DT_COARSE_POINTS];
     _Alignas(16) uint32_t sector[DT_COARSE_POINTS]; /* DT_NONE: in doubt */
+    _Alignas(16) float off[DT_COARSE_POINTS];
 };
 
 /* Starts with a star without edges around the sample. */
@@ -50,21 +54,31 @@ void dt_coarse_end(struct dt_coarse *c, uint32_t half);
 /* Finds the sectors of all points. */
 void dt_coarse_find(const struct dt_coarse *c, struct dt_coarse_points *p);
 
+/* Finds how far the points are off the planes of their sectors; results err by at most c->error[sector]. Points without a sector are
+ * left out. Adds to c->most and c->count. */
+void dt_coarse_measure(struct dt_coarse *c, struct dt_coarse_points *p);
+
+/* How far the worst point of a sector is off, and how many points it has. */
+static inline float dt_coarse_most(const struct dt_coarse *c, uint32_t sector)
+{
+    const dt_floats m = c->most[sector];
+    const float a = m[0] > m[1] ? m[0] : m[1], b = m[2] > m[3] ? m[2] : m[3];
+    return a > b ? a : b;
+}
+
+static inline uint32_t dt_coarse_count(const struct dt_coarse *c, uint32_t sector)
+{
+    const dt_floats_holds n = c->count[sector];
+    return (uint32_t) - (n[0] + n[1] + n[2] + n[3]);
+}
+
 static inline void dt_coarse_see(const struct dt_coarse *c, struct dt_coarse_points *p,
-                                 uint32_t item, const struct dt_rounded *q)
+                                 const struct dt_rounded *q)
 {
     uint32_t i = p->n++;
-    p->item[i] = item;
     p->x[i] = q->x - c->at.x;
     p->y[i] = q->y - c->at.y;
     p->z[i] = q->z - c->at.z;
-}
-
-/* Returns how far point i is off the plane of a sector; the result errs by at most c->error[sector]. */
-static inline float dt_coarse_off(const struct dt_coarse *c, uint32_t sector,
-                                  const struct dt_coarse_points *p, uint32_t i)
-{
-    return fabsf(c->dx[sector] * p->x[i] + c->dy[sector] * p->y[i] - p->z[i]);
 }
 
 /* The plane of a sector alone. */

@@ -1,4 +1,4 @@
-/* facets.c - see facets.h. The heap is binary [Knuth, TAOCP 3, sec. 5.2.3]. */
+/* facets.c - see facets.h. */
 #include "core/thinning/facets.h"
 
 #include "core/exact/predicates.h"
@@ -15,11 +15,11 @@ void dt_facets_clear(struct dt_facets *f)
     dt_array_free(f->pool);
     dt_array_free(f->sample);
     dt_array_free(f->facet);
-    dt_array_free(f->heap);
+    dt_heap_clear(&f->heap);
     *f = (struct dt_facets){0};
 }
 
-static const struct dt_facet facet_empty = {0, 0, 0, DT_NONE, false};
+static const struct dt_facet facet_empty = {.worst = DT_NONE};
 
 /* ---- memory ---- */
 
@@ -46,10 +46,7 @@ static enum dt_status reserve_facets(struct dt_facets *f, uint32_t cap)
         return DT_OK;
     struct dt_facet *facet = dt_array_grow(f->facet, f->facet_cap, cap, sizeof *facet);
     f->facet = facet != NULL ? facet : f->facet;
-    struct dt_heaped *heap =
-        dt_array_grow(f->heap, f->heaped, DT_HEAP_FACTOR * (size_t)cap, sizeof *heap);
-    f->heap = heap != NULL ? heap : f->heap;
-    if (facet == NULL || heap == NULL)
+    if (facet == NULL || dt_heap_reserve(&f->heap, DT_HEAP_FACTOR * (size_t)cap) != DT_OK)
         return DT_NOMEM;
     for (; f->facet_cap < cap; f->facet_cap++)
         facet[f->facet_cap] = facet_empty;
@@ -80,19 +77,21 @@ enum { HALF_FACTOR = 2 }; /* of the points: so each copy makes room for as many 
 
 size_t dt_facets_pool_memory(uint32_t n)
 {
-    return dt_array_bytes(2 * HALF_FACTOR * ((size_t)n + 1), sizeof(uint32_t));
+    return dt_array_bytes(2 * HALF_FACTOR * ((size_t)n + 1), sizeof(struct dt_rounded));
 }
 
 enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n, struct dt_pages *pages)
 {
     f->pool_room = HALF_FACTOR * ((size_t)n + 1);
+    f->pool_limit = f->pool_room;
     f->pool = dt_array_new_in(pages, 2 * f->pool_room, sizeof *f->pool);
     return f->pool == NULL ? DT_NOMEM : DT_OK;
 }
 
-/* Copies all lists into the other half. */
-static void tidy_pool(struct dt_facets *f)
+/* Copies all lists into the other half, which gets room for n points more, at least. */
+static void tidy_pool(struct dt_facets *f, size_t n)
 {
+    enum { LEAST = 1 << 15 };
     size_t to = f->pool_begin = f->pool_begin == 0 ? f->pool_room : 0;
     for (uint32_t i = 0; i < f->set->mesh.tri_end; i++) {
         struct dt_facet *facet = &f->facet[i];
@@ -101,12 +100,14 @@ static void tidy_pool(struct dt_facets *f)
         to += facet->n;
     }
     f->pool_end = to;
+    const size_t more = n + LEAST + (to - f->pool_begin), end = f->pool_begin + f->pool_room;
+    f->pool_limit = end - to < more ? end : to + more;
 }
 
 uint32_t dt_facets_take(struct dt_facets *f, size_t n)
 {
-    if (f->pool_end + n > f->pool_begin + f->pool_room)
-        tidy_pool(f);
+    if (f->pool_end + n > f->pool_limit)
+        tidy_pool(f, n);
     f->pool_end += n;
     return (uint32_t)(f->pool_end - n);
 }
@@ -143,63 +144,14 @@ struct dt_corners dt_facet_corners(const struct dt_facets *f, uint32_t base)
 
 /* ---- the heap ---- */
 
-/* Whether a point comes before another one: it is off more, or as much and has the lesser place. */
-static bool precedes(const struct dt_facets *f, const struct dt_heaped *a,
-                     const struct dt_heaped *b)
-{
-    const struct dt_sample *s = f->samples->v;
-    return a->off > b->off ||
-           (a->off == b->off && dt_compare_xy(s[a->worst].at, s[b->worst].at) < 0);
-}
-
-/* Puts h at `at`, or above. */
-static void sift_up(struct dt_facets *f, size_t at, struct dt_heaped h)
-{
-    for (; at > 0 && precedes(f, &h, &f->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        f->heap[at] = f->heap[(at - 1) / 2];
-    f->heap[at] = h;
-}
-
-/* Puts h at `at`, or below. */
-static void sift_down(struct dt_facets *f, size_t at, struct dt_heaped h)
-{
-    for (size_t child; (child = 2 * at + 1) < f->heaped; at = child) {
-        if (child + 1 < f->heaped && precedes(f, &f->heap[child + 1], &f->heap[child]))
-            child++;
-        if (!precedes(f, &f->heap[child], &h))
-            break;
-        f->heap[at] = f->heap[child];
-    }
-    f->heap[at] = h;
-}
-
-/* Whether the facet is still as it was when it got the entry. */
-static bool is_valid(const struct dt_facets *f, const struct dt_heaped *h)
-{
-    const struct dt_facet *facet = &f->facet[h->facet];
-    return facet->heaped && facet->worst == h->worst && facet->off == h->off;
-}
-
 /* Drops all entries that are not valid; so there are no more than facets. */
 static void tidy_heap(struct dt_facets *f)
 {
     size_t n = 0;
-    for (size_t i = 0; i < f->heaped; i++)
-        if (is_valid(f, &f->heap[i]))
-            f->heap[n++] = f->heap[i];
-    f->heaped = n;
-    for (size_t i = n / 2; i-- > 0;)
-        sift_down(f, i, f->heap[i]);
-}
-
-uint32_t dt_facets_worst(struct dt_facets *f)
-{
-    while (f->heaped > 0 && !is_valid(f, &f->heap[0])) {
-        struct dt_heaped last = f->heap[--f->heaped];
-        if (f->heaped > 0)
-            sift_down(f, 0, last);
-    }
-    return f->heaped > 0 ? f->heap[0].facet : DT_NONE;
+    for (size_t i = 0; i < f->heap.n; i++)
+        if (dt_facets_hold(f, &f->heap.v[i]))
+            f->heap.v[n++] = f->heap.v[i];
+    dt_heap_pile(&f->heap, n);
 }
 
 static void forget(struct dt_facets *f, struct dt_facet *facet)
@@ -218,12 +170,12 @@ static void note(struct dt_facets *f, uint32_t number)
     f->settled += facet->heaped ? 0 : facet->n;
     if (!facet->heaped)
         return;
-    if (f->heaped == DT_HEAP_FACTOR * (size_t)f->facet_cap) {
+    if (f->heap.n == f->heap.cap) {
         facet->heaped = false; /* it has no entry yet */
         tidy_heap(f);
         facet->heaped = true;
     }
-    sift_up(f, f->heaped++, (struct dt_heaped){facet->off, number, facet->worst});
+    dt_heap_push(&f->heap, f->samples->v, (struct dt_heaped){facet->off, number, facet->worst});
 }
 
 /* ---- worst points ---- */
@@ -269,39 +221,93 @@ static double decide(const struct dt_corners *c, const struct dt_plane *p,
     return off > bound ? bound : off;
 }
 
-/* Decides for all points of the item. */
-static void decide_item(const struct dt_facets *f, uint32_t item, const struct dt_corners *c,
-                        const struct dt_plane *p, struct dt_worst *w)
+/* All points of a list, from which the worst one is chosen. */
+struct choice {
+    const struct dt_samples *s;
+    struct dt_corners c;
+    const struct dt_plane *p;
+    double bound;
+    double least; /* the worst point is off by at least that */
+    struct dt_worst worst;
+    uint32_t visited;     /* points, */
+    struct dt_stop *stop; /* which end the choice early */
+};
+
+typedef void visit_point(struct choice *d, const struct dt_sample *q, uint32_t point);
+
+static void raise_least(struct choice *d, const struct dt_sample *q, uint32_t point)
 {
-    const struct dt_samples *s = f->samples;
+    (void)point;
+    d->least = fmax(d->least, dt_plane_off_range(&d->c, q).least);
+}
+
+/* Whether doubles show that a point cannot be the worst one: it is off by less than another one, or at most as far as the worst one so
+ * far, and its place is not less. Beside the bound, `decide` may return the next double. */
+static bool is_less_off(const struct choice *d, const struct dt_sample *q, uint32_t point)
+{
+    double most = dt_plane_off_range(&d->c, q).most;
+    return most < fmin(fmax(d->least, d->worst.off), DBL_MAX) ||
+           (most == d->worst.off && most > d->bound &&
+            !dt_worst_is_less(d->s->v, &d->worst, point));
+}
+
+static void decide_point(struct choice *d, const struct dt_sample *q, uint32_t point)
+{
+    if (isinf(d->p->doubt) && is_less_off(d, q, point))
+        return;
+    dt_worst_add(&d->worst, d->s->v, point, decide(&d->c, d->p, q, d->bound));
+}
+
+/* Visits all points of the item. */
+static void visit_item(struct choice *d, uint32_t item, visit_point *visit)
+{
+    enum { POLLED = 64 }; /* an exact decision takes some microseconds */
     uint32_t part = 0, n = 0;
-    if (dt_item_level(item) == 0)
-        dt_worst_add(w, s->v, item, decide(c, p, &s->v[item], f->bound));
-    else
-        n = dt_item_parts(s, item, &part);
-    for (uint32_t k = 0; k < n; k++)
-        decide_item(f, part + k, c, p, w);
+    if (dt_item_level(item) > 0)
+        n = dt_item_parts(d->s, item, &part);
+    else if (++d->visited % POLLED != 0 || !dt_stopped(d->stop))
+        visit(d, &d->s->v[item], item);
+    for (uint32_t end = part + n; part < end && dt_stop_status(d->stop) == DT_OK; part++)
+        visit_item(d, part, visit);
 }
 
-static void decide_list(const struct dt_facets *f, uint32_t base, const struct dt_plane *p,
-                        struct dt_facet *facet)
+static void visit_list(struct choice *d, const struct dt_facets *f, const struct dt_facet *facet,
+                       visit_point *visit)
 {
-    struct dt_corners c = dt_facet_corners(f, base);
-    struct dt_worst w = dt_worst_none;
-    for (size_t k = facet->first; k < (size_t)facet->first + facet->n; k++)
-        decide_item(f, f->pool[k], &c, p, &w);
-    facet->worst = w.point;
-    facet->off = w.off;
+    for (uint32_t k = 0; k < facet->n && dt_stop_status(d->stop) == DT_OK; k++)
+        visit_item(d, f->pool[facet->first + k].item, visit);
 }
 
-void dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
-                  struct dt_facet facet)
+static enum dt_status decide_list(const struct dt_facets *f, uint32_t base,
+                                  const struct dt_plane *p, struct dt_facet *facet,
+                                  struct dt_stop *stop)
 {
+    struct choice d = {.s = f->samples,
+                       .c = dt_facet_corners(f, base),
+                       .p = p,
+                       .bound = f->bound,
+                       .worst = dt_worst_none,
+                       .stop = stop};
+    if (isinf(p->doubt))
+        visit_list(&d, f, facet, raise_least);
+    visit_list(&d, f, facet, decide_point);
+    facet->worst = d.worst.point;
+    facet->off = d.worst.off;
+    return dt_stop_status(stop);
+}
+
+enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
+                            struct dt_facet facet, struct dt_stop *stop)
+{
+    enum dt_status status = DT_OK;
     if (facet.n > 0 && dt_plane_doubts(p, facet.off, f->bound))
-        decide_list(f, base, p, &facet);
+        status = decide_list(f, base, p, &facet, stop);
+    if (status != DT_OK)
+        return status;
     forget(f, &f->facet[base / 8]);
     f->facet[base / 8] = facet;
     note(f, base / 8);
+    return DT_OK;
 }
 
 void dt_facet_empty(struct dt_facets *f, uint32_t base)

@@ -1,6 +1,6 @@
 /* facets.h - the triangles of the surface, each with a list of the points in it. A heap has the triangles with a point that is
  * off by more than the bound, the worst one first. Entries of the heap whose facet has changed are dropped
- * when they are found.
+ * when they come first, or when there is no room.
  *
  * Every point with a value that is not kept is in one list. A point on an edge belongs to the triangle on the left of
  * the edge, directed from its lesser end to the other. A point on an edge of the hull belongs to the one triangle there. So which
@@ -9,25 +9,23 @@
  * While all points that are kept are on one line there are ghosts only (mesh.h): the one whose corners ascend is the facet of
  * the points between them.
  *
- * A list has points, and blocks all of whose points belong to it. Lists lie in a pool, one after the other. A list that is replaced leaves a gap; a full pool is copied without gaps. */
+ * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool, one after the other. A list that is replaced leaves a gap; a full pool is copied without gaps, and
+ * is full again when half of it, or a little more, are gaps: so as much of it as can be stays in the caches. */
 #ifndef DT_FACETS_H
 #define DT_FACETS_H
 
 #include "core/set/set.h"
+#include "core/thinning/heap.h"
 #include "core/thinning/plane.h"
 
 /* By the number of a record of the mesh. */
 struct dt_facet {
-    double off;     /* of the worst point, 0 without points; more than the bound: the point is */
-    uint32_t first; /* where its list begins in the pool */
-    uint32_t n;     /* items of the list */
-    uint32_t worst; /* point; DT_NONE: there are none */
-    bool heaped;    /* an entry of the heap is about it as it is */
-};
-
-struct dt_heaped {
-    double off;
-    uint32_t facet, worst; /* its worst point */
+    double off;      /* of the worst point, 0 without points; more than the bound: the point is */
+    uint32_t first;  /* where its list begins in the pool */
+    uint32_t n;      /* items of the list, */
+    uint32_t blocks; /* of which the first ones are blocks */
+    uint32_t worst;  /* point; DT_NONE: there are none */
+    bool heaped;     /* an entry of the heap is about it as it is */
 };
 
 enum { DT_HEAP_FACTOR = 2 };
@@ -42,11 +40,11 @@ struct dt_facets {
     uint32_t vertices, vertex_cap;
     struct dt_facet *facet; /* owns facet_cap: of all records for which the mesh has room */
     uint32_t facet_cap;
-    struct dt_heaped *heap; /* owns DT_HEAP_FACTOR facet_cap */
-    size_t heaped;
+    struct dt_heap heap;     /* has room for DT_HEAP_FACTOR facet_cap */
     uint32_t items, settled; /* of all lists, and of those of facets that are not in the heap */
-    uint32_t *pool;          /* owns two halves of pool_room: items */
-    size_t pool_room, pool_begin, pool_end; /* of the half that is in use, the part that is */
+    struct dt_rounded *pool; /* owns two halves of pool_room */
+    size_t pool_room, pool_begin, pool_end; /* of the half that is in use, the part that is, */
+    size_t pool_limit;                      /* and where it is full */
 };
 
 void dt_facets_clear(struct dt_facets *f);
@@ -72,12 +70,19 @@ struct dt_corners dt_facet_corners(const struct dt_facets *f, uint32_t base);
 bool dt_is_facet(const struct dt_facets *f, uint32_t base);
 
 /* The record becomes a facet whose list is in the pool, and whose worst point is off that far from the plane; what is in
- * doubt is decided. */
-void dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
-                  struct dt_facet facet);
+ * doubt is decided. DT_CANCELLED: nothing has changed. */
+enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
+                            struct dt_facet facet, struct dt_stop *stop);
+
+/* Whether the facet is still as it was when it got the entry. */
+static inline bool dt_facets_hold(const struct dt_facets *f, const struct dt_heaped *h)
+{
+    const struct dt_facet *facet = &f->facet[h->facet];
+    return facet->heaped && facet->worst == h->worst && facet->off == h->off;
+}
 
 /* The facet with the worst point of all; DT_NONE: no point is off by more than the bound. Cost: O(log n), amortised over the
- * facets that were set. */
+ * facets that were set; fetches what the insertions of the next worst points will read. */
 uint32_t dt_facets_worst(struct dt_facets *f);
 
 /* The record is no facet any more, or has no points. */

@@ -59,39 +59,52 @@ static enum dt_status find_homes(const struct dt_facets *f, const bool *kept, st
     return dt_stop_status(stop);
 }
 
-/* Counts the items that the item becomes in the lists, or appends them. */
-static void settle(struct dt_facets *f, const struct homes *h, uint32_t item, bool append)
+/* What is done with items: all are counted; blocks are appended to lists, then points. */
+enum settling { COUNT, BLOCKS, POINTS };
+
+static void settle_in(struct dt_facets *f, struct dt_facet *facet, uint32_t item, enum settling how)
+{
+    const bool is_block = dt_item_level(item) > 0;
+    if (how == COUNT)
+        facet->n++;
+    else if (is_block == (how == BLOCKS)) {
+        const struct dt_rounded block = {0, 0, 0, item};
+        f->pool[facet->first + facet->n++] = is_block ? block : f->samples->rounded[item];
+        facet->blocks += is_block;
+    }
+}
+
+/* Does so with the items that the item becomes in the lists. */
+static void settle(struct dt_facets *f, const struct homes *h, uint32_t item, enum settling how)
 {
     const struct dt_samples *s = f->samples;
     uint32_t home = *home_of(h, s, item), part = 0, n = 0;
     if (home != DT_NONE) {
-        struct dt_facet *facet = &f->facet[home / 8];
-        if (append)
-            f->pool[facet->first + facet->n] = item;
-        facet->n++;
+        settle_in(f, &f->facet[home / 8], item, how);
     } else if (dt_item_level(item) > 0) {
         n = dt_item_parts(s, item, &part);
     }
     for (uint32_t k = 0; k < n; k++)
-        settle(f, h, part + k, append);
+        settle(f, h, part + k, how);
 }
 
-static void settle_all(struct dt_facets *f, const struct homes *h, bool append)
+static void settle_all(struct dt_facets *f, const struct homes *h, enum settling how)
 {
     const struct dt_samples *s = f->samples;
     for (uint32_t i = 0; i < s->count[s->levels]; i++)
-        settle(f, h, dt_item_of(s->levels, i), append);
+        settle(f, h, dt_item_of(s->levels, i), how);
 }
 
 /* Writes the lists of all facets. */
 static void fill_pool(struct dt_facets *f, const struct homes *h)
 {
-    settle_all(f, h, false);
+    settle_all(f, h, COUNT);
     for (uint32_t i = 0; i < f->set->mesh.tri_end; i++) {
         f->facet[i].first = dt_facets_take(f, f->facet[i].n);
         f->facet[i].n = 0;
     }
-    settle_all(f, h, true);
+    settle_all(f, h, BLOCKS);
+    settle_all(f, h, POINTS);
 }
 
 static void add_item(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
@@ -112,14 +125,13 @@ static enum dt_status measure(struct dt_facets *f, uint32_t base, struct dt_stop
     struct dt_facet facet = f->facet[base / 8];
     f->facet[base / 8].n = 0;
     for (uint32_t k = 0; k < facet.n; k++) {
-        add_item(&w, f->samples, f->pool[facet.first + k], &p);
+        add_item(&w, f->samples, f->pool[facet.first + k].item, &p);
         if (k % DT_POLL_MISSES == 0 && dt_stopped(stop))
             return dt_stop_status(stop);
     }
     facet.off = w.off;
     facet.worst = w.point;
-    dt_facet_set(f, base, &p, facet);
-    return DT_OK;
+    return dt_facet_set(f, base, &p, facet, stop);
 }
 
 enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_pages *pages,

@@ -2,6 +2,7 @@
 #include "core/thinning/plane.h"
 
 #include "core/exact/bignum.h"
+#include "core/exact/double2.h"
 
 /* The range of the largest value in which doubles are used. Beyond it products could overflow. Below it the bits that products
  * lose at the least doubles count: they become 2^-485 by the division by D >= 2^-388 and a side below 2^202. */
@@ -22,23 +23,17 @@ static void set_slopes(struct dt_plane *p, const struct dt_corners *c, double la
     double bz = c->second.z - p->z, cz = c->third.z - p->z;
     double bb = bx * bx + by * by, cc = cx * cx + cy * cy, area = bx * cy - by * cx;
     double f = (bb > cc ? bb : cc) / area, range = fmax(fabs(bz), fabs(cz));
-    p->level = range == 0;
     p->dx = (bz * cy - cz * by) / area;
     p->dy = (cz * bx - bz * cx) / area;
     p->doubt = 0x1p-47 * f * range + 0x1p-49 * largest;
-    if (!(f < 0x1p30) && !p->level)
+    if (!(f < 0x1p30))
         give_up(p);
-    if (p->level) { /* also where the area has vanished */
-        p->dx = p->dy = 0;
-        p->doubt = 0x1p-49 * largest;
-    }
 }
 
 /* The ends differ in x, or all points of the line have the same x. */
 static void set_slope_of_line(struct dt_plane *p, const struct dt_corners *c, double largest)
 {
     double x = c->second.at.x - p->at.x, z = c->second.z - p->z;
-    p->level = z == 0;
     if (x != 0)
         p->dx = z / x;
     else
@@ -55,7 +50,12 @@ struct dt_plane dt_plane_of(const struct dt_corners *c, double largest)
         p.z = HUGE_VAL;
         return p;
     }
-    if (largest > PLANE_MOST || (largest < PLANE_LEAST && largest != 0)) {
+    p.level = c->first.z == c->second.z && (c->on_line || c->first.z == c->third.z);
+    if (p.level) { /* also where rounding has left no area */
+        p.doubt = 0x1p-49 * largest;
+        return p;
+    }
+    if (largest > PLANE_MOST || largest < PLANE_LEAST) {
         give_up(&p);
         return p;
     }
@@ -64,6 +64,66 @@ struct dt_plane dt_plane_of(const struct dt_corners *c, double largest)
     else
         set_slope_of_line(&p, c, largest);
     return p;
+}
+
+/* ---- bounds ---- */
+
+/* The weights of the second and the third corner at a point, and the largest error of each. */
+struct weights {
+    double second, third;
+    double doubt;
+};
+
+/* The cross of a and b as seen from o; errs by at most 10.2 u^2 of *size (core/exact/bounds.h). */
+static double cross(struct dt_point o, struct dt_point a, struct dt_point b, double *size)
+{
+    struct dt_double2 ax = dt_double2_difference(a.x, o.x), ay = dt_double2_difference(a.y, o.y);
+    struct dt_double2 bx = dt_double2_difference(b.x, o.x), by = dt_double2_difference(b.y, o.y);
+    struct dt_double2 left = dt_double2_multiply(ax, by), right = dt_double2_multiply(ay, bx);
+    *size = fmax(*size, fabs(left.hi) + fabs(right.hi));
+    return dt_double2_add(left, dt_double2_negate(right)).hi;
+}
+
+/* Let D be twice the area, and e = 16 u^2 size / D. The two crosses and D err by 0.64 e D, and their rounding by u of themselves.
+ * A weight is at most 1, so it errs by 1.28 e + 5 u. */
+static struct weights weights_of(const struct dt_corners *c, struct dt_point q)
+{
+    const struct dt_point o = c->first.at;
+    double size = 0, area = cross(o, c->second.at, c->third.at, &size);
+    double second = cross(o, q, c->third.at, &size), third = cross(o, c->second.at, q, &size);
+    return (struct weights){second / area, third / area, 0x1p-101 * size / area + 0x1p-50};
+}
+
+/* The same on a line: the quotient of two differences errs by 3.1 u. */
+static struct weights weights_between(const struct dt_corners *c, struct dt_point q)
+{
+    const struct dt_point o = c->first.at, e = c->second.at;
+    double second = e.x != o.x ? (q.x - o.x) / (e.x - o.x) : (q.y - o.y) / (e.y - o.y);
+    return (struct weights){second, 0, 0x1p-50};
+}
+
+/* All values are divided by 16, so that no sum overflows; let M be the largest one, and d the doubt, at most 1/2.
+ *
+ * 1. A difference of values is at most 2 M, and errs by 2 u M. A weight is at most 1 + d.
+ * 2. The two products err by 4 M d from the weights and by 13 u M from rounding.
+ * 3. The three sums are at most 9 M, and err by 21 u M.
+ *
+ * The error below exceeds the sum by enough for its own rounding. The last term covers underflow. No point is off by more than it differs from
+ * some corner. */
+struct dt_off_range dt_plane_off_range(const struct dt_corners *c, const struct dt_sample *q)
+{
+    const double part = 0x1p-4;
+    double z = part * c->first.z, value = part * q->z;
+    double second = part * c->second.z, third = part * (c->on_line ? c->first.z : c->third.z);
+    double most = fmax(fmax(fabs(z), fabs(value)), fmax(fabs(second), fabs(third)));
+    struct weights w = c->on_line ? weights_between(c, q->at) : weights_of(c, q->at);
+    double off = fabs(z + (w.second * (second - z) + w.third * (third - z)) - value);
+    double error = 4 * most * (w.doubt + 0x1p-49) + 0x1p-1060;
+    double corner = fmax(fmax(fabs(c->first.z - q->z), fabs(c->second.z - q->z)),
+                         fabs((c->on_line ? c->first.z : c->third.z) - q->z));
+    if (!(w.doubt <= 0.5)) /* also if the area has vanished */
+        return (struct dt_off_range){0, corner};
+    return (struct dt_off_range){(off - error) / part, fmin((off + error) / part, corner)};
 }
 
 /* ---- exactly ---- */

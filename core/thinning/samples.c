@@ -87,7 +87,7 @@ static void round_all(struct dt_samples *s, struct dt_stop *stop)
             s->rounded[i] =
                 (struct dt_rounded){(float)((v->at.x - s->middle.x) * s->per_length),
                                     (float)((v->at.y - s->middle.y) * s->per_length),
-                                    (float)((v->z - s->middle_value) * s->per_value), 0};
+                                    (float)((v->z - s->middle_value) * s->per_value), i};
         }
 }
 

@@ -21,7 +21,8 @@ struct dt_sample {
 /* A point rounded to floats: as seen from the middle of all points and of the range of all values, in units that make all
  * three at most 1. Four are in a cache line. */
 struct dt_rounded {
-    float x, y, z, unused;
+    float x, y, z;
+    uint32_t item; /* its number; or in a list the item of a block, which has no place */
 };
 
 /* The box of its points, from its middle to its sides, and the range of their values. */

@@ -17,12 +17,15 @@
 #include "core/mesh/fixed.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void dt_share_clear(struct dt_share *h)
 {
     free(h->sector);
-    dt_array_free(h->old);
-    dt_array_free(h->item);
+    dt_array_free(h->point);
+    dt_array_free(h->of);
+    dt_array_free(h->off);
+    dt_array_free(h->block);
     *h = (struct dt_share){0};
 }
 
@@ -37,29 +40,33 @@ static enum dt_status reserve_sectors(struct dt_share *h, uint32_t n)
     return h->cap > 0 ? DT_OK : DT_NOMEM;
 }
 
-static enum dt_status reserve_old(struct dt_share *h, size_t n)
+static enum dt_status reserve_points(struct dt_share *h, size_t n)
 {
-    if (n <= h->old_cap)
+    if (n <= h->point_cap)
         return DT_OK;
-    size_t cap = dt_array_room(h->old_cap, n, UINT32_MAX);
-    uint32_t *old = dt_array_grow(h->old, h->olds, cap, sizeof *old);
-    if (old == NULL)
+    size_t cap = dt_array_room(h->point_cap, n, UINT32_MAX);
+    struct dt_rounded *point = dt_array_grow(h->point, h->points, cap, sizeof *point);
+    h->point = point != NULL ? point : h->point;
+    uint32_t *of = dt_array_grow(h->of, 0, cap, sizeof *of);
+    h->of = of != NULL ? of : h->of;
+    float *off = dt_array_grow(h->off, 0, cap, sizeof *off);
+    h->off = off != NULL ? off : h->off;
+    if (point == NULL || of == NULL || off == NULL)
         return DT_NOMEM;
-    h->old = old;
-    h->old_cap = cap;
+    h->point_cap = cap;
     return DT_OK;
 }
 
-static enum dt_status reserve_items(struct dt_share *h, size_t n)
+static enum dt_status reserve_blocks(struct dt_share *h, size_t n)
 {
-    if (n <= h->item_cap)
+    if (n <= h->block_cap)
         return DT_OK;
-    size_t cap = dt_array_room(h->item_cap, n, UINT32_MAX);
-    struct dt_shared *item = dt_array_grow(h->item, h->items, cap, sizeof *item);
-    if (item == NULL)
+    size_t cap = dt_array_room(h->block_cap, n, UINT32_MAX);
+    struct dt_shared *block = dt_array_grow(h->block, h->blocks, cap, sizeof *block);
+    if (block == NULL)
         return DT_NOMEM;
-    h->item = item;
-    h->item_cap = cap;
+    h->block = block;
+    h->block_cap = cap;
     return DT_OK;
 }
 
@@ -129,41 +136,39 @@ static uint32_t sector_of_block(const struct dt_share *h, struct dt_point p,
     return sure ? i - 1 : DT_NONE;
 }
 
-#define LOOKED_AT (-1.0f)
+/* ---- blocks ---- */
 
-/* Fetches what finding its sector will read. */
-static void fetch_item(const struct dt_samples *s, uint32_t item)
+/* Fetches what finding the sector of a block will read, and what its parts will if they are points. */
+static void fetch_block(const struct dt_samples *s, uint32_t item)
 {
-    if (dt_item_level(item) == 0)
-        dt_fetch(&s->rounded[item]);
-    else
-        dt_fetch(dt_item_block(s, item));
-}
-
-/* The parts of a block that edges divide get behind the items that are left, so that they are fetched until it is their turn. */
-static enum dt_status divide(const struct dt_samples *s, struct dt_share *h, uint32_t item)
-{
-    uint32_t part, n = dt_item_parts(s, item, &part);
-    if (h->olds + n > h->old_cap && reserve_old(h, h->olds + n) != DT_OK)
-        return DT_NOMEM;
-    for (uint32_t k = 0; k < n; k++) {
-        fetch_item(s, part + k);
-        h->old[h->olds++] = part + k;
-    }
-    return DT_OK;
-}
-
-/* There is room. */
-static inline void add_shared(struct dt_share *h, struct dt_shared i)
-{
-    h->item[h->items++] = i;
-    h->sector[i.sector].n++;
+    dt_fetch(dt_item_block(s, item));
+    if (dt_item_level(item) == 1)
+        dt_fetch(&s->rounded[DT_BLOCK_PARTS * dt_item_number(item)]);
 }
 
 /* Whether the sectors are few enough for floats. */
 static bool is_coarse(const struct dt_share *h)
 {
     return !h->on_line && h->sectors <= DT_COARSE_SECTORS;
+}
+
+/* The parts of a block that edges divide get behind the blocks that are left, or behind the points, so that they are fetched until it
+ * is their turn. */
+static enum dt_status divide(const struct dt_samples *s, struct dt_share *h, uint32_t item)
+{
+    uint32_t part, n = dt_item_parts(s, item, &part);
+    const bool are_points = dt_item_level(part) == 0;
+    if ((are_points ? reserve_points(h, h->points + n) : reserve_blocks(h, h->blocks + n)) != DT_OK)
+        return DT_NOMEM;
+    for (uint32_t end = part + n; part < end; part++)
+        if (are_points) {
+            dt_fetch(&s->rounded[part]);
+            h->point[h->points++].item = part;
+        } else {
+            fetch_block(s, part);
+            h->block[h->blocks++].item = part;
+        }
+    return DT_OK;
 }
 
 /* Adds the points of a block that floats do not show to be less off than the worst one. */
@@ -182,173 +187,207 @@ static void add_block_coarsely(struct dt_worst *w, const struct dt_samples *s, u
             dt_worst_add(w, s->v, part, dt_plane_off(&sector->plane, &s->v[part]));
 }
 
-/* Finds the sector of a block, and its worst point, or divides it. */
-static enum dt_status share_block(struct dt_facets *f, struct dt_share *h, uint32_t item,
-                                  struct dt_point p)
+/* A block in a sector. */
+static void add_block(const struct dt_samples *s, struct dt_share *h, uint32_t item, uint32_t of)
 {
-    const struct dt_samples *s = f->samples;
-    uint32_t of = sector_of_block(h, p, dt_item_block(s, item));
-    if (of == DT_NONE)
-        return divide(s, h, item);
-    if (reserve_items(h, h->items + 1) != DT_OK)
-        return DT_NOMEM;
     struct dt_sector *sector = &h->sector[of];
+    sector->blocks++;
     if (is_coarse(h)) {
         const struct dt_coarse_plane plane = dt_coarse_plane(&h->coarse, of, s);
         add_block_coarsely(&sector->worst, s, item, sector, &plane);
     } else
         dt_worst_add_block(&sector->worst, s, item, &sector->plane);
-    add_shared(h, (struct dt_shared){item, of, LOOKED_AT});
+}
+
+/* Finds the sectors of blocks, and their worst points, or divides them. */
+static enum dt_status share_blocks(const struct dt_samples *s, struct dt_share *h,
+                                   struct dt_point p, struct dt_stop *stop)
+{
+    size_t known = 0, points = h->points;
+    for (size_t k = 0; k < h->blocks; k++) {
+        const uint32_t item = h->block[k].item, of = sector_of_block(h, p, dt_item_block(s, item));
+        if (of == DT_NONE && divide(s, h, item) != DT_OK)
+            return DT_NOMEM;
+        if (of != DT_NONE) {
+            add_block(s, h, item, of);
+            h->block[known++] = (struct dt_shared){item, of};
+        }
+        if (k % DT_POLL_MISSES == DT_POLL_MISSES - 1 && dt_stopped(stop))
+            return dt_stop_status(stop);
+    }
+    h->blocks = known;
+    for (; points < h->points; points++)
+        h->point[points] = s->rounded[h->point[points].item];
     return DT_OK;
 }
 
-/* Finds the sectors of points, and how far they are off. */
-static void share_exactly(struct dt_facets *f, struct dt_share *h,
-                          const struct dt_coarse_points *points, struct dt_point p)
+/* ---- points ---- */
+
+/* Finds the sectors of the points of an array from `from` on, except that of the new vertex, and how far they are off. */
+static void share_exactly(const struct dt_samples *s, struct dt_share *h, size_t from, uint32_t n,
+                          uint32_t vertex)
 {
-    const struct dt_sample *v = f->samples->v;
-    for (uint32_t k = 0; k < points->n; k++) {
-        const uint32_t item = points->item[k], of = sector_of(h, p, v[item].at);
-        struct dt_sector *s = &h->sector[of];
-        dt_worst_add(&s->worst, v, item, dt_plane_off(&s->plane, &v[item]));
-        add_shared(h, (struct dt_shared){item, of, LOOKED_AT});
+    for (size_t k = from; k < from + n; k++) {
+        const uint32_t item = h->point[k].item;
+        h->of[k] = item == vertex ? DT_NONE : sector_of(h, s->v[vertex].at, s->v[item].at);
+        h->off[k] = 0;
+        if (item == vertex)
+            continue;
+        struct dt_sector *sector = &h->sector[h->of[k]];
+        dt_worst_add(&sector->worst, s->v, item, dt_plane_off(&sector->plane, &s->v[item]));
+        sector->n++;
     }
 }
 
-/* The same, but about how far. */
-static void share_coarsely(struct dt_facets *f, struct dt_share *h, struct dt_coarse_points *points,
-                           struct dt_point p)
+/* Finds the sectors of points that floats have left in doubt. The new vertex is one of them. */
+static void settle_doubts(const struct dt_samples *s, const struct dt_share *h, size_t from,
+                          struct dt_coarse_points *points, uint32_t vertex)
 {
-    const struct dt_sample *v = f->samples->v;
     uint32_t doubt[DT_COARSE_POINTS], doubts = 0;
-    dt_coarse_find(&h->coarse, points);
     for (uint32_t k = 0; k < points->n; k++)
         if (points->sector[k] == DT_NONE) {
-            dt_fetch(&v[points->item[k]]);
+            dt_fetch(&s->v[h->point[from + k].item]);
             doubt[doubts++] = k;
         }
-    for (uint32_t i = 0; i < doubts; i++)
-        points->sector[doubt[i]] = sector_of(h, p, v[points->item[doubt[i]]].at);
-    float most[DT_COARSE_SECTORS];
-    uint32_t n[DT_COARSE_SECTORS];
-    for (uint32_t i = 0; i < h->sectors; i++) {
-        most[i] = h->sector[i].most;
-        n[i] = h->sector[i].n;
-    }
-    struct dt_shared *out = h->item + h->items;
-    for (uint32_t k = 0; k < points->n; k++) {
-        const uint32_t of = points->sector[k];
-        const float off = dt_coarse_off(&h->coarse, of, points, k);
-        out[k] = (struct dt_shared){points->item[k], of, off};
-        n[of]++;
-        most[of] = dt_float_most(off, most[of]);
-    }
-    h->items += points->n;
-    for (uint32_t i = 0; i < h->sectors; i++) {
-        h->sector[i].most = most[i];
-        h->sector[i].n = n[i];
+    for (uint32_t i = 0; i < doubts; i++) {
+        const uint32_t item = h->point[from + doubt[i]].item;
+        if (item != vertex)
+            points->sector[doubt[i]] = sector_of(h, s->v[vertex].at, s->v[item].at);
     }
 }
 
-static enum dt_status share_points(struct dt_facets *f, struct dt_share *h,
-                                   struct dt_coarse_points *points, struct dt_point p)
+/* The same as share_exactly, but about how far. */
+static void share_coarsely(const struct dt_samples *s, struct dt_share *h, size_t from, uint32_t n,
+                           uint32_t vertex)
 {
-    if (points->n == 0) /* there may be no array of items yet */
-        return DT_OK;
-    if (reserve_items(h, h->items + points->n) != DT_OK)
-        return DT_NOMEM;
-    if (is_coarse(h))
-        share_coarsely(f, h, points, p);
-    else
-        share_exactly(f, h, points, p);
-    points->n = 0;
+    struct dt_coarse_points points;
+    points.n = 0;
+    for (size_t k = from; k < from + n; k++)
+        dt_coarse_see(&h->coarse, &points, &h->point[k]);
+    dt_coarse_find(&h->coarse, &points);
+    settle_doubts(s, h, from, &points, vertex);
+    dt_coarse_measure(&h->coarse, &points);
+    memcpy(h->of + from, points.sector, n * sizeof *h->of);
+    memcpy(h->off + from, points.off, n * sizeof *h->off);
+}
+
+static enum dt_status share_points(const struct dt_samples *s, struct dt_share *h, uint32_t vertex,
+                                   struct dt_stop *stop)
+{
+    for (size_t from = 0, n; from < h->points; from += n) {
+        n = h->points - from < DT_COARSE_POINTS ? h->points - from : DT_COARSE_POINTS;
+        if (is_coarse(h))
+            share_coarsely(s, h, from, (uint32_t)n, vertex);
+        else
+            share_exactly(s, h, from, (uint32_t)n, vertex);
+        if (from % DT_POLL_MISSES == DT_POLL_MISSES - n && dt_stopped(stop))
+            return dt_stop_status(stop);
+    }
+    for (uint32_t i = 0; is_coarse(h) && i < h->sectors; i++)
+        h->sector[i].n = dt_coarse_count(&h->coarse, i);
     return DT_OK;
 }
 
-/* Finds the sectors of all items of the facets that have been replaced, except the new vertex. */
-static enum dt_status share_items(struct dt_facets *f, struct dt_share *h, uint32_t vertex,
-                                  struct dt_stop *stop)
-{
-    const struct dt_samples *s = f->samples;
-    const struct dt_point p = s->v[vertex].at;
-    struct dt_coarse_points points = {.n = 0};
-    enum dt_status status = DT_OK;
-    h->items = 0;
-    for (size_t k = 0; k < h->olds && status == DT_OK; k++) {
-        const uint32_t item = h->old[k];
-        if (dt_item_level(item) > 0)
-            status = share_block(f, h, item, p);
-        else if (item != vertex)
-            dt_coarse_see(&h->coarse, &points, item, &s->rounded[item]);
-        if (points.n == DT_COARSE_POINTS || (k + 1 == h->olds && status == DT_OK))
-            status = share_points(f, h, &points, p);
-        if (k % DT_POLL_MISSES == DT_POLL_MISSES - 1 && dt_stopped(stop))
-            status = dt_stop_status(stop);
-    }
-    return status;
-}
+/* ---- lists ---- */
 
-/* Looks at the points that may be the worst ones. */
-static void look_at(struct dt_facets *f, struct dt_share *h, const struct dt_shared *item, size_t n)
+/* Writes the blocks and makes room for the points. */
+static void begin_lists(struct dt_facets *f, struct dt_share *h)
 {
-    const struct dt_sample *v = f->samples->v;
-    for (size_t k = 0; k < n; k++) {
-        struct dt_sector *s = &h->sector[item[k].sector];
-        dt_worst_add(&s->worst, v, item[k].item, dt_plane_off(&s->plane, &v[item[k].item]));
-    }
-}
-
-/* Writes the lists of the sectors, and finds their worst points. */
-static void write_lists(struct dt_facets *f, struct dt_share *h)
-{
-    const struct dt_sample *v = f->samples->v;
-    size_t n = 0;
-    uint32_t first = dt_facets_take(f, h->items);
+    size_t n = h->blocks;
+    for (uint32_t i = 0; i < h->sectors; i++)
+        n += h->sector[i].n;
+    uint32_t first = dt_facets_take(f, n);
     for (uint32_t i = 0; i < h->sectors; i++) {
         struct dt_sector *s = &h->sector[i];
         s->first = first;
+        s->n += s->blocks;
         first += s->n;
-        s->most = is_coarse(h) ? s->most - 2 * h->coarse.error[i] : HUGE_VALF;
+        s->blocks = 0;
     }
-    for (size_t k = 0; k < h->items; k++) {
-        const struct dt_shared i = h->item[k];
-        struct dt_sector *s = &h->sector[i.sector];
-        f->pool[s->first++] = i.item;
-        if (!(i.off < s->most) && !(i.off < 0)) { /* also if it or the limit is nan */
-            dt_fetch(&v[i.item]);
-            h->item[n++] = i;
+    for (size_t k = 0; k < h->blocks; k++) {
+        struct dt_sector *s = &h->sector[h->block[k].sector];
+        f->pool[s->first + s->blocks++] = (struct dt_rounded){0, 0, 0, h->block[k].item};
+    }
+}
+
+/* Writes the points of the sectors, and looks at those that may be the worst ones. */
+static void write_coarsely(struct dt_facets *f, struct dt_share *h)
+{
+    const struct dt_sample *v = f->samples->v;
+    uint32_t end[DT_COARSE_SECTORS];
+    float most[DT_COARSE_SECTORS];
+    size_t n = 0;
+    for (uint32_t i = 0; i < h->sectors; i++) {
+        end[i] = h->sector[i].first + h->sector[i].blocks;
+        most[i] = dt_coarse_most(&h->coarse, i) - 2 * h->coarse.error[i];
+    }
+    for (size_t k = 0; k < h->points; k++) {
+        const uint32_t of = h->of[k];
+        if (of == DT_NONE)
+            continue;
+        f->pool[end[of]++] = h->point[k];
+        if (!(h->off[k] < most[of])) { /* also if it or the limit is nan */
+            dt_fetch(&v[h->point[k].item]);
+            h->block[n++] = (struct dt_shared){h->point[k].item, of};
         }
     }
-    look_at(f, h, h->item, n);
+    for (size_t k = 0; k < n; k++) {
+        struct dt_sector *s = &h->sector[h->block[k].sector];
+        const uint32_t item = h->block[k].item;
+        dt_worst_add(&s->worst, v, item, dt_plane_off(&s->plane, &v[item]));
+    }
+}
+
+static void write_points(struct dt_facets *f, struct dt_share *h)
+{
+    for (size_t k = 0; k < h->points; k++)
+        if (h->of[k] != DT_NONE) {
+            struct dt_sector *s = &h->sector[h->of[k]];
+            f->pool[s->first++ + s->blocks] = h->point[k];
+        }
+    for (uint32_t i = 0; i < h->sectors; i++)
+        h->sector[i].first -= h->sector[i].n - h->sector[i].blocks;
 }
 
 /* The items of the facets that have been replaced become those of sectors. */
 static enum dt_status share(struct dt_facets *f, struct dt_share *h, uint32_t vertex,
                             struct dt_stop *stop)
 {
-    enum dt_status status = share_items(f, h, vertex, stop);
+    enum dt_status status = share_blocks(f->samples, h, f->samples->v[vertex].at, stop);
+    if (status == DT_OK)
+        status = share_points(f->samples, h, vertex, stop);
+    if (status == DT_OK)
+        status = reserve_blocks(h, h->points);
     if (status != DT_OK)
         return status;
-    write_lists(f, h);
-    for (uint32_t i = 0; i < h->sectors; i++) {
+    begin_lists(f, h);
+    if (is_coarse(h))
+        write_coarsely(f, h);
+    else
+        write_points(f, h);
+    for (uint32_t i = 0; i < h->sectors && status == DT_OK; i++) {
         const struct dt_sector *s = &h->sector[i];
-        dt_facet_set(
-            f, s->base, &s->plane,
-            (struct dt_facet){
-                .off = s->worst.off, .first = s->first - s->n, .n = s->n, .worst = s->worst.point});
+        const struct dt_facet facet = {.off = s->worst.off,
+                                       .first = s->first,
+                                       .n = s->n,
+                                       .blocks = s->blocks,
+                                       .worst = s->worst.point};
+        status = dt_facet_set(f, s->base, &s->plane, facet, stop);
     }
-    return DT_OK;
+    return status;
 }
 
 /* Takes the list of the facet of a record that has been replaced; there is room for it. */
 static void take_list(struct dt_facets *f, struct dt_share *h, uint32_t base)
 {
     const struct dt_facet *facet = &f->facet[base / 8];
-    const uint32_t *list = f->pool + facet->first;
-    for (uint32_t k = 0; k < facet->n; k++) {
-        fetch_item(f->samples, list[k]);
-        h->old[h->olds++] = list[k];
+    const struct dt_rounded *list = f->pool + facet->first;
+    for (uint32_t k = 0; k < facet->blocks; k++) {
+        fetch_block(f->samples, list[k].item);
+        h->block[h->blocks++].item = list[k].item;
     }
+    for (uint32_t k = facet->blocks; k < facet->n; k++)
+        h->point[h->points++] = list[k];
     dt_facet_empty(f, base);
 }
 
@@ -393,10 +432,15 @@ static void see_star(struct dt_facets *f, struct dt_share *h, uint32_t vertex)
 static enum dt_status take_star(struct dt_facets *f, struct dt_share *h, uint32_t vertex)
 {
     const struct dt_cavity *c = &f->set->scratch;
-    size_t n = 0;
-    for (uint32_t i = 0; i < c->rims; i++)
-        n += f->facet[c->record[i] / 8].n;
-    if (reserve_sectors(h, c->rims) != DT_OK || reserve_old(h, n + 1) != DT_OK)
+    size_t n = 0, blocks = 0;
+    for (uint32_t i = 0; i < c->rims; i++) {
+        const struct dt_facet *facet = &f->facet[c->record[i] / 8];
+        n += facet->n;
+        blocks += facet->blocks;
+        dt_fetch(f->pool + facet->first);
+    }
+    if (reserve_sectors(h, c->rims) != DT_OK || reserve_points(h, n) != DT_OK ||
+        reserve_blocks(h, blocks) != DT_OK)
         return DT_NOMEM;
     h->on_line = false;
     for (uint32_t i = 0; i < c->rims; i++)
@@ -410,7 +454,9 @@ static enum dt_status take_line(struct dt_facets *f, struct dt_share *h, uint32_
                                 uint32_t vertex)
 {
     const struct dt_point p = f->samples->v[vertex].at;
-    if (reserve_sectors(h, 2) != DT_OK || reserve_old(h, f->facet[base / 8].n + 1) != DT_OK)
+    const struct dt_facet *facet = &f->facet[base / 8];
+    if (reserve_sectors(h, 2) != DT_OK || reserve_points(h, facet->n) != DT_OK ||
+        reserve_blocks(h, facet->blocks) != DT_OK)
         return DT_NOMEM;
     h->on_line = true;
     dt_coarse_begin(&h->coarse, f->samples, vertex);
@@ -460,7 +506,8 @@ enum dt_status dt_share_insert(struct dt_facets *f, struct dt_share *h, uint32_t
     const bool line = dt_mesh_is_line(&f->set->mesh);
     enum dt_status status = insert(f, base, sample, stop);
     h->sectors = 0;
-    h->olds = 0;
+    h->points = 0;
+    h->blocks = 0;
     if (status == DT_OK)
         status = line ? take_line(f, h, base, sample) : take_star(f, h, sample);
     return status == DT_OK ? share(f, h, sample, stop) : status;

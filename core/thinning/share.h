@@ -13,14 +13,13 @@ struct dt_sector {
     uint32_t base;      /* of its record */
     struct dt_plane plane;
     struct dt_worst worst;
-    float most;        /* of the points in floats */
-    uint32_t first, n; /* items of its list */
+    uint32_t first, n; /* its list: where it begins, items, */
+    uint32_t blocks;   /* of which the first ones are blocks */
 };
 
-/* An item, and the sector that has it. */
+/* A block, and the sector that has it. */
 struct dt_shared {
     uint32_t item, sector;
-    float off; /* of a point: about how far it is; negative: that has been looked at */
 };
 
 /* Scratch. Start with {0}. */
@@ -30,11 +29,14 @@ struct dt_share {
     struct dt_coarse coarse; /* the first sectors again */
     uint32_t
         half; /* sectors before it begin less than a half turn after the first one; open stars: all */
-    bool on_line;  /* the sectors are two parts of an edge */
-    uint32_t *old; /* owns old_cap: items of facets that are replaced */
-    size_t olds, old_cap;
-    struct dt_shared *item; /* owns item_cap: those that they become */
-    size_t items, item_cap;
+    bool on_line; /* the sectors are two parts of an edge */
+    struct dt_rounded
+        *point;   /* owns point_cap, as the next two: those of facets that are replaced */
+    uint32_t *of; /* their sectors; DT_NONE: none */
+    float *off;   /* about how far they are off; 0 if that has been looked at */
+    size_t points, point_cap;
+    struct dt_shared *block; /* owns block_cap: blocks of these facets; then those in one sector */
+    size_t blocks, block_cap;
 };
 
 void dt_share_clear(struct dt_share *h);

@@ -93,6 +93,7 @@ static enum dt_status begin(struct thin *t, struct dt_thinned *out)
         status = dt_samples_init(&t->samples, t->in, &t->stop);
     f->samples = &t->samples;
     f->bound = t->in->error;
+    dt_heap_pile(&f->heap, 0);
     if (status == DT_OK)
         status = dt_first_points(&t->samples, t->in, t->opt, &f->set, &sample);
     if (status == DT_OK)

@@ -74,24 +74,31 @@ static unsigned check(const struct star *t)
         half = dt_orient2d(t->p[1], t->p[1 + e], t->p[0]) <= 0 ? e : half;
     dt_coarse_end(&c, half);
     for (uint32_t i = 1 + EDGES; i < ALL; i++)
-        dt_coarse_see(&c, &found, i, &t->s.rounded[t->sample[i]]);
+        dt_coarse_see(&c, &found, &t->s.rounded[t->sample[i]]);
     dt_coarse_find(&c, &found);
+    dt_coarse_measure(&c, &found);
+    float most[EDGES] = {0};
+    uint32_t count[EDGES] = {0};
     for (uint32_t k = 0; k < found.n; k++) {
-        const struct dt_sample *q = &t->s.v[t->sample[found.item[k]]];
+        const struct dt_sample *q = &t->s.v[t->sample[1 + EDGES + k]];
         const uint32_t e = found.sector[k];
         doubts += e == DT_NONE;
         if (e == DT_NONE)
             continue;
+        count[e]++;
+        most[e] = fmaxf(most[e], found.off[k]);
         CHECK(e < EDGES && dt_orient2d(t->p[0], t->p[1 + e], q->at) > 0);
         CHECK(dt_orient2d(t->p[0], t->p[1 + (e + 1) % EDGES], q->at) < 0);
         const double off = dt_plane_off(&t->plane[e], q) * t->s.per_value;
-        const double about = (double)dt_coarse_off(&c, e, &found, k), error = (double)c.error[e];
+        const double about = (double)found.off[k], error = (double)c.error[e];
         CHECK_MSG(!(fabs(off - about) > error), "%g, about %g, error %g", off, about, error);
         const struct dt_coarse_plane one = dt_coarse_plane(&c, e, &t->s);
-        const struct dt_rounded *r = &t->s.rounded[t->sample[found.item[k]]];
+        const struct dt_rounded *r = &t->s.rounded[t->sample[1 + EDGES + k]];
         CHECK(
             !(dt_coarse_plane_off(&one, r) < dt_coarse_least(&one, dt_plane_off(&t->plane[e], q))));
     }
+    for (uint32_t e = 0; e < EDGES; e++)
+        CHECK(dt_coarse_count(&c, e) == count[e] && dt_coarse_most(&c, e) == most[e]);
     return doubts;
 }
 
