@@ -52,7 +52,7 @@ int exact_side(const struct corner *k, int corners, struct dt_point q, double z,
     return dt_big_compare(&sum, &term);
 }
 
-static double nearest_off(const struct corner *k, int corners, struct dt_point q, double z)
+double nearest_off(const struct corner *k, int corners, struct dt_point q, double z)
 {
     struct dt_big sum, all;
     exact_off(k, corners, q, z, &sum, &all);

@@ -12,6 +12,9 @@ struct corner {
 /* The sign of |weighted mean of the values at 2 or 3 corners - z| - bound for a place q between them. Exact. */
 int exact_side(const struct corner *k, int corners, struct dt_point q, double z, double bound);
 
+/* The double nearest to the distance. */
+double nearest_off(const struct corner *k, int corners, struct dt_point q, double z);
+
 /* The distance as doubles have it, from the least corner on; in thin triangles the nearest double. */
 double rounded_off(const struct corner *k, int corners, struct dt_point q, double z);
 

@@ -2,6 +2,7 @@
 #include "core/delaunay_thinning.h"
 #include "tests/core/polls.h"
 #include "tests/core/thinning/exactly.h"
+#include "tests/oracle/families.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -28,13 +29,18 @@ static struct dt_thinning *waves(uint32_t n, bool lattice)
     return t;
 }
 
-static void free_waves(struct dt_thinning *t)
+static void free_values(struct dt_thinning *t)
 {
     void *p, *z;
     memcpy(&p, &t->point, sizeof p);
     memcpy(&z, &t->value, sizeof z);
     free(p);
     free(z);
+}
+
+static void free_waves(struct dt_thinning *t)
+{
+    free_values(t);
     free(t);
 }
 
@@ -78,6 +84,64 @@ TEST_TIMEOUT(no_point_of_many_is_off_by_more_than_the_error, 60)
         }
         free_waves(in);
     }
+}
+
+/* ---- where only exact arithmetic decides ---- */
+
+/* On a line up to one unit in the last place: values of magnitudes from 1e-200 to 1e303, where the surface cuts off one point after the
+ * other beside the largest ones; or just 0 and 1e303, where many points are off by the same. */
+static struct dt_thinning *flat_peaks(uint32_t n, bool steps)
+{
+    struct dt_thinning *t = waves(n, false);
+    struct dt_point *p = malloc(n * sizeof *p);
+    double *z = malloc(n * sizeof *z);
+    CHECK(p != NULL && z != NULL);
+    family_points(family_find("near_collinear"), p, n, 1);
+    for (uint32_t i = 0; i < n; i++)
+        z[i] = steps ? 1e303 * (double)(test_random() % 2)
+                     : ldexp(0.5 + (double)(test_random() % 1000) / 2000,
+                             (int)(test_random() % 1670) - 664);
+    free_values(t);
+    t->point = p;
+    t->value = z;
+    return t;
+}
+
+TEST_TIMEOUT(peaks_on_a_flat_line_are_thinned_out_in_seconds, 120)
+{
+    for (int steps = 0; steps < 2; steps++) {
+        struct dt_thinning *in = flat_peaks(steps ? 2000 : 7000, steps);
+        struct dt_thinned out;
+        for (int exact = 0; exact < 2; exact++) {
+            in->error = exact ? 0 : 1e200;
+            CHECK(dt_thin(in, NULL, &out) == DT_OK && out.n > 1000 && out.error <= in->error);
+            check_surface(in, &out);
+            dt_pages_release(out.kept);
+        }
+        free_waves(in);
+    }
+}
+
+TEST(an_exact_choice_polls_its_flag)
+{
+    struct dt_thinning *in = flat_peaks(2000, true);
+    struct dt_thinned out;
+    dt_atomic_bool cancel;
+    struct dt_options opt = {.cancel = &cancel};
+    atomic_init(&cancel, false);
+    in->error = 0;
+    polls_begin();
+    CHECK(dt_thin(in, &opt, &out) == DT_OK);
+    polls_end();
+    dt_pages_release(out.kept);
+    uint64_t polls = polls_count();
+    CHECK_MSG(polls > in->n, "%u polls", (unsigned)polls);
+    for (uint64_t n = 1; n <= polls; n += polls / 9 + 1) {
+        polls_cancel_at(n);
+        CHECK(dt_thin(in, &opt, &out) == DT_CANCELLED && out.kept == NULL);
+    }
+    polls_cancel_at(0);
+    free_waves(in);
 }
 
 /* ---- how it ends early ---- */

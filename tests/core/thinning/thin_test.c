@@ -81,6 +81,14 @@ static struct dt *surface_of(const struct input *in, const uint32_t *kept, uint3
     return t;
 }
 
+static bool has_huge_value(const struct input *in)
+{
+    uint32_t i = 0;
+    while (i < in->n && !(fabs(in->z[i]) > 0x1p600))
+        i++;
+    return i < in->n;
+}
+
 /* How far a point is off as far as it counts. */
 static double off_of(const struct dt *t, const struct input *in, const uint32_t *kept, uint32_t i,
                      double bound)
@@ -90,7 +98,8 @@ static double off_of(const struct dt *t, const struct input *in, const uint32_t 
     for (int c = 0; c < n; c++)
         if (isnan(k[c].z))
             return HUGE_VAL;
-    double off = rounded_off(k, n, in->p[i], in->z[i]);
+    double off = has_huge_value(in) ? nearest_off(k, n, in->p[i], in->z[i])
+                                    : rounded_off(k, n, in->p[i], in->z[i]);
     if (exact_side(k, n, in->p[i], in->z[i], bound) > 0)
         return off > bound ? fmin(off, DBL_MAX) : nextafter(bound, HUGE_VAL);
     return off > bound ? bound : off;
@@ -151,7 +160,7 @@ static struct dt_thinned thinned(const struct input *in, double error, uint32_t 
     return out;
 }
 
-/* Values of a kind; kinds 0 to 5. */
+/* Values of a kind; kinds 0 to 6. */
 static double value_of(struct dt_point p, int kind)
 {
     double random = (double)(test_random() % 1000) / 100;
@@ -166,8 +175,10 @@ static double value_of(struct dt_point p, int kind)
         return test_random() % 3 == 0 ? (double)NAN : random;
     case 4:
         return fabs(p.x) < 1e100 && fabs(p.y) < 1e100 ? 2 * p.x + p.y : random; /* a plane */
-    default:
+    case 5:
         return ldexp(random - 5, (int)(test_random() % 400) - 200);
+    default:
+        return 1e303 * (double)(test_random() % 3) - 1e302;
     }
 }
 
@@ -282,7 +293,7 @@ static void compare(const struct input *in, double bound, uint32_t more)
     dt_pages_release(got.kept);
 }
 
-enum { KINDS = 6 };
+enum { KINDS = 7 };
 
 static void compare_all(const struct family *f, uint32_t n, int kind)
 {
