@@ -41,10 +41,20 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-pr
 # The libraries are made of the same objects, so these are position-independent; inside a program that costs nothing, because calls
 # are still inlined and linked directly.
 BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -fPIC -fno-semantic-interposition -pthread -I.
-FLAGS_asan  := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-FLAGS_tsan  := -O1 -fsanitize=thread
-FLAGS_debug := -O0
-COMPILE   = $(CC) $(CFLAGS) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
+FLAGS_asan  := -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_tsan  := -g1 -fsanitize=thread
+# Optimisation other than that of CFLAGS, and that of the tests, which is -O1 unless it is named here: compiling tests takes as long as
+# compiling all the rest, and what they compare with is slow enough.
+LEVEL_asan  := -O1
+LEVEL_tsan  := -O1
+LEVEL_musl  := -O1
+LEVEL_debug := -O0
+TEST_LEVEL_asan  := -O0
+TEST_LEVEL_musl  := -O0
+TEST_LEVEL_plain := -O0
+TEST_LEVEL_tsan  := -O0
+TEST_LEVEL_debug := -O0
+COMPILE   = $(CC) $(CFLAGS) $(LEVEL_$(V)) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
 LDLIBS   := -lm
 
 # PAGES=core/memory/plain/pages.c: large arrays from malloc, as on systems without mmap.
@@ -84,8 +94,7 @@ $(O)/tests/server_tests: LDFLAGS += $(WRAP_FILES)
 $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
-# Compiling tests takes as long as compiling all the rest; what they compare with is slow enough.
-$(foreach s,$(SUITES),$(call tests_of,$(s))) $(HARNESS) $(CRASH): CFLAGS := $(CFLAGS:-O2=-O1)
+$(foreach s,$(SUITES),$(call tests_of,$(s))) $(HARNESS) $(CRASH): LEVEL_$(V) := $(or $(TEST_LEVEL_$(V)),-O1)
 
 $(O)/%.o: %.c
 	@mkdir -p $(@D)
@@ -125,7 +134,7 @@ $(SHIMS): $(O)/%.so: %.c
 test_binaries: $(TEST_BINARIES) $(if $(filter server clients,$(SUITES)),all $(SHIMS))
 
 # The suites run beside each other, and several tests of each at once; test_core runs only the suite of core/, and so on.
-# RUN=PROGRAM runs them under a program, such as an emulator. A word of T must select a test of some suite.
+# RUN=PROGRAM runs them under a program, such as an emulator; AT_ONCE=N tests at once in each suite. A word of T must select a test of some suite.
 test: test_binaries
 	@useless=0; for w in $(T); do for s in $(SUITES); do $(RUN) $(O)/tests/$${s}_tests -l "$$w" >$(O)/tests/selected && continue 2; done; \
 	  useless=1; cat $(O)/tests/selected; done; exit $$useless
@@ -133,7 +142,7 @@ test: test_binaries
 
 test_server test_clients: all $(SHIMS) $(TESTED)
 $(SUITES:%=test_%): test_%: $(O)/tests/%_tests
-	@echo "== $*"; DELAUNAYD=$(TESTED) DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(OF_ANY_SUITE) $(T)
+	@echo "== $*"; DELAUNAYD=$(TESTED) DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(if $(AT_ONCE),-j $(AT_ONCE)) $(OF_ANY_SUITE) $(T)
 
 # Random tests with many more rounds, and tests with thousands of clients.
 faults: all $(O)/tests/server_tests $(SHIMS) $(TESTED)

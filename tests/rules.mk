@@ -2,7 +2,7 @@
 
 .PHONY: interop test_web bench-web soak-web bench bench-durable lint fuzz fuzz_run
 
-CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
+CXXCOMPILE = $(CXX) -O2 -g1 -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
 
 $(O)/%.o: %.cpp
