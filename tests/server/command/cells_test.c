@@ -194,7 +194,7 @@ TEST_TIMEOUT(cells_are_those_of_one_state_of_the_set_while_others_edit_it, 60)
     for (unsigned k = 0; k < 2; k++)
         await_input(slow[k]);
     for (uint32_t i = 0; i < (test_is_sanitized() ? 300 : 2000); i++) {
-        char line[128];
+        char line[160];
         snprintf(line, sizeof line, "MOVE t %u %.17g %.17g\nADD t %.17g %.17g\nDEL t %u\n",
                  20000 + i, test_uniform(), test_uniform(), test_uniform(), test_uniform(), i);
         say(fd, line);

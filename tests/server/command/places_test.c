@@ -124,7 +124,7 @@ TEST_TIMEOUT(places_are_looked_up_in_one_state_of_the_set_while_others_edit_it, 
     CHECK(strncmp(hear_line(slow[0]), "OK 0 rows=", 10) == 0);
     CHECK(strncmp(hear_line(slow[1]), "OK 0 rows=", 10) == 0);
     for (uint32_t i = 0; i < (test_is_sanitized() ? 300 : 2000); i++) {
-        char line[128];
+        char line[160];
         snprintf(line, sizeof line, "MOVE t %u %.17g %.17g\nADD t %.17g %.17g\nDEL t %u\n",
                  10000 + i, test_uniform(), test_uniform(), test_uniform(), test_uniform(), i);
         say(fd, line);
