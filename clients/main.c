@@ -110,7 +110,8 @@ int main(int argc, char **argv)
     int option;
     argc = take_json(argc, argv);
     if (!read_environment(&where))
-        return options_wrong("", "DELAUNAY_URL is not of the form delaunay://host:port");
+        return options_wrong(
+            "", "$DELAUNAY_URL is not delaunay://[:token@]host[:port] or unix://[:token@]/path");
     while ((option = options_next(argc, argv, "+h:p:u:", options)) != -1) {
         if (option == 'H')
             return print_help();

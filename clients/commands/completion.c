@@ -21,12 +21,9 @@ static const char valued[] =
 
 static void put_formats(void)
 {
-    fputs("svg png", stdout);
-    for (size_t i = 0; i < format_count; i++)
-        printf(" %s", formats[i].name);
-    for (size_t i = 0; i < line_format_count; i++)
-        if (format_find(line_formats[i].name) == NULL)
-            printf(" %s", line_formats[i].name);
+    char names[FORMATS_LIST];
+    formats_list(names, sizeof names, " ");
+    fputs(names, stdout);
 }
 
 static bool is_any(const struct subcommand *s)

@@ -258,6 +258,7 @@ int export_option(struct export *e, int option, char **argv)
 int export_prepare(struct export *e, char **argv)
 {
     const char *name = output_form(e->form, e->path, "svg");
+    char all[FORMATS_LIST];
     e->png = strcmp(name, "png") == 0;
     if (e->planar && e->picture.geographic)
         return options_wrong(argv[0], "--geographic, or --planar");
@@ -269,8 +270,10 @@ int export_prepare(struct export *e, char **argv)
                              "--lines: the formats are poly, gmt, geojson, ndjson, wkt, obj; "
                              "not %s",
                              name);
-    if (e->format == NULL && !e->png && strcmp(name, "svg") != 0)
-        return options_wrong(argv[0], "unknown format %s", name);
+    if (e->format == NULL && !e->png && strcmp(name, "svg") != 0) {
+        formats_list(all, sizeof all, ", ");
+        return options_wrong(argv[0], "unknown format %s; there are %s", name, all);
+    }
     if (e->png && output_is_standard(e->path))
         return options_wrong(argv[0], "a PNG needs a file");
     if (crs_is_given(&e->crs) && (e->format == NULL || strcmp(e->format->name, "geojson") != 0))

@@ -443,7 +443,7 @@ static bool read_rows(struct reader *r)
     if (r->have <= ROW_LONGEST && !(r->all && r->have > 0))
         return true;
     r->f->line++;
-    return points_file_stop(r->f, "the line is too long");
+    return points_file_stop(r->f, "a line has more than 16 MB");
 }
 
 /* Reads more of the file: BLOCK bytes, unless it ends. */

@@ -392,6 +392,16 @@ const struct format line_formats[] = {
 
 const size_t line_format_count = sizeof line_formats / sizeof line_formats[0];
 
+void formats_list(char *to, size_t room, const char *between)
+{
+    size_t n = (size_t)snprintf(to, room, "svg%spng", between);
+    for (size_t i = 0; i < format_count && n < room; i++)
+        n += (size_t)snprintf(to + n, room - n, "%s%s", between, formats[i].name);
+    for (size_t i = 0; i < line_format_count && n < room; i++)
+        if (format_find(line_formats[i].name) == NULL)
+            n += (size_t)snprintf(to + n, room - n, "%s%s", between, line_formats[i].name);
+}
+
 const struct format *line_format_find(const char *name)
 {
     for (size_t i = 0; i < line_format_count; i++)

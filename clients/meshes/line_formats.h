@@ -13,4 +13,9 @@ extern const size_t line_format_count;
 /* The format of that name, NULL if there is none. */
 const struct format *line_format_find(const char *name);
 
+enum { FORMATS_LIST = 300 };
+
+/* Writes the names of all formats of pictures, meshes and lines, each once, with the text between them; FORMATS_LIST bytes are enough. */
+void formats_list(char *to, size_t room, const char *between);
+
 #endif

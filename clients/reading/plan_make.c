@@ -350,7 +350,7 @@ static bool make(struct plan *p, const struct wish *w, struct sample *s, struct 
     if (p->fault_line == 0 && s->n > 0)
         p->fault_line = s->row[0].line;
     if (s->n == 0 && !s->whole)
-        return plan_fault(p, false, "the line is too long");
+        return plan_fault(p, false, "a line has more than 16 MB");
     if (s->first == s->n && !s->whole)
         return plan_fault(p, false,
                           "no numbers in the first rows; --skip-lines N leaves out lines");

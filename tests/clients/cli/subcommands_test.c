@@ -521,7 +521,9 @@ TEST(every_command_reports_the_option_that_is_wrong)
         {"export t - --colour red",
          "delaunay: unknown colour red; there are angle, quality, degree and relief\n"},
         {"export t - --viewport 1,1,0,0", "delaunay: the viewport 1,1,0,0 is not X0,Y0,X1,Y1"},
-        {"export t - -f dwg", "delaunay: unknown format dwg\n"},
+        {"export t - -f dwg",
+         "delaunay: unknown format dwg; there are svg, png, obj, ply, off, 2dm, node, ele, neigh, "
+         "edge, wkt, csv, geojson, ndjson, poly, gmt\n"},
         {"show t --wide", "delaunay: unknown option --wide\nTry 'delaunay show --help'.\n"},
         {"show t --width 0", "delaunay: a width or height is from 1 to 2000, not 0\n"},
         {"trace t a --slow", "delaunay: unknown option --slow\n"},

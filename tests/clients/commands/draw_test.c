@@ -54,7 +54,10 @@ TEST(draw_reports_errors_and_leaves_nothing)
         {"$D draw empty.csv a.svg", "delaunay: empty.csv: there are no points in it\n", 1},
         {"$D draw p.xy mine.svg", "delaunay: mine.svg: there is such a file, not written", 1},
         {"$D draw p.xy a.obj", "delaunay: a picture is SVG or PNG; for other formats use", 2},
-        {"$D draw p.xy a.dwg", "delaunay: unknown format dwg\nTry 'delaunay draw --help'.\n", 2},
+        {"$D draw p.xy a.dwg",
+         "delaunay: unknown format dwg; there are svg, png, obj, ply, off, 2dm, node, ele, neigh, "
+         "edge, wkt, csv, geojson, ndjson, poly, gmt\nTry 'delaunay draw --help'.\n",
+         2},
         {"$D draw", "delaunay: draw takes a file of points and that of the picture\n", 2},
         {"$D run p.xy", "delaunay: run takes a file of points and that of the mesh\n", 2},
         {"$D run p.xy a.obj --quick", "delaunay: unknown option --quick\n", 2},

@@ -133,7 +133,7 @@ TEST(points_file_limits_the_length_of_a_line)
     memcpy(text, "1 2\n", 4);
     int fd = file_with(text, n);
     CHECK(!read_xy(&f, fd) && f.line == 2);
-    CHECK_STR(f.fault, "the line is too long");
+    CHECK_STR(f.fault, "a line has more than 16 MB");
     close(fd);
     points_file_free(&f);
     free(text);
