@@ -1,4 +1,5 @@
 /* main.c - the `delaunay` command line: the options before the subcommand. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,12 +41,12 @@ static const char help_tail[] =
     "\n"
     "Exit status: 0 done, 1 refused (ERR) or not possible, 2 wrong usage, 3 no connection.\n";
 
-static int print_help(void)
+static void print_help(void)
 {
     fputs(help_head, stdout);
     for (size_t i = 0; i < subcommand_count; i++)
         printf("  %s\n", subcommands[i].usage);
-    return fputs(help_tail, stdout) < 0;
+    fputs(help_tail, stdout);
 }
 
 static void set_text(char *to, size_t room, const char *from)
@@ -100,6 +101,17 @@ static void finish_json(int status)
     json_finish();
 }
 
+/* The exit status, after what is left of the output has been written. */
+static int finish_output(int status)
+{
+    bool flushed = fflush(stdout) == 0;
+    if (flushed && !ferror(stdout))
+        return status;
+    if (message_last()[0] == '\0')
+        message_print("standard output: %s", flushed ? "it cannot be written" : strerror(errno));
+    return status == EXIT_DONE ? EXIT_REFUSED : status;
+}
+
 int main(int argc, char **argv)
 {
     static const struct option options[] = {
@@ -113,10 +125,10 @@ int main(int argc, char **argv)
         return options_wrong(
             "", "$DELAUNAY_URL is not delaunay://[:token@]host[:port] or unix://[:token@]/path");
     while ((option = options_next(argc, argv, "+h:p:u:", options)) != -1) {
-        if (option == 'H')
-            return print_help();
-        if (option == 'V')
-            return puts("delaunay " DELAUNAY_VERSION) < 0;
+        if (option == 'H' || option == 'V') {
+            option == 'H' ? print_help() : (void)puts("delaunay " DELAUNAY_VERSION);
+            return finish_output(EXIT_DONE);
+        }
         if (option == 'h')
             set_text(where.host, sizeof where.host, optarg);
         else if (option == 'p')
@@ -129,7 +141,5 @@ int main(int argc, char **argv)
     }
     int status = dispatch(NULL, argc - optind, argv + optind, &where);
     finish_json(status);
-    if (fflush(stdout) != 0 && status == EXIT_DONE)
-        status = EXIT_REFUSED;
-    return status;
+    return finish_output(status);
 }

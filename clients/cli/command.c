@@ -74,6 +74,8 @@ int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
         message_print("%s", delaunay_status(c)->text);
         return EXIT_REFUSED;
     }
+    if (r == DELAUNAY_STOPPED && ferror(stdout)) /* main() says so */
+        return EXIT_REFUSED;
     message_print("%s", delaunay_result_text(r));
     return r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
 }

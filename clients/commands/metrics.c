@@ -318,7 +318,5 @@ int command_metrics(struct delaunay_client *c, int argc, char **argv)
         if (!m.sample[i].printed)
             print_from(&m, i);
     free(m.sample);
-    if (r == DELAUNAY_OK && fflush(stdout) != 0)
-        r = DELAUNAY_STOPPED;
     return command_outcome(c, r);
 }

@@ -110,7 +110,7 @@ int command_prompt(struct delaunay_client *c)
         char *first = line + strspn(line, " \t");
         bool leaves = is_first_word(first, "exit"); /* QUIT is a request, too */
         ended = leaves || is_first_word(first, "quit");
-        if (*first != '\0' && !leaves) {
+        if (*first != '\0' && *first != '#' && !leaves) { /* a comment is no request */
             outcome = carry_out(c, first);
             status = outcome != EXIT_DONE ? outcome : status;
             ended |= outcome == EXIT_NO_CONNECTION && !terminal;

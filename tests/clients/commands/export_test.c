@@ -209,8 +209,14 @@ TEST(export_to_a_full_disk_fails)
     if (access("/dev/full", W_OK) == 0) {
         run(&d, &status, "export t - > /dev/full");
         CHECK(status == 1);
-        run(&d, &status, "POINTS t > /dev/full");
-        CHECK(status == 1);
+        static const char *const commands[] = {
+            "POINTS t", "--version", "metrics", "stat t --json", "export t -", "--help", "ping"};
+        for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+            const char *got = peer_shell(&status, "%s -h 127.0.0.1 -p %s %s 2>&1 > /dev/full",
+                                         getenv("DELAUNAY"), d.port_text, commands[i]);
+            CHECK_MSG(status == 1 && strncmp(got, "delaunay: standard output: ", 27) == 0, "%s: %s",
+                      commands[i], got);
+        }
     }
     daemon_end(&d);
 }

@@ -109,6 +109,10 @@ TEST(prompt_reads_lines_with_subcommands_from_a_pipe)
         "delaunay: a request is one line, not blank, not a comment, and without a body; nothing "
         "was sent\n");
     CHECK(status == 2);
+    got = peer_shell(&status, "printf '# a\\r\\n\\r\\n \\t\\n\\t# b\\nping\\r\\n' | %s -p %s 2>&1",
+                     getenv("DELAUNAY"), cli_daemon.port_text);
+    CHECK_STR(got, "OK 0\n");
+    CHECK(status == 0);
     cli_finish();
 }
 
