@@ -58,10 +58,9 @@ void dt_tile_free(struct dt_tile *tile); /* NULL: nothing */
  *   foreign     points inserted
  *   coincident  own points that another own point represents
  *   triangles   of own and foreign points together: an upper limit of the rows of dt_tile_triangles
- *   hull        the same for the edges of dt_tile_hull
  *   postponed   faces that the next dt_tile_open will judge */
 struct dt_tile_counts {
-    uint64_t own, foreign, coincident, triangles, hull, postponed;
+    uint64_t own, foreign, coincident, triangles, postponed;
 };
 void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out); /* cost: constant */
 
@@ -98,32 +97,6 @@ enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex
  * numbers behind them are undefined. DT_RANGE: an id does not fit. DT_NOMEM. Cost: linear; 20 bytes for each point, meanwhile. */
 enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *triangle,
                                  size_t *rows);
-
-/* The edges of the hull of all points that this tile outputs: those whose smaller global id is own. Two global ids for each edge, which is
- * directed counterclockwise along the hull; ascending. Points on one line have every edge in both directions. edge has room for 2
- * numbers for each of dt_tile_counts.hull. Returns the number of edges. Cost: linear. */
-size_t dt_tile_hull(const struct dt_tile *tile, uint64_t *edge);
-
-/* The triangle that contains each place q[n], sides included, if this tile outputs it: row[3 i .. 3 i + 2] are its global ids as in
- * dt_tile_triangles; UINT64_MAX three times: none does. A place on an edge has several triangles; the first row that any tile finds is the
- * first among those of all points. Exact; a coordinate that is neither finite nor within 2^201 is outside, one below 2^-142 counts as 0.
- * DT_NOMEM. Cost: as of dt_locate_many; at the first call, the cost of dt_prepare, too. */
-enum dt_status dt_tile_locate(struct dt_tile *tile, const struct dt_point *q, size_t n,
-                              uint64_t *row);
-
-/* ---- a tile as bytes, so that it can wait on disk ----
- *
- * The bytes have the points, the ids and what has been sent: 24 bytes a point, and 8 for each point sent. The triangulation is rebuilt,
- * which takes 130 to 200 ns of processor time a point; it would be 70 bytes a point to write and to read. The order of bytes is
- * the machine's. */
-
-size_t dt_tile_size(const struct dt_tile *tile);              /* cost: constant */
-void dt_tile_write(const struct dt_tile *tile, uint8_t *out); /* dt_tile_size bytes */
-
-/* A tile from bytes, which need no alignment. DT_CORRUPT: they are not what dt_tile_write writes. A checksum is the caller's. The rest: as
- * of dt_tile_new. */
-enum dt_status dt_tile_read(const uint8_t *bytes, size_t size, struct dt_pages *pages,
-                            unsigned workers, struct dt_tile **out);
 
 #ifdef __cplusplus
 }

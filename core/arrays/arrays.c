@@ -131,36 +131,36 @@ static enum dt_status build(struct dt *t, const struct input *in, const struct d
     return s == DT_OK ? dt_prepare(t, opt) : s;
 }
 
-static enum dt_status triangulate(struct dt_arrays *a, const struct input *in,
-                                  const struct dt_options *opt, uint32_t *triangle)
+/* What a call makes, and of what. */
+struct making {
+    struct dt_arrays *a;
+    const struct input *in;
+    uint32_t *triangle; /* NULL: no rows */
+};
+
+static enum dt_status triangulate(void *ctx, const struct dt_options *opt)
 {
+    const struct making *m = ctx;
+    struct dt_arrays *a = m->a;
     struct dt_added added;
-    enum dt_status s = build(a->t, in, opt, &added);
+    enum dt_status s = build(a->t, m->in, opt, &added);
     if (s == DT_OK && added.coincident > 0)
         s = find_heirs(a, added.added, added.coincident);
     if (s == DT_OK)
         measure(a);
-    return s == DT_OK && triangle != NULL ? dt_flat_rows(a->t, false, triangle, &a->place_of) : s;
+    return s == DT_OK && m->triangle != NULL ? dt_flat_rows(a->t, false, m->triangle, &a->place_of)
+                                             : s;
 }
 
 static enum dt_status make(const struct input *in, struct dt_pages *pages, unsigned workers,
                            uint32_t *triangle, struct dt_arrays **out)
 {
-    struct dt_workers w;
-    fenv_t caller = dt_call_begin();
     struct dt_arrays *a = calloc(1, sizeof *a);
-    enum dt_status s = DT_NOMEM;
-    dt_workers_init(&w, workers);
-    if (a != NULL)
-        a->t = dt_new_in(0, pages);
-    if (a != NULL && a->t != NULL)
-        s = triangulate(a, in, &(struct dt_options){.pool = &w.pool}, triangle);
-    if (s != DT_OK) {
+    struct making m = {a, in, triangle};
+    enum dt_status s = a == NULL ? DT_NOMEM : dt_call_build(&a->t, pages, workers, triangulate, &m);
+    *out = s == DT_OK ? a : NULL;
+    if (s != DT_OK)
         dt_arrays_free(a);
-        a = NULL;
-    }
-    *out = a;
-    dt_call_end(&caller);
     return s;
 }
 

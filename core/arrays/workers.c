@@ -63,6 +63,19 @@ void dt_workers_init(struct dt_workers *w, unsigned workers)
     w->pool = (struct dt_pool){.threads = workers > 0 ? workers : 1, .run = run_jobs, .ctx = w};
 }
 
+enum dt_status dt_call_build(struct dt **t, struct dt_pages *pages, unsigned workers,
+                             enum dt_status (*build)(void *ctx, const struct dt_options *opt),
+                             void *ctx)
+{
+    struct dt_workers w;
+    fenv_t caller = dt_call_begin();
+    dt_workers_init(&w, workers);
+    *t = dt_new_in(0, pages);
+    enum dt_status s = *t == NULL ? DT_NOMEM : build(ctx, &(struct dt_options){.pool = &w.pool});
+    dt_call_end(&caller);
+    return s;
+}
+
 /* ---- pieces ---- */
 
 struct answers {

@@ -1,4 +1,4 @@
-/* rows.c - the triangles and hull edges that a tile outputs: those whose corner with the smallest global id is own. They are counted by
+/* rows.c - the triangles that a tile outputs: those whose corner with the smallest global id is own. They are counted by
  * that corner, whose local ids are in the order of the global ones, and then written where they belong. The rows of one corner are sorted
  * last. Vertices are in the order of the plane, so global ids are read by vertex. */
 #include "core/tiles/tile.h"
@@ -194,31 +194,4 @@ enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *tr
     dt_array_free(r.key);
     dt_array_free(r.end);
     return s;
-}
-
-static int compare_edges(const void *a, const void *b)
-{
-    const uint64_t *x = a, *y = b;
-    if (x[0] != y[0])
-        return x[0] < y[0] ? -1 : 1;
-    return x[1] < y[1] ? -1 : x[1] > y[1];
-}
-
-size_t dt_tile_hull(const struct dt_tile *tile, uint64_t *edge)
-{
-    const struct dt_mesh *m = &tile->t->mesh;
-    const uint32_t *local = tile->t->points.id;
-    size_t n = 0;
-    for (uint32_t t = 0; dt_is_live(tile->t) && t < 8 * m->tri_end; t += 8) {
-        if (!dt_is_ghost(m, t))
-            continue;
-        uint32_t from = local[m->half[t + 1]], to = local[m->half[t]];
-        uint64_t a = tile->id[from], b = tile->id[to];
-        if (!dt_is_own(tile, a < b ? from : to))
-            continue;
-        edge[2 * n] = a;
-        edge[2 * n++ + 1] = b;
-    }
-    qsort(edge, n, 2 * sizeof *edge, compare_edges);
-    return n;
 }

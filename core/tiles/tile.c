@@ -23,8 +23,8 @@ void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out)
 {
     struct dt_summary sum;
     dt_summary(tile->t, &sum);
-    *out = (struct dt_tile_counts){tile->own,     tile->points - tile->own, tile->coincident,
-                                   sum.triangles, tile->t->mesh.ghosts,     tile->postponed.n};
+    *out = (struct dt_tile_counts){tile->own, tile->points - tile->own, tile->coincident,
+                                   sum.triangles, tile->postponed.n};
 }
 
 bool dt_tile_box(const struct dt_tile *tile, double box[4])
@@ -68,20 +68,29 @@ static struct dt_box box_of(const struct dt_point *p, uint32_t n)
     return (struct dt_box){{b.lo.x + 0.0, b.lo.y + 0.0}, {b.hi.x + 0.0, b.hi.y + 0.0}};
 }
 
-static enum dt_status begin(struct dt_tile *tile, const struct dt_point *p, const uint64_t *id,
-                            size_t n, const struct dt_options *opt)
+/* The own points of a new tile. */
+struct points {
+    struct dt_tile *tile;
+    const struct dt_point *p;
+    const uint64_t *id;
+    size_t n;
+};
+
+static enum dt_status begin(void *ctx, const struct dt_options *opt)
 {
+    const struct points *in = ctx;
+    struct dt_tile *tile = in->tile;
     struct dt_added added;
-    enum dt_status s = is_ascending(id, n) ? reserve_ids(tile, n) : DT_RANGE;
+    enum dt_status s = is_ascending(in->id, in->n) ? reserve_ids(tile, in->n) : DT_RANGE;
     if (s == DT_OK)
-        s = dt_add_many(tile->t, p, n, opt, &added);
+        s = dt_add_many(tile->t, in->p, in->n, opt, &added);
     if (s != DT_OK)
         return s;
-    if (n > 0) {
-        memcpy(tile->id, id, n * sizeof *id);
-        tile->box = box_of(p, (uint32_t)n);
+    if (in->n > 0) {
+        memcpy(tile->id, in->id, in->n * sizeof *in->id);
+        tile->box = box_of(in->p, (uint32_t)in->n);
     }
-    tile->own = tile->points = (uint32_t)n;
+    tile->own = tile->points = (uint32_t)in->n;
     tile->coincident = added.coincident;
     return dt_triangulate(tile->t, opt);
 }
@@ -89,21 +98,13 @@ static enum dt_status begin(struct dt_tile *tile, const struct dt_point *p, cons
 enum dt_status dt_tile_new(const struct dt_point *p, const uint64_t *id, size_t n,
                            struct dt_pages *pages, unsigned workers, struct dt_tile **out)
 {
-    struct dt_workers w;
-    fenv_t caller = dt_call_begin();
     struct dt_tile *tile = calloc(1, sizeof *tile);
-    enum dt_status s = DT_NOMEM;
-    dt_workers_init(&w, workers);
-    if (tile != NULL)
-        tile->t = dt_new_in(0, pages);
-    if (tile != NULL && tile->t != NULL)
-        s = begin(tile, p, id, n, &(struct dt_options){.pool = &w.pool});
-    if (s != DT_OK) {
+    struct points in = {tile, p, id, n};
+    enum dt_status s =
+        tile == NULL ? DT_NOMEM : dt_call_build(&tile->t, pages, workers, begin, &in);
+    *out = s == DT_OK ? tile : NULL;
+    if (s != DT_OK)
         dt_tile_free(tile);
-        tile = NULL;
-    }
-    *out = tile;
-    dt_call_end(&caller);
     return s;
 }
 

@@ -1,14 +1,12 @@
 """Tiles of the Python package (delaunayd._tile), round by round until nothing is left to be sent, beside one triangulation, on all families of
-tests/oracle/families.c: triangles and hull edges. Two kinds of tiles: those of a k-d tree, some of which wait in files, and random
+tests/oracle/families.c. Two kinds of tiles: those of a k-d tree, and random
 ones, whose boxes overlap. delaunayd.dask does the same by its own tiles and bands; its triangles and hulls are compared, too.
 
     tiles.py BUILD_DIR [FAMILY...]
 """
 
-import os
 import subprocess
 import sys
-import tempfile
 
 import dask
 import numpy as np
@@ -17,8 +15,7 @@ sys.path.insert(0, "clients/python")
 from delaunayd._tile import Tile  # noqa: E402
 from delaunayd.dask import triangulate  # noqa: E402
 from delaunayd.spatial import Delaunay  # noqa: E402
-
-ROUNDS = 10  # far more than any family needs
+from tests.test_tile import cut, run_rounds  # noqa: E402
 
 
 def families(build):
@@ -31,59 +28,22 @@ def points_of(build, family, n, seed):
     return np.frombuffer(body, dtype="<f8").reshape(-1, 2).copy()
 
 
-def cut(points, ids, tiles):
-    """A k-d tree: equal coordinates go to one side, so coincident points share a tile, and tiles can be empty."""
-    if tiles == 1:
-        return [ids]
-    axis = int(np.ptp(points[ids], axis=0).argmax()) if len(ids) > 0 else 0
-    along = points[ids, axis]
-    low = along <= (np.median(along) if len(ids) > 0 else 0)
-    return cut(points, ids[low], tiles // 2) + cut(points, ids[~low], tiles - tiles // 2)
-
-
 def scatter(points, tiles, random):
     _, place = np.unique(points + 0.0, axis=0, return_inverse=True)
     tile = random.integers(0, tiles, len(points))[place.ravel()]
     return [np.flatnonzero(tile == k) for k in range(tiles)]
 
 
-def through_a_file(tile, folder):
-    tile.save(os.path.join(folder, "tile"))
-    return Tile.load(os.path.join(folder, "tile"))
-
-
-def run_rounds(tiles, random):
-    boxes = np.array([tile.box or (np.nan,) * 4 for tile in tiles])
-    with tempfile.TemporaryDirectory() as folder:
-        for _ in range(ROUNDS):
-            opened = [tile.open(boxes, me) for me, tile in enumerate(tiles)]
-            sent = [tile.points(vertices) for tile, (_, vertices) in zip(tiles, opened)]
-            if all(len(ids) == 0 for _, ids in sent):
-                return
-            for to in range(len(tiles)):
-                parts = [(xy[o[to] : o[to + 1]], ids[o[to] : o[to + 1]]) for (xy, ids), (o, _) in zip(sent, opened)]
-                tiles[to].insert(np.concatenate([xy for xy, _ in parts]), np.concatenate([ids for _, ids in parts]))
-                if random.integers(8) == 0:
-                    tiles[to] = through_a_file(tiles[to], folder)
-    raise AssertionError("more than %d rounds" % ROUNDS)
-
-
 def same(what, got, want):
     assert np.array_equal(got, want), what
 
 
-def compare(points, parts, random):
+def compare(points, parts):
     tiles = [Tile(points[part], part) for part in parts]
-    run_rounds(tiles, random)
+    run_rounds(tiles)
     want = Delaunay(points)
     rows = np.concatenate([tile.triangles(np.uint32) for tile in tiles])
     same("triangles", rows[np.lexsort(rows.T[::-1])], want.simplices)
-    hull = want._now.triangulation.hull()
-    edges = np.concatenate([tile.hull() for tile in tiles]).tolist()
-    along = np.column_stack([hull, np.roll(hull, -1)]).tolist()
-    if len(rows) == 0:  # points on one line, along it and back
-        along = along[:-1] + [[b, a] for a, b in along[:-1]]
-    same("hull", sorted(edges), sorted(along))
     counts = [tile.counts for tile in tiles]
     same("points", sum(c.own for c in counts), len(points))
     same("coincident", sum(c.coincident for c in counts), len(want._coincident))
@@ -109,11 +69,11 @@ def main():
             random = np.random.default_rng(n)
             points = points_of(build, family, n, n)
             try:
-                compare(points, cut(points, np.arange(n), tiles), random)
+                compare(points, cut(points, np.arange(n), tiles))
                 if n <= 3000 or family in ("uniform", "clusters", "circle"):
                     compare_dask(points, tiles)
                 if n <= 300:
-                    compare(points, scatter(points, tiles, random), random)
+                    compare(points, scatter(points, tiles, random))
             except AssertionError as error:
                 sys.exit("%s of %d in %d tiles: %s" % (family, n, tiles, error))
     print("%d families" % len(chosen))

@@ -17,7 +17,7 @@ _KEPT = 256 << 20  # bytes of freed triangulations that are kept for the next on
 LINEAR, NATURAL, LAPLACE, _, SMOOTH = range(5)  # enum dt_interpolation
 COINCIDENT, EDGES, HULL = 1, 4, 5  # enum dt_table
 
-_NOMEM, TOOBIG, RANGE, NOPOINT, NOEDGE, CORRUPT, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 10, 13, 16  # enum dt_status
+_NOMEM, TOOBIG, RANGE, NOPOINT, NOEDGE, CROSSES, _NOTDELAUNAY = 1, 2, 3, 4, 5, 13, 16  # enum dt_status
 
 
 _NOREGION, _OPEN = 18, 19
@@ -122,18 +122,13 @@ _FUNCTIONS = {
     "dt_tile_open": [c_void_p, c_void_p, c_size_t, c_size_t, c_void_p, POINTER(Ids)],
     "dt_tile_points": [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p],
     "dt_tile_triangles": [c_void_p, c_bool, c_void_p, POINTER(c_size_t)],
-    "dt_tile_hull": [c_void_p, c_void_p],
-    "dt_tile_locate": [c_void_p, c_void_p, c_size_t, c_void_p],
-    "dt_tile_size": [c_void_p],
-    "dt_tile_write": [c_void_p, c_void_p],
-    "dt_tile_read": [c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],
     "dt_tile_free": [c_void_p],
 }
 _NO_STATUS = frozenset(
-    ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_pages_release", "dt_split_clear", "dt_tile_counts", "dt_tile_write",
+    ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_pages_release", "dt_split_clear", "dt_tile_counts",
      "dt_tile_free"]
 )
-_OTHERS = {"dt_tile_box": c_bool, "dt_tile_hull": c_size_t, "dt_tile_size": c_size_t}  # which return neither a status nor nothing
+_OTHERS = {"dt_tile_box": c_bool}  # which return neither a status nor nothing
 
 _loaded: Any = None
 pages: Optional[int] = None  # the keeper of pages of all triangulations
@@ -203,6 +198,6 @@ def check(status: int, what: str) -> None:
 
 
 __all__ = [
-    "COINCIDENT", "CORRUPT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "RANGE",
+    "COINCIDENT", "CROSSES", "Counts", "EDGES", "HULL", "Ids", "LAPLACE", "LINEAR", "NATURAL", "NOEDGE", "NOPOINT", "Quality", "RANGE",
     "Refined", "Region", "SMOOTH", "Split", "Thinned", "Thinning", "TOOBIG", "byref", "check", "library",
 ]

@@ -4,9 +4,6 @@ its proof. `delaunayd.dask` distributes the tiles."""
 from __future__ import annotations
 
 import ctypes
-import os
-import struct
-import zlib
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -17,20 +14,17 @@ from ._library import byref, check
 if TYPE_CHECKING:
     from ._types import Floats, NDArray
 
-_HEAD = struct.Struct("<8sQL")  # of a file: what it is, how many bytes follow, their CRC-32
-_MAGIC = b"ddtile01"
 _REFUSED = "a point of another tile contradicts this tile: coincident points must be in one tile, and an id has one place"
 
 
 class Counts(NamedTuple):
     """own: own points, coincident ones included; coincident: those that another own point represents; foreign: points of other tiles;
-    triangles, hull: of own and foreign points together; postponed: faces at which the next `open` looks."""
+    triangles: of own and foreign points together; postponed: faces at which the next `open` looks."""
 
     own: int
     foreign: int
     coincident: int
     triangles: int
-    hull: int
     postponed: int
 
 
@@ -61,8 +55,8 @@ def _check_points(points: Floats, status: int, otherwise: str) -> None:
 
 
 class Tile:
-    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points`, `triangles`, `hull` and `save` needs
-    exclusive access to the tile."""
+    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points` and `triangles` needs exclusive access to
+    the tile."""
 
     _handle: Any = None
 
@@ -84,7 +78,7 @@ class Tile:
 
     @property
     def counts(self) -> Counts:
-        words = (ctypes.c_uint64 * 6)()
+        words = (ctypes.c_uint64 * 5)()
         self._library.dt_tile_counts(self._handle, words)
         return Counts(*words)
 
@@ -150,53 +144,6 @@ class Tile:
             raise ValueError("an id does not fit uint32")
         check(status, "triangles")
         return out[: rows.value]
-
-    def hull(self) -> NDArray[Any]:
-        """The edges of the hull of all points that this tile outputs, of shape (k, 2), uint64: each counterclockwise, rows ascending.
-        Points on one line have every edge in both directions."""
-        out = np.empty((self.counts.hull, 2), dtype=np.uint64)
-        return out[: self._library.dt_tile_hull(self._handle, out.ctypes.data)]
-
-    def locate(self, places: Any) -> NDArray[Any]:
-        """The triangle that contains each place, sides included, if this tile outputs it: rows as of `triangles`, uint64, of the
-        largest number three times where there is none. The first row that any tile finds is the answer."""
-        points = _points(places)
-        rows = np.empty((len(points), 3), dtype=np.uint64)
-        check(self._library.dt_tile_locate(self._handle, points.ctypes.data, len(points), rows.ctypes.data), "places")
-        return rows
-
-    def save(self, path: Any) -> None:
-        """Writes a file that `load` reads. A file of that name is replaced when the new one is complete."""
-        body = np.empty(self._library.dt_tile_size(self._handle), dtype=np.uint8)
-        self._library.dt_tile_write(self._handle, body.ctypes.data)
-        name = os.fspath(path)
-        try:
-            with open(name + ".part", "wb") as file:
-                file.write(_HEAD.pack(_MAGIC, len(body), zlib.crc32(body.data)))
-                file.write(body.data)
-            os.replace(name + ".part", name)
-        except BaseException:
-            if os.path.exists(name + ".part"):
-                os.unlink(name + ".part")
-            raise
-
-    @classmethod
-    def load(cls, path: Any, workers: int = 1) -> Tile:
-        """The tile of a file. Raises ValueError if the file is damaged."""
-        name = os.fspath(path)
-        with open(name, "rb") as file:
-            head = file.read(_HEAD.size)
-            body = np.fromfile(file, dtype=np.uint8)
-        if len(head) < _HEAD.size or _HEAD.unpack(head) != (_MAGIC, len(body), zlib.crc32(body.data)):
-            raise ValueError("%s is not a tile, or is damaged" % name)
-        made, library, handle = cls.__new__(cls), _library.library(), ctypes.c_void_p()
-        made._library = library
-        status = library.dt_tile_read(body.ctypes.data, len(body), _library.pages, workers, byref(handle))
-        if status == _library.CORRUPT:
-            raise ValueError("%s is not a tile, or is of another version" % name)
-        check(status, name)
-        made._handle = handle
-        return made
 
 
 __all__ = ["Counts", "Tile"]

@@ -1,10 +1,7 @@
 """Tiles in one process, round by round until nothing is left to be sent, against one triangulation; tests/interop/tiles.py has all
 families."""
 
-import os
-import tempfile
 import unittest
-from pathlib import Path
 
 try:
     import numpy as np
@@ -30,16 +27,16 @@ def boxes_of(tiles):
 
 
 def run_rounds(tiles):
-    """Returns the number of rounds, the last one, in which nothing is sent, included."""
-    boxes, rounds, sent = boxes_of(tiles), 0, 1
-    while sent > 0:
-        rounds += 1
+    """Until nothing is sent; far more rounds than any set needs are an error."""
+    boxes = boxes_of(tiles)
+    for _ in range(10):
         opened = [tile.open(boxes, me) for me, tile in enumerate(tiles)]
-        sent = sum(len(vertices) for _, vertices in opened)
+        if not any(len(vertices) for _, vertices in opened):
+            return
         for tile, (offsets, vertices) in zip(tiles, opened):
             for to, other in enumerate(tiles):
                 other.insert(*tile.points(vertices[offsets[to] : offsets[to + 1]]))
-    return rounds
+    raise AssertionError("the rounds do not end")
 
 
 def triangles_of(points, tiles, dtype="uint32", base=0):
@@ -48,7 +45,7 @@ def triangles_of(points, tiles, dtype="uint32", base=0):
     made = [Tile(points[part], part.astype(np.uint64) + np.uint64(base)) for part in parts]
     run_rounds(made)
     rows = np.concatenate([tile.triangles(dtype) for tile in made])
-    return rows[np.lexsort(rows.T[::-1])], np.concatenate([tile.hull() for tile in made]) - np.uint64(base)
+    return rows[np.lexsort(rows.T[::-1])]
 
 
 @unittest.skipIf(np is None, "NumPy is missing")
@@ -56,10 +53,7 @@ class Tiles(unittest.TestCase):
     def same(self, points, tiles):
         points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         want = Delaunay(points).simplices if len(points) > 0 else np.empty((0, 3))
-        got, edges = triangles_of(points, tiles)
-        sides = {(a, b) for row in want.tolist() for a, b in zip(row, row[1:] + row[:1])}
-        if len(want) > 0:
-            self.assertEqual(sorted(map(tuple, edges.tolist())), sorted((a, b) for a, b in sides if (b, a) not in sides))
+        got = triangles_of(points, tiles)
         self.assertEqual(got.dtype, np.uint32)
         self.assertEqual(got.tolist(), want.tolist())
 
@@ -83,20 +77,9 @@ class Tiles(unittest.TestCase):
             self.same(r.random((n, 2)), 9)
         self.same([(1, 1)] * 10, 4)
 
-    def test_places_have_the_first_triangle_that_any_tile_finds(self):
-        points = np.random.default_rng(7).integers(0, 30, (600, 2)).astype(float)
-        places = np.vstack([points[:50], (points[:200] + points[50:250]) / 2, [(np.nan, 0), (99, 1)]])
-        made = [Tile(points[part], part) for part in cut(points, np.arange(600), 6)]
-        run_rounds(made)
-        rows = [tile.locate(places).tolist() for tile in made]
-        found = [tuple(min(of_tiles)) for of_tiles in zip(*rows)]
-        d = Delaunay(points)
-        want = [tuple(d.simplices[row].tolist()) if row >= 0 else ((1 << 64) - 1,) * 3 for row in d.find_simplex(places, tol=0)]
-        self.assertEqual(found, want)
-
     def test_ids_beyond_32_bits(self):
         points = np.random.default_rng(3).random((500, 2))
-        rows, _ = triangles_of(points, 3, np.uint64, 1 << 40)
+        rows = triangles_of(points, 3, np.uint64, 1 << 40)
         self.assertEqual(rows.dtype, np.uint64)
         self.assertEqual((rows - np.uint64(1 << 40)).tolist(), Delaunay(points).simplices.tolist())
         with self.assertRaisesRegex(ValueError, "does not fit"):
@@ -105,42 +88,10 @@ class Tiles(unittest.TestCase):
     def test_counts_and_box(self):
         tile = Tile([(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)], [1, 3, 5, 8, 9])
         tile.insert([(9, 9), (4, 4)], np.array([2, 5], dtype=np.uint32))
-        self.assertEqual(tuple(tile.counts), (5, 1, 1, 4, 4, 0))
+        self.assertEqual(tuple(tile.counts), (5, 1, 1, 4, 0))
         self.assertEqual(tile.box, (0, 0, 4, 4))
         self.assertEqual(tile.points([4])[1].tolist(), [9])
         self.assertIsNone(Tile(np.empty((0, 2)), []).box)
-
-    def test_a_tile_waits_in_a_file(self):
-        points = np.random.default_rng(4).random((2000, 2))
-        ids = np.arange(2000)
-        left = points[:, 0] < 0.5
-        tiles = [Tile(points[left], ids[left]), Tile(points[~left], ids[~left])]
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "tile"
-            boxes = boxes_of(tiles)
-            offsets, vertices = tiles[0].open(boxes, 0)
-            tiles[0].save(path)
-            tiles[0] = Tile.load(path)
-            self.assertEqual(os.listdir(folder), ["tile"])
-            tiles[1].insert(*tiles[0].points(vertices))
-            run_rounds(tiles)
-            rows = np.concatenate([tile.triangles(np.uint32) for tile in tiles])
-            self.assertEqual(rows[np.lexsort(rows.T[::-1])].tolist(), Delaunay(points).simplices.tolist())
-            self.assertGreater(len(vertices), 0)
-
-    def test_damaged_files_are_refused(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "tile"
-            Tile([(0, 0), (1, 0), (0, 1)], [0, 1, 2]).save(path)
-            whole = path.read_bytes()
-            for damaged in [whole[:n] for n in range(len(whole))] + [
-                whole[:i] + bytes([whole[i] ^ 1]) + whole[i + 1 :] for i in range(len(whole))
-            ]:
-                path.write_bytes(damaged)
-                with self.assertRaises(ValueError):
-                    Tile.load(path)
-            with self.assertRaises(FileNotFoundError):
-                Tile.load(Path(folder) / "none")
 
     def test_wrong_arguments_are_refused_and_change_nothing(self):
         tile = Tile([(0, 0), (1, 0), (0, 1)], [0, 1, 2])
@@ -160,4 +111,4 @@ class Tiles(unittest.TestCase):
             tile.points([3])
         with self.assertRaisesRegex(ValueError, "uint32"):
             tile.triangles(np.int32)
-        self.assertEqual(tuple(tile.counts), (3, 0, 0, 1, 3, 0))
+        self.assertEqual(tuple(tile.counts), (3, 0, 0, 1, 0))

@@ -6,7 +6,6 @@
 
 #include "core/delaunay_arrays.h"
 #include "core/delaunay_tiles.h"
-#include "core/exact/predicates.h"
 #include "core/set/set.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
@@ -90,18 +89,6 @@ static struct dt_tile *tile_of_plan(const struct plan *plan, unsigned tile, bool
     return made;
 }
 
-/* Through bytes, as if it had waited on disk. */
-static void wait_on_disk(struct dt_tile **tile)
-{
-    size_t size = dt_tile_size(*tile);
-    uint8_t *bytes = malloc(size + 1);
-    CHECK(bytes != NULL);
-    dt_tile_write(*tile, bytes + 1);
-    dt_tile_free(*tile);
-    CHECK(dt_tile_read(bytes + 1, size, NULL, 1, tile) == DT_OK);
-    free(bytes);
-}
-
 static void deliver(const struct dt_tile *from, struct dt_tile *to, const uint32_t *vertex,
                     size_t n)
 {
@@ -145,9 +132,6 @@ static void run_rounds(struct dt_tile **tile, unsigned tiles)
         dt_tile_box(tile[k], box + 4 * (size_t)k);
     do {
         sent = round_of(tile, tiles, box);
-        for (unsigned k = 0; k < tiles; k++)
-            if (test_below(6) == 0)
-                wait_on_disk(&tile[k]);
     } while (sent > 0 && rounds++ < MOST);
     CHECK(sent == 0);
 }
@@ -185,98 +169,6 @@ static void append_rows(const struct dt_tile *tile, bool wide, struct dt_ids *ou
     free(v);
 }
 
-/* Brute force's hull as edges: along the hull, or along a line and back. */
-static void hull_edges(const struct brute *b, struct dt_ids *out)
-{
-    struct dt_ids hull = {0};
-    brute_table(b, DT_HULL, false, &hull);
-    for (size_t i = 0; i < hull.n; i++) {
-        uint32_t from = hull.v[i], to = hull.v[i + 1 < hull.n ? i + 1 : 0];
-        if (b->line == NULL)
-            append_ids(out, (uint32_t[]){from, to}, 2);
-        else if (i + 1 < hull.n)
-            append_ids(out, (uint32_t[]){from, to, to, from}, 4);
-    }
-    free(hull.v);
-}
-
-static void append_hull(const struct dt_tile *tile, bool wide, struct dt_ids *out)
-{
-    struct dt_tile_counts sum;
-    dt_tile_counts(tile, &sum);
-    uint64_t *v = malloc((2 * sum.hull + 1) * sizeof *v);
-    CHECK(v != NULL);
-    size_t edges = dt_tile_hull(tile, v);
-    CHECK(edges <= sum.hull);
-    for (size_t i = 0; i < 2 * edges; i++) {
-        uint32_t local = (uint32_t)((v[i] - global(0, wide)) / 7);
-        append_ids(out, &local, 1);
-    }
-    free(v);
-}
-
-static int compare_edges(const void *a, const void *b)
-{
-    const uint32_t *x = a, *y = b;
-    return x[0] != y[0] ? (x[0] < y[0] ? -1 : 1) : (x[1] > y[1]) - (x[1] < y[1]);
-}
-
-static void check_hull(struct dt_tile **tile, unsigned tiles, bool wide, const struct brute *b)
-{
-    struct dt_ids got = {0}, want = {0};
-    hull_edges(b, &want);
-    for (unsigned k = 0; k < tiles; k++)
-        append_hull(tile[k], wide, &got);
-    if (got.n > 0)
-        qsort(got.v, got.n / 2, 2 * sizeof *got.v, compare_edges);
-    if (want.n > 0)
-        qsort(want.v, want.n / 2, 2 * sizeof *want.v, compare_edges);
-    check_equal_ids("hull", &got, &want);
-    free(got.v);
-    free(want.v);
-}
-
-static bool precedes(const uint64_t *a, const uint64_t *b)
-{
-    unsigned k = 0;
-    while (k < 2 && a[k] == b[k])
-        k++;
-    return a[k] < b[k];
-}
-
-static bool contains(const struct brute *b, const uint32_t *id, struct dt_point q)
-{
-    return dt_orient2d(b->p[id[0]], b->p[id[1]], q) >= 0 &&
-           dt_orient2d(b->p[id[1]], b->p[id[2]], q) >= 0 &&
-           dt_orient2d(b->p[id[2]], b->p[id[0]], q) >= 0;
-}
-
-/* The first rows that tiles find are the first of the sorted triangles `row` that contain the places. */
-static void check_places(struct dt_tile **tile, unsigned tiles, bool wide, const struct brute *b,
-                         const struct dt_ids *row)
-{
-    enum { PLACES = 40 };
-    struct dt_point q[PLACES];
-    uint64_t found[3 * PLACES], least[3 * PLACES];
-    for (unsigned i = 0; i < PLACES; i++)
-        q[i] = random_place(b);
-    q[7] = (struct dt_point){(double)NAN, 0};
-    memset(least, 0xff, sizeof least);
-    for (unsigned k = 0; k < tiles; k++) {
-        CHECK(dt_tile_locate(tile[k], q, PLACES, found) == DT_OK);
-        for (unsigned i = 0; i < 3 * PLACES; i += 3)
-            if (precedes(found + i, least + i))
-                memcpy(least + i, found + i, 3 * sizeof *least);
-    }
-    for (unsigned i = 0; i < PLACES; i++) {
-        size_t at = 0;
-        while (at < row->n && (i == 7 || !contains(b, row->v + at, q[i])))
-            at += 3;
-        for (unsigned k = 0; k < 3; k++)
-            CHECK(least[3 * i + k] == (at < row->n ? global(row->v[at + k], wide) : UINT64_MAX));
-    }
-}
-
 static void rows_of_one_set(const struct plan *plan, struct dt_ids *out)
 {
     struct dt *t = set_of(plan->p, plan->n);
@@ -303,8 +195,6 @@ static void check_tiles(const struct plan *plan, const char *what)
     if (plan->n <= SMALL) {
         struct brute *b = brute_new(plan->p, NULL, plan->n);
         brute_table(b, DT_TRIANGLES, false, &want);
-        check_hull(tile, plan->tiles, wide, b);
-        check_places(tile, plan->tiles, wide, b, &want);
         brute_free(b);
     } else {
         rows_of_one_set(plan, &want);
@@ -472,17 +362,15 @@ static struct dt_tile *tile_with_a_tip(const double *box)
     return tile;
 }
 
-TEST(postponed_faces_are_judged_by_the_next_call_also_from_bytes_and_after_a_repeated_point)
+TEST(postponed_faces_are_judged_by_the_next_call_also_after_a_repeated_point)
 {
     const double box[] = {0, -1, 4, 4, 0, -9, 4, -8, 10, 0, 11, 4, -9, 0, -8, 4, 0, 30, 4, 31};
-    for (unsigned way = 0; way < 3; way++) {
+    for (unsigned way = 0; way < 2; way++) {
         struct dt_tile *tile = tile_with_a_tip(box);
         struct dt_tile_counts c;
         struct dt_ids v = {0};
         int64_t offset[6];
         if (way == 1)
-            wait_on_disk(&tile);
-        if (way == 2)
             CHECK(dt_tile_insert(tile, (struct dt_point[]){{4, 4}}, (uint64_t[]){2}, 1) == DT_OK);
         CHECK(dt_tile_open(tile, box, 5, 0, offset, &v) == DT_OK);
         CHECK(offset[2] - offset[1] == 1 && offset[5] - offset[4] == 0 && v.v[0] == 4);
@@ -502,24 +390,6 @@ TEST(local_ids_that_do_not_exist_have_no_points)
     CHECK(dt_tile_points(tile, (uint32_t[]){4}, 1, &p, &id) == DT_OK && id == 9 && p.x == 0);
     CHECK(dt_tile_points(tile, (uint32_t[]){5}, 1, &p, &id) == DT_NOPOINT);
     CHECK(dt_tile_points(tile, (uint32_t[]){DT_NONE}, 1, &p, &id) == DT_NOPOINT);
-    dt_tile_free(tile);
-}
-
-TEST(bytes_that_are_no_tile_are_refused)
-{
-    struct dt_tile *tile = square_tile(), *got;
-    size_t size = dt_tile_size(tile);
-    uint8_t *bytes = malloc(size);
-    CHECK(bytes != NULL);
-    dt_tile_write(tile, bytes);
-    for (size_t n = 0; n < size; n++)
-        CHECK(dt_tile_read(bytes, n, NULL, 1, &got) == DT_CORRUPT && got == NULL);
-    for (size_t i = 0; i < 6 * sizeof(uint64_t); i++) {
-        bytes[i] ^= 0x81;
-        CHECK(dt_tile_read(bytes, size, NULL, 1, &got) == DT_CORRUPT && got == NULL);
-        bytes[i] ^= 0x81;
-    }
-    free(bytes);
     dt_tile_free(tile);
 }
 
