@@ -204,6 +204,48 @@ class Files(unittest.TestCase):
             self.assertEqual(os.listdir(self.folder), [])
 
 
+@unittest.skipIf(dask is None, "NumPy or dask is missing")
+class KilledProcesses(unittest.TestCase):
+    def test_their_folders_are_removed_and_no_others(self):
+        text = (
+            "import sys, dask, numpy as np\nfrom delaunayd.dask import triangulate\ndask.config.set(scheduler='synchronous')\n"
+            "tin = triangulate(np.random.default_rng(1).random((300, 2)), tile=90, spill=sys.argv[1])\n"
+            "print(tin._job.folder, flush=True)\nsys.stdin.read()\n"
+        )
+
+        def started():
+            process = subprocess.Popen(
+                [sys.executable, "-c", text, folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                env={**os.environ, "PYTHONPATH": HERE},
+            )
+            return process, os.path.basename(process.stdout.readline().strip())
+
+        def ended(process):
+            process.communicate()
+            return process.returncode
+
+        with tempfile.TemporaryDirectory() as folder:
+            for name, owner in (("delaunayd-notes", None), ("delaunayd-others", "me"), ("delaunayd-away", "delaunayd.dask another-machine\n")):
+                os.mkdir(os.path.join(folder, name))
+                if owner is not None:
+                    Path(folder, name, "owner").write_text(owner)
+            others = set(os.listdir(folder))
+            dead, left = started()
+            dead.kill()
+            self.assertEqual(ended(dead), -9)
+            self.assertEqual(set(os.listdir(folder)), others | {left})
+            self.assertGreater(len(os.listdir(os.path.join(folder, left))), 4)
+            living, kept = started()
+            self.assertEqual(set(os.listdir(folder)), others | {kept})
+            points = np.random.default_rng(2).random((50, 2))
+            with triangulate(points, spill=folder) as tin:
+                self.assertEqual(len(os.listdir(folder)), len(others) + 2)
+                self.assertEqual(in_order(tin.triangles.compute()).tobytes(), of_process(points).tobytes())
+            self.assertEqual(set(os.listdir(folder)), others | {kept})
+            self.assertEqual(ended(living), 0)
+            self.assertEqual(set(os.listdir(folder)), others)
+
+
 @unittest.skipIf(dask is None or distributed is None, "NumPy, dask or distributed is missing")
 class CommandLine(unittest.TestCase):
     def test_files_become_triangles_a_raster_and_contours(self):

@@ -7,11 +7,11 @@ import json
 import os
 import re
 import sys
-import tempfile
 from typing import Any, List, Optional
 
 import numpy as np
 
+from .folders import new_folder, remove_folder
 from .imported import module
 from .making import TILE, triangulate
 from .results import Tin
@@ -73,17 +73,23 @@ def _cluster(options: argparse.Namespace, folder: str) -> Any:
 def run(options: argparse.Namespace) -> None:
     """Carries out what the command line says."""
     os.makedirs(options.out, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=options.spill or options.out) as folder, _cluster(options, folder) as client:
-        surface = options.raster is not None or options.contours is not None
-        with triangulate(
-            options.files, tile=options.tile, client=client, spill=folder, keep=surface, progress=not options.quiet
-        ) as tin:
-            tin.to_npy(os.path.join(options.out, "triangles.npy"))
-            if options.raster is not None:
-                _write_raster(tin, os.path.join(options.out, "raster.npy"), options.raster)
-            if options.contours is not None:
-                _write_contours(tin, os.path.join(options.out, "contours.geojson"), options.contours)
-            print(json.dumps(tin.stats()))
+    folder = new_folder(options.spill or options.out)
+    try:
+        with _cluster(options, folder) as client:
+            _write(options, folder, client)
+    finally:
+        remove_folder(folder)
+
+
+def _write(options: argparse.Namespace, folder: str, client: Any) -> None:
+    surface = options.raster is not None or options.contours is not None
+    with triangulate(options.files, tile=options.tile, client=client, spill=folder, keep=surface, progress=not options.quiet) as tin:
+        tin.to_npy(os.path.join(options.out, "triangles.npy"))
+        if options.raster is not None:
+            _write_raster(tin, os.path.join(options.out, "raster.npy"), options.raster)
+        if options.contours is not None:
+            _write_contours(tin, os.path.join(options.out, "contours.geojson"), options.contours)
+        print(json.dumps(tin.stats()))
 
 
 def main(words: Optional[List[str]] = None) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
@@ -10,9 +9,9 @@ import numpy as np
 from . import limits, reading
 from .chunks import Chunk
 from .engine import Engine
+from .folders import new_folder, remove_folder
 from .results import Tin
 from .rounds import Course
-from .spill import remove_folder
 from .tasks import Job
 from .tiling import Tiling, tiling_of
 
@@ -43,13 +42,13 @@ def triangulate(
     arrays. Of a dataframe, the names of columns, z by default. `tile`: about how many points a tile has. A worker needs about
     200 bytes of memory for each point of a tile. `client`: of distributed, by default this process's; without one dask's own
     scheduler is used. `spill`: a folder that all workers see, by default one for temporary files; it needs 20 bytes a point, and the triangles 24
-    or 48. `keep`: keep the points there, for tin.raster(), contours() and locate().
+    or 48. What a process that was killed has left there is removed first. `keep`: keep the points there, for tin.raster(), contours() and locate().
 
     ValueError names a row that is not a point; MemoryError and OSError say what does not suffice."""
     if tile < 1:
         raise ValueError("a tile must have at least 1 point")
     engine = Engine(client, progress)
-    folder = tempfile.mkdtemp(prefix="delaunayd-", dir=spill)
+    folder = new_folder(spill)
     try:
         found = reading.chunks_of(points, values, engine, folder)
         total = sum(chunk.n for chunk in found.chunks)

@@ -17,6 +17,7 @@ from . import contours, nearest, rasters, spill, surfaces, tasks
 from .band import points_type, xy_of
 from .chunks import npy_header_of
 from .engine import Engine
+from .folders import remove_folder
 from .imported import array, dask, module
 from .rounds import Outcome
 
@@ -31,7 +32,7 @@ class Tin:
         self._engine, self._outcome, self._keep = engine, outcome, keep
         self._job = outcome.job
         self._results = 0
-        self._end = weakref.finalize(self, spill.remove_folder, self._job.folder)
+        self._end = weakref.finalize(self, remove_folder, self._job.folder)
 
     def close(self) -> None:
         """Removes the files; arrays that are not computed yet cannot be computed any more."""

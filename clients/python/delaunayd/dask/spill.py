@@ -9,8 +9,6 @@ import contextlib
 import io
 import os
 import re
-import shutil
-import time
 import uuid
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List
 
@@ -127,15 +125,6 @@ def numbered(folder: str, name: str) -> List[str]:
 def remove_all(folder: str, start: str) -> None:
     """Removes the files whose names start like this."""
     remove(*(os.path.join(folder, file) for file in os.listdir(folder) if file.startswith(start)))
-
-
-def remove_folder(path: str) -> None:
-    """Removes the folder. A task that still runs may make a file meanwhile, but none once the folder is gone."""
-    for _ in range(50):
-        shutil.rmtree(path, ignore_errors=True)
-        if not os.path.exists(path):
-            return
-        time.sleep(0.1)
 
 
 def remove(*paths: str) -> None:
