@@ -49,7 +49,7 @@ $(O)/lib/lib%.map: $(O)/lib/lib%.names
 
 CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o clients/lib/mirror_constraints.o \
                   clients/lib/connect.o clients/lib/url.o \
-                  $(addprefix proto/,buf.o reply_read.o request.o number_exact.o number_read.o number_write.o powers.o)
+                  $(addprefix proto/,buf.o reply_read.o request.o number_read.o number_write.o powers.o)
 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/,$(CLIENT_LIBRARY))
 $(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE)
 

@@ -5,16 +5,22 @@
  *      "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that
  *      it needs no fallback]. For longer numbers the first 19 digits, and these plus one: if both
  *      give the same double, so do all numbers between them;
- *   2. otherwise, big integers (number_exact.c). */
+ *   2. otherwise strtod, which rounds correctly for any number of digits. It gets the digits without a point, whose
+ *      character depends on the locale. */
+#include <errno.h>
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "proto/number.h"
-#include "proto/number_exact.h"
 #include "proto/powers.h"
 #include "proto/text.h"
 
 #define DIGITS 19 /* any 19 digits fit a 64-bit word */
+#define DIGITS_MOST                                                                                \
+    770 /* of a midpoint between doubles: 767; of digits beyond it only matters whether all are zero */
 #define INFINITY_BITS ((uint64_t)2047 << 52)
 
 /* The number in the text: (digits in text .. text_end, a '.' ignored) * 10^exponent. */
@@ -156,6 +162,36 @@ static uint64_t round_word(uint64_t word, int64_t q)
     return bits < INFINITY_BITS ? bits : INFINITY_BITS;
 }
 
+/* The number to the nearest double, as bits, however many digits it has. */
+static uint64_t round_exactly(const struct scan *n)
+{
+    char text[DIGITS_MOST + 32];
+    size_t len = 0;
+    int64_t exponent = n->exponent;
+    int error = errno;
+    bool rest = false; /* a digit that is left out is not 0 */
+    uint64_t bits;
+    for (const char *p = n->text; p < n->text_end; p++) {
+        if (*p == '.')
+            continue;
+        if (len < DIGITS_MOST) {
+            text[len++] = *p;
+            continue;
+        }
+        rest = rest || *p != '0';
+        exponent++;
+    }
+    if (rest) {
+        text[len++] = '1';
+        exponent--;
+    }
+    snprintf(text + len, sizeof text - len, "e%" PRId64, exponent);
+    double v = strtod(text, NULL);
+    errno = error;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
 /* More than 19 digits, possibly with leading zeros. */
 static uint64_t round_long(struct scan *n)
 {
@@ -178,7 +214,7 @@ static uint64_t round_long(struct scan *n)
     uint64_t low = round_word(word, q), high = round_word(word + 1, q);
     if (low == high)
         return low;
-    return proto_round_exactly(&(struct proto_decimal){n->text, n->text_end, n->exponent}, low);
+    return round_exactly(n);
 }
 
 static bool has_nonzero_digit(const struct scan *n)
