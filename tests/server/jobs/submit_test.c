@@ -196,6 +196,7 @@ TEST(change_after_a_promotion_waits_for_followers_at_once)
     follower_meet(s, &newer);
     CHECK(strncmp(local_ask(&b.l, "ADD t 1 1\n"), "ERR READONLY", 12) == 0);
     local_ask(&b.l, "CONFIG SET min-followers 1\n");
+    CHECK(!s->held.needs_followers); /* it does not lead */
     leader_turn_end(s);
     CHECK(follower_promote(s) == NULL);
     CHECK(waits_for_followers(&b));
