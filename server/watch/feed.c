@@ -7,8 +7,8 @@
 #include <string.h>
 
 enum {
-    MOST_KEYS = 1024,    /* more changes than this are found by a sweep, */
-    BOX_KEYS = 256,      /* and with a box more than this: few points are in it */
+    BOX_KEYS =
+        256, /* with a box, more changes than this are found by a sweep: few points are in it */
     BOX_STEPS = 10000,   /* a box whose search takes longer, or of which more points */
     BOX_KNOWN = 10000,   /* may be known, is swept like the whole set */
     LINE_STEPS = 100000, /* rings on a line that take more are sent in parts */
@@ -23,8 +23,7 @@ uint32_t feed_line(const struct watched *k)
     return sum->triangulated && sum->triangles == 0 ? sum->points : 0;
 }
 
-/* A watcher who knows less than this tick is sent everything. */
-static uint64_t first_tick(const struct feed *f)
+uint64_t feed_first_tick(const struct feed *f)
 {
     const struct watched *k = f->of;
     uint64_t tick = k->all_tick;
@@ -78,8 +77,8 @@ static bool put_change(struct event *e, const struct feed *f, const struct posit
     const struct dt *dt = k->set->current->dt;
     const struct recent_mark *m = recent_at(&k->recent, p->tick);
     uint64_t changes = m == NULL ? UINT64_MAX : k->recent.key_end - m->at + (k->ids - m->ids);
-    uint64_t key[MOST_KEYS];
-    if (changes > (f->scope.boxed ? BOX_KEYS : MOST_KEYS) || changes * e->line > LINE_STEPS)
+    uint64_t key[FEED_KEYS];
+    if (changes > (f->scope.boxed ? BOX_KEYS : FEED_KEYS) || changes * e->line > LINE_STEPS)
         return false;
     size_t n = find_keys(f, m, key);
     for (size_t i = 0; i < n; i++) {
@@ -111,7 +110,7 @@ static bool add_known(struct dt_ids *ids, const struct known *known)
     return true;
 }
 
-static bool find_box(const struct feed *f, struct dt_ids *found)
+bool feed_find_box(const struct feed *f, struct dt_ids *found)
 {
     struct dt_options opt = {.steps = BOX_STEPS};
     return dt_within_box(f->of->set->current->dt, f->scope.lo, f->scope.hi, &opt, found) == DT_OK;
@@ -122,7 +121,7 @@ static bool find_candidates(const struct feed *f, bool reset, struct dt_ids *ids
 {
     if (!reset && (f->known.bits.words > 0 || f->known.count > BOX_KNOWN))
         return false;
-    return find_box(f, ids) && (reset || add_known(ids, &f->known));
+    return feed_find_box(f, ids) && (reset || add_known(ids, &f->known));
 }
 
 static void put_swept(struct event *e, const struct feed *f, const struct position *p, uint32_t id)
@@ -231,7 +230,7 @@ static void put_constraints(struct event *e, const struct feed *f, struct positi
 static bool is_lost(const struct feed *f, const struct position *p)
 {
     uint64_t reached = p->goal != 0 ? p->goal : p->tick;
-    return reached == 0 || reached < first_tick(f) ||
+    return reached == 0 || reached < feed_first_tick(f) ||
            (f->scope.constraints && p->altered < f->of->altered.first);
 }
 
@@ -401,44 +400,4 @@ void feed_leave(struct watcher *w)
     known_clear(&f->known);
     scope_clear(&f->scope);
     free(f);
-}
-
-/* Adds the points in the box to the points that a watcher may know. Adds those below `ids` that have changed after the mark, too,
- * because they may have been in the box. If changes have not been collected, all are added, because points that have just
- * left the box are not found. */
-static bool know_since(struct feed *f, const struct recent_mark *m, uint32_t ids)
-{
-    const struct watched *k = f->of;
-    struct dt_ids found = {0};
-    bool good = true;
-    if (k->set->exclusive || k->version != k->set->version || ids - m->ids > MOST_KEYS ||
-        !find_box(f, &found)) {
-        free(found.v);
-        return known_fill(&f->known, ids);
-    }
-    for (size_t i = 0; good && i < found.n; i++)
-        good = known_add(&f->known, found.v[i], k->ids);
-    for (uint64_t at = m->at; good && at < k->recent.key_end; at++)
-        good = known_add(&f->known, (uint32_t)(recent_key(&k->recent, at) >> 32), k->ids);
-    for (uint32_t id = m->ids; good && id < ids; id++)
-        good = known_add(&f->known, id, k->ids);
-    free(found.v);
-    return good;
-}
-
-struct position feed_since(struct feed *f, uint64_t version)
-{
-    const struct watched *k = f->of;
-    struct position p = {.tick = recent_find(&k->recent, version)};
-    const struct recent_mark *m = recent_at(&k->recent, p.tick);
-    if (version > k->set->version || m == NULL || p.tick < first_tick(f) ||
-        version_is_stale(k->set->current))
-        return (struct position){.tick = 0};
-    p.ids = m->ids;
-    p.altered = f->scope.constraints ? m->altered : 0;
-    if (version != m->version && k->set->exclusive)
-        return (struct position){.tick = 0};
-    if (version != m->version) /* it may know ids that are newer than the mark */
-        p.ids = dt_next_id(k->set->current->dt);
-    return f->scope.boxed && !know_since(f, m, p.ids) ? (struct position){.tick = 0} : p;
 }

@@ -119,8 +119,17 @@ struct feed *feed_enter(struct watched *k, struct scope *scope);
 /* The watcher leaves its lists and is freed. The last watcher's feed is freed, too. */
 void feed_leave(struct watcher *w);
 
-/* The position of a watcher that knows a version of the set. If the changes since then are not known any more, it knows nothing. */
+/* The position of a watcher that knows a version of the set. If the changes since then are not known any more, it knows nothing;
+ * resume.c. */
 struct position feed_since(struct feed *f, uint64_t version);
+
+/* A watcher who knows less than this tick is sent everything. */
+uint64_t feed_first_tick(const struct feed *f);
+
+enum { FEED_KEYS = 1024 }; /* more changes than this are found by a sweep */
+
+/* Finds the points in the box. False: there are too many, or out of memory. */
+bool feed_find_box(const struct feed *f, struct dt_ids *found);
 
 /* Whether an event may be sent to the watcher: not within a reply, and its client reads. */
 bool feed_can_take(const struct watcher *w);
