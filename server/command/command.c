@@ -130,6 +130,18 @@ static bool is_saved(const struct server *s, const struct command *c, const stru
     return !temporary;
 }
 
+/* Whether what the request changes can be saved now, if it has to be. If not, the request waits, or the ERR line has been written. */
+static bool check_saving(struct server *s, struct answer *a, const struct command *c,
+                         const struct request *q, const struct dataset *set)
+{
+    bool all = (c->flags & CMD_ALL_SETS) != 0; /* it saves what is there */
+    if ((c->flags & CMD_WRITE) == 0 || !is_saved(s, c, q, set))
+        return true;
+    if (all && s->read_only.why != NULL) /* so a follower may do it, too */
+        return true;
+    return durable_admits_change(s, a, all || (change_kinds[c->change].flags & CHANGE_FREES) != 0);
+}
+
 /* Whether the state of the set allows the command now. If not, the request waits, or the ERR line has been written. */
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         const struct request *q, struct dataset *set)
@@ -139,10 +151,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         upkeep_refuse(a, set);
         return false;
     }
-    bool saves = (c->flags & CMD_ALL_SETS) != 0; /* what a follower may, too */
-    bool frees = saves || (change_kinds[c->change].flags & CHANGE_FREES) != 0;
-    if (writes && is_saved(s, c, q, set) && !(saves && s->read_only.why != NULL) &&
-        !durable_admits_change(s, a, frees))
+    if (!check_saving(s, a, c, q, set))
         return false;
     if (set == NULL)
         return true;

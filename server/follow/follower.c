@@ -118,21 +118,20 @@ static bool take_header(struct follower *f, const struct segment *h)
     return true;
 }
 
-/* The record has been carried out. */
+/* The record of n bytes has been carried out. False: the log here does not have it as the leader's has. */
 static bool end_record(struct follower *f, size_t n)
 {
-    const char *bytes = buf_head(&f->piece->bytes) + f->at;
-    f->digest = record_digest(f->digest, bytes, n);
+    bool whole = !apply_in_load(&f->apply); /* else the log here has it when the LOAD is complete */
+    if (whole && log_last(durable_log(f->server)) != f->lsn + 1) {
+        give_up(f, "it makes other records here");
+        return false;
+    }
+    f->digest = record_digest(f->digest, buf_head(&f->piece->bytes) + f->at, n);
     f->at += n;
     f->lsn++;
-    if (apply_in_load(&f->apply))
-        return true;
-    f->whole_digest = f->digest;
-    if (log_last(durable_log(f->server)) == f->lsn)
-        return true;
-    f->lsn--;
-    give_up(f, "it makes other records here");
-    return false;
+    if (whole)
+        f->whole_digest = f->digest;
+    return true;
 }
 
 /* Settles a record of n bytes after its result `how`. False: nothing more can be carried out now. */
