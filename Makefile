@@ -100,12 +100,16 @@ $(O)/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -MMD -MP -c -o $@ $<
 
-view: all
-	@clients/web/view.sh $(O)/delaunayd $(O)/delaunay tests/data $(O)/web
+# The named towns of Ireland as the page shows them, in kilometres.
+$(O)/ireland.csv: clients/web/kilometres.awk clients/examples/ireland.csv
+	@mkdir -p $(@D) && awk -f $^ >$@
+
+view: all $(O)/ireland.csv
+	@clients/web/view.sh $(O)/delaunayd $(O)/delaunay tests/data $(O)/ireland.csv $(O)/web
 
 # The page without a server: a folder of static files, whose sets are in the page.
-site:
-	@rm -rf $(O)/site && mkdir -p $(O)/site && cp -L clients/web/page/* tests/data/cities.xy tests/data/terrain.xyz $(O)/site
+site: $(O)/ireland.csv
+	@rm -rf $(O)/site && mkdir -p $(O)/site && cp -L clients/web/page/* $(O)/ireland.csv tests/data/cities.xy tests/data/terrain.xyz $(O)/site
 	@cp clients/js/browser.js $(O)/site/core.js
 	@sed -i 's/<html lang="en">/<html lang="en" data-source="local">/' $(O)/site/index.html
 

@@ -1,8 +1,8 @@
 #!/bin/sh
-# view.sh DAEMON CLIENT DATA BUILD - starts a daemon in memory with towns of Ireland, the demo's places and terrain, and the gateway, and prints the
-# address of the page. Ends both when it is interrupted. The gateway's package is fetched to BUILD once. For `make view`.
+# view.sh DAEMON CLIENT DATA TOWNS BUILD - starts a daemon in memory with the table TOWNS as `ireland`, the demo's places and terrain, and the
+# gateway, and prints the address of the page. Ends both when it is interrupted. The gateway's package is fetched to BUILD once. For `make view`.
 set -eu
-daemon=$1 client=$2 data=$3 build=$4
+daemon=$1 client=$2 data=$3 towns=$4 build=$5
 here=$(dirname "$0")
 tmp=$(mktemp -d)
 pid=
@@ -18,6 +18,7 @@ trap 'exit 0' INT TERM
 
 mkdir -p "$build"
 cp -RL "$here/gateway.mjs" "$here/package.json" "$here/page" "$build/"
+cp "$towns" "$build/page/ireland.csv"
 [ -d "$build/node_modules/ws" ] || npm install --prefix "$build" --omit=dev --no-audit --no-fund --silent
 
 : >"$tmp/ready"
@@ -27,7 +28,7 @@ while ! port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$tmp/ready") || [ -z "$
     kill -0 "$pid" || exit 1
     sleep 0.05
 done
-tail -n +2 "$here/page/ireland.csv" | cut -d , -f 2,3 >"$tmp/ireland.csv" # without names
+cut -d , -f 2,3 "$towns" >"$tmp/ireland.csv" # without names
 for file in "$tmp/ireland.csv" "$data/cities.xy" "$data/terrain.xyz"; do
     set=$(basename "${file%.*}")
     "$client" -p "$port" load "$set" "$file" >"$tmp/out" 2>&1 || { cat "$tmp/out" >&2; exit 1; }

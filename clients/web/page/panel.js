@@ -1,13 +1,31 @@
 // The texts of the page: facts, messages, notices with choices, and the card of the point under the pointer.
 const LONG_S = 4; // what is waited for longer is named
+const REFUSAL_MS = 4000; // that the message about a refused request stays
 
-const $ = (id) => document.getElementById(id);
+export const $ = (id) => document.getElementById(id);
 
 function write(id, text) {
   if ($(id).textContent !== text) $(id).textContent = text;
 }
 
-export const say = (text) => write('message', text);
+let said = ''; // the message, which a refusal may hide
+let refusal = 0; // a timer
+
+export function say(text) {
+  said = text;
+  if (refusal === 0) write('message', text);
+}
+
+/** Shows for a while why something was refused; a lost connection is no refusal. */
+export function report(error) {
+  if (error.code === 'LOST') return;
+  write('message', error.message);
+  clearTimeout(refusal);
+  refusal = setTimeout(() => {
+    refusal = 0;
+    write('message', said);
+  }, REFUSAL_MS);
+}
 
 /** Shows facts, {name: value}, in a <dl>. */
 export function list(id, facts) {
@@ -21,21 +39,40 @@ export function list(id, facts) {
 }
 
 let noticed = ''; // what the notice says now
+let explained = ['', []]; // what it says when no question is asked
+let isAsking = false;
 
-/** Explains what is to be seen, or why nothing is, with choices [[label, act], ...]; an empty text removes the notice. */
-export function explain(text, choices = []) {
+function showNotice(text, choices) {
   const now = JSON.stringify([text, ...choices.map(([label]) => label)]);
   if (now === noticed) return;
   noticed = now;
   $('notice').hidden = text === '';
   $('notice').querySelector('p').textContent = text;
-  const buttons = choices.map(([label, act]) => {
-    const button = document.createElement('button');
-    button.textContent = label;
-    button.addEventListener('click', act);
-    return button;
-  });
-  $('notice').querySelector('.buttons').replaceChildren(...buttons);
+  $('notice').querySelector('.buttons').replaceChildren(...choices.map(([label, act]) => makeButton(label, act)));
+}
+
+export function makeButton(label, act) {
+  const button = document.createElement('button');
+  button.textContent = label;
+  button.addEventListener('click', act);
+  return button;
+}
+
+/** Explains what is to be seen, or why nothing is, with choices [[label, act], ...]; an empty text removes the notice. */
+export function explain(text, choices = []) {
+  explained = [text, choices];
+  if (!isAsking) showNotice(text, choices);
+}
+
+/** Asks a question, whose choices are as those of explain(). */
+export function ask(text, choices) {
+  isAsking = true;
+  const done = (act) => () => {
+    isAsking = false;
+    showNotice(...explained);
+    act();
+  };
+  showNotice(text, choices.map(([label, act]) => [label, done(act)]));
 }
 
 /** Shows the card of a point as Pick finds it, beside the point; null: none. */

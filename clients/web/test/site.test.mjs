@@ -1,25 +1,16 @@
 // The page from a folder of static files: its sets are in the page. And the first view that a visitor gets.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
-import { createServer } from 'node:http';
-import { extname, join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { serveFolder } from './folder.mjs';
 import { drag, onPage, start, stop, visit, waitFor } from './stage.mjs';
 
 const { SITE } = process.env; // what `make site` has built
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
-const server = createServer(async (request, response) => {
-  const name = new URL(request.url, 'http://site').pathname.slice(1) || 'index.html';
-  const content = await readFile(join(SITE, name)).catch(() => null);
-  response.writeHead(content === null ? 404 : 200, { 'Content-Type': TYPES[extname(name)] ?? 'text/plain' }).end(content);
-});
-let at;
+let server, at;
 
 before(async () => {
   await start();
-  server.listen(0, '127.0.0.1');
-  await new Promise((resolve) => server.once('listening', resolve));
-  at = server.address().port;
+  server = await serveFolder(SITE);
+  at = server.port;
 });
 after(async () => {
   server.close();

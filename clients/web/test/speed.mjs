@@ -1,21 +1,91 @@
-// Measures the page: how soon 2 million triangles are shown, and how often it is drawn while a point among 100,000 is dragged.
-// For `make bench-web`.
-import { browser, makeSet, onPage, open, start, stop, waitFor } from './stage.mjs';
+// Measures the page in Chromium with WebGL in software: the first picture, frames while the map moves, a point that is dragged, and how
+// soon an edit of somebody else is seen. For `make bench-web`; words choose measurements. SITE is what `make site` has built.
+import { readFileSync, readdirSync } from 'node:fs';
+import { serveFolder } from './folder.mjs';
+import { browser, makeSet, onPage, open, start, stop, visit, waitFor } from './stage.mjs';
 
-async function timeToPicture() {
-  const began = Date.now();
-  const page = await open('million');
-  await waitFor(page, () => window.app.mesh.triangles > 1e6 && window.app.scene.counts.whole > 0, { polling: 20, timeout: 120000 });
-  const ms = Date.now() - began;
+const SIZE = { width: 1280, height: 800 };
+const MOVING_MS = 3000;
+const ROUNDS = 3;
+
+/** Seconds of processor time that Chromium has used, all its processes together. */
+function processorTime() {
+  const parents = new Map();
+  const ticks = new Map();
+  for (const name of readdirSync('/proc').filter((entry) => /^\d+$/.test(entry))) {
+    try {
+      const words = readFileSync(`/proc/${name}/stat`, 'utf8').replace(/^.*\) /s, '').split(' ');
+      parents.set(Number(name), Number(words[1]));
+      ticks.set(Number(name), Number(words[11]) + Number(words[12]));
+    } catch {
+      // it has ended
+    }
+  }
+  const isOurs = (pid) => pid === browser.process().pid || (parents.has(pid) && isOurs(parents.get(pid)));
+  return [...ticks].reduce((sum, [pid, t]) => sum + (isOurs(pid) ? t : 0), 0) / 100;
+}
+
+/** Notes when the first triangles, points and names are drawn. Runs in the page before its scripts. */
+function noteFirsts() {
+  window.firsts = {};
+  const note = (name, prototype, method, isIt) => {
+    const act = prototype[method];
+    prototype[method] = function (...words) {
+      if (isIt(...words)) window.firsts[name] ??= performance.now();
+      return act.apply(this, words);
+    };
+  };
+  note('triangles', WebGL2RenderingContext.prototype, 'drawArrays', (mode, first, count) => mode === 4 && count > 0);
+  note('points', CanvasRenderingContext2D.prototype, 'arc', () => true);
+  note('names', CanvasRenderingContext2D.prototype, 'strokeText', () => true);
+}
+
+async function firstPicture(at, address, names) {
+  const page = await visit(address, { at, size: SIZE, before: noteFirsts });
+  await waitFor(page, (all) => all.every((name) => name in window.firsts), {}, names);
+  const firsts = await page.evaluate(() => window.firsts);
   await page.close();
-  return ms;
+  return names.map((name) => `${name} after ${firsts[name].toFixed(0)} ms`).join(', ');
+}
+
+/** Moves the map in each frame for some time: by keys, or by the wheel. Runs in the page. */
+function moveMap(kind, ms) {
+  const canvas = document.getElementById('overlay');
+  const acts = {
+    pan: (k) => canvas.dispatchEvent(new KeyboardEvent('keydown', { key: k % 16 < 8 ? 'ArrowLeft' : 'ArrowRight' })),
+    zoom: (k) => canvas.dispatchEvent(new WheelEvent('wheel', { deltaY: k % 40 < 20 ? -20 : 20, clientX: 500, clientY: 400 })),
+  };
+  return new Promise((resolve) => {
+    const began = performance.now();
+    let frames = 0;
+    const frame = (now) => {
+      if (now - began >= ms) return resolve((1000 * frames) / (now - began));
+      acts[kind](frames++);
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  });
+}
+
+async function framesWhileMoving(at, name, address, isThere) {
+  const page = await visit(address, { at, size: SIZE });
+  await waitFor(page, isThere);
+  await new Promise((resolve) => setTimeout(resolve, 1000));
+  const texts = [];
+  for (const kind of ['pan', 'zoom']) {
+    const before = processorTime();
+    const perSecond = await page.evaluate(moveMap, kind, MOVING_MS);
+    const each = (1e6 * (processorTime() - before)) / MOVING_MS / perSecond;
+    texts.push(`${kind} ${perSecond.toFixed(0)} frames a second, ${each.toFixed(0)} ms of processor time each`);
+  }
+  console.log(`${name}: ${texts.join('; ')}`);
+  await page.close();
 }
 
 async function framesWhileDragging() {
   const page = await open('hundred');
   await page.click('#edit');
   const counts = () => page.evaluate(() => ({ ...window.app.scene.counts, at: performance.now() }));
-  await page.mouse.move(...(await onPage(page, 0.5, 0.5)));
   const id = await page.evaluate(() => window.app.mesh.ids >> 1);
   const [x, y] = await page.evaluate((i) => [window.app.mesh.xy[2 * i], window.app.mesh.xy[2 * i + 1]], id);
   await page.mouse.move(...(await onPage(page, x, y)));
@@ -26,18 +96,62 @@ async function framesWhileDragging() {
   await page.mouse.up();
   await page.close();
   const parts = after.part - before.part;
-  return { perSecond: (1000 * parts) / (after.at - before.at), bytes: (after.bytes - before.bytes) / parts };
+  const perSecond = (1000 * parts) / (after.at - before.at);
+  console.log(`a point among 1e5 is dragged: ${perSecond.toFixed(0)} pictures a second, ${((after.bytes - before.bytes) / parts).toFixed(0)} bytes each`);
 }
 
+/** How long after the reply to a MOVE of one page the frame with it begins on another page. */
+async function editsOfOthers() {
+  const [one, two] = [await open('hundred', SIZE), await open('hundred', SIZE)];
+  const times = [];
+  for (let k = 0; k < 40; k++) {
+    const seen = two.evaluate(
+      (version) =>
+        new Promise((resolve) => {
+          const frame = () => {
+            if (window.app.mesh.version > version) requestAnimationFrame(() => resolve(performance.timeOrigin + performance.now()));
+            else requestAnimationFrame(frame);
+          };
+          frame();
+        }),
+      await two.evaluate(() => window.app.mesh.version),
+    );
+    const replied = await one.evaluate(async (i) => {
+      const [x, y] = window.app.mesh.xy.subarray(2 * i, 2 * i + 2);
+      await window.app.connection().request(`MOVE hundred ${i} ${x + 1e-4} ${y}`);
+      return performance.timeOrigin + performance.now();
+    }, 1000 + k);
+    times.push((await seen) - replied);
+  }
+  times.sort((a, b) => a - b);
+  const at = (share) => times[Math.floor(share * (times.length - 1))].toFixed(0);
+  console.log(`an edit of another page among 1e5 points: seen after ${at(0.5)} ms, 95 % within ${at(0.95)} ms`);
+  for (const page of [one, two]) await page.close();
+}
+
+const chosen = process.argv.slice(2);
+const isChosen = (word) => chosen.length === 0 || chosen.includes(word);
+const site = await serveFolder(process.env.SITE);
 await start();
-await makeSet('million', 1000000);
 await makeSet('hundred', 100000);
+if (isChosen('million')) await makeSet('million', 1000000);
 await (await browser.newPage()).goto('about:blank');
-for (let round = 0; round < 3; round++) {
-  const drag = await framesWhileDragging();
-  console.log(
-    `2e6 triangles: first picture after ${await timeToPicture()} ms; point among 1e5: ${drag.perSecond.toFixed(0)} pictures a second, ` +
-      `${drag.bytes.toFixed(0)} bytes to the graphics memory for each`,
-  );
+for (let round = 0; round < ROUNDS; round++) {
+  if (isChosen('first')) {
+    console.log(`Ireland in process: ${await firstPicture(site.port, '', ['triangles', 'points', 'names'])}`);
+    console.log(`cities in process: ${await firstPicture(site.port, '#set=cities', ['triangles'])}`);
+  }
+  if (isChosen('million')) console.log(`2e6 triangles of a daemon: ${await firstPicture(undefined, '#set=million', ['triangles'])}`);
+  if (isChosen('move')) {
+    const hasPoints = (n) => `window.app.mesh.points === ${n} && window.app.scene.counts.whole > 0`;
+    await framesWhileMoving(site.port, 'Ireland with cells', '', `${hasPoints(485)} && window.app.overlay.labels.length > 40`);
+    await framesWhileMoving(site.port, 'terrain', '#set=terrain', hasPoints(14976));
+    await framesWhileMoving(site.port, 'cities', '#set=cities', hasPoints(171075));
+    await framesWhileMoving(undefined, '1e5 points', '#set=hundred', hasPoints(100000));
+    if (isChosen('million')) await framesWhileMoving(undefined, '1e6 points', '#set=million', hasPoints(1000000));
+  }
+  if (isChosen('drag')) await framesWhileDragging();
+  if (isChosen('others')) await editsOfOthers();
 }
 await stop();
+site.close();

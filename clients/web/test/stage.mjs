@@ -81,13 +81,14 @@ export async function makeSet(name, n, seed = 1) {
   if (refused !== undefined) throw new Error(refused);
 }
 
-/** A page at an address behind `/`; visited(page) is called when its document exists. */
-export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, visited = () => {} } = {}) {
+/** A page at an address behind `/`; before() runs in it before its scripts, visited(page) is called when its document exists. */
+export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, before = null, visited = () => {} } = {}) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
   await page.setViewport(size);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
   page.on('error', (error) => page.faults.push(String(error))); // the page has crashed
+  if (before !== null) await page.evaluateOnNewDocument(before);
   await page.goto(`http://127.0.0.1:${at}/${address}`, { waitUntil: 'domcontentloaded' });
   visited(page);
   await page.evaluate(async () => {

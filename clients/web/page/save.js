@@ -1,0 +1,33 @@
+// The picture that is shown, saved as a file.
+import { canvas, mesh, overlay, scene, view } from './stage.js';
+import { SvgContext, drawTriangles, viridis } from './svg.js';
+
+function save(blob, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+const ground = () => getComputedStyle(document.body).backgroundColor;
+
+export async function savePNG(name) {
+  const { width, height } = canvas.mesh;
+  const picture = new OffscreenCanvas(width, height);
+  const context = picture.getContext('2d');
+  context.fillStyle = ground();
+  context.fillRect(0, 0, width, height);
+  for (const layer of [canvas.mesh, canvas.overlay]) context.drawImage(layer, 0, 0);
+  save(await picture.convertToBlob(), `${name}.png`);
+}
+
+export function saveSVG(name) {
+  const context = new SvgContext(view, ground());
+  const { coloured, edged, edge, range } = scene.style;
+  const colourOf = (value) => (coloured && !Number.isNaN(value) ? viridis((value - range[0]) / (range[1] - range[0] || 1)) : null);
+  const [red, green, blue] = edge.map((v) => Math.round(255 * v));
+  drawTriangles(context, view, mesh, colourOf, edged ? `rgb(${red} ${green} ${blue} / ${edge[3] / 2})` : null);
+  overlay.paint(context, view, mesh);
+  save(new Blob([String(context)], { type: 'image/svg+xml' }), `${name}.svg`);
+}
