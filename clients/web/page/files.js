@@ -1,4 +1,4 @@
-// Points in files: CSV with a header or without, columns between spaces, GeoJSON.
+// Points in files: CSV with a header or without, columns between spaces, GeoJSON, whose lines and polygons become constraints.
 
 const X = /^(x|lon|lng|long|longitude|east|easting)$/i;
 const Y = /^(y|lat|latitude|north|northing)$/i;
@@ -17,7 +17,7 @@ function fieldsOf(line) {
 const isNumber = (word) => word !== undefined && word !== '' && Number.isFinite(Number(word));
 
 /** Reads the text of a file; its name says whether it is GeoJSON. Returns {xy, values, field, names}: coordinates x, y, ...; values
- * (null if there are none) of a field; names by id. Throws an Error that names the line. */
+ * (null if there are none) of a field; names by id; constraints, pairs of ids. Throws an Error that names the line. */
 export function parse(fileName, text) {
   return /json$/i.test(fileName) ? parseGeoJSON(JSON.parse(text)) : parseTable(text);
 }
@@ -43,16 +43,22 @@ const fieldName = (word) => word.toLowerCase().replace(/[^a-z0-9_]/g, '_');
 
 function parseGeoJSON(json) {
   const points = [];
+  const constraints = [];
   const visit = (geometry, name) => {
     const { type, coordinates, geometries = [] } = geometry ?? {};
     for (const part of geometries) visit(part, name);
-    const depth = { Point: 0, MultiPoint: 1, LineString: 1, MultiLineString: 2, Polygon: 2, MultiPolygon: 3 }[type];
+    const depth = { Point: 0, MultiPoint: 0, LineString: 0, MultiLineString: 1, Polygon: 1, MultiPolygon: 2 }[type];
     if (depth === undefined) return;
-    for (const [px, py, z] of [coordinates].flat(depth)) points.push({ place: [px, py], value: z ?? NaN, name });
+    for (const line of type === 'Point' ? [[coordinates]] : [coordinates].flat(depth)) {
+      for (const [k, [px, py, z]] of line.entries()) {
+        if (k > 0 && !type.endsWith('Point')) constraints.push([points.length - 1, points.length]);
+        points.push({ place: [px, py], value: z ?? NaN, name });
+      }
+    }
   };
   for (const { geometry, properties } of json.features ?? [json.type === 'Feature' ? json : { geometry: json }]) visit(geometry, properties?.name);
   if (!points.every(({ place }) => place.every(Number.isFinite))) throw new Error('a place has no two coordinates');
-  return collect(points, points.some(({ value }) => !Number.isNaN(value)) ? 'z' : null);
+  return { ...collect(points, points.some(({ value }) => !Number.isNaN(value)) ? 'z' : null), constraints };
 }
 
 function collect(points, field) {
@@ -64,5 +70,6 @@ function collect(points, field) {
     values: field === null ? null : Float64Array.from(points, ({ value }) => value),
     field,
     names,
+    constraints: [],
   };
 }

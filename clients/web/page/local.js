@@ -35,10 +35,11 @@ class LocalSet {
     return this.field === null ? `${id} ${x} ${y}` : `${id} ${x} ${y} ${value}`;
   }
 
-  /** The ids whose rings an edit of a point can change; null: of any points, as where points coincide or are on a line. */
+  /** The ids whose rings an edit of a point can change; null: of any points, as where points coincide or are on a line, or there are
+   * constraints. */
   around(id) {
     const { live } = this;
-    if (live.hull().length < 3 || live.size < 4 || live.coincident().includes(id)) return null;
+    if (live.constrainedEdges().length > 0 || live.hull().length < 3 || live.size < 4 || live.coincident().includes(id)) return null;
     return [id, ...live.neighbors(id)];
   }
 
@@ -130,7 +131,10 @@ const ANSWERS = {
   TRIANGLES: ({ live }) => ({ result: reply([], {}, bytesOf(live.triangulation().triangles.slice())) }),
   QUALITY: ({ live, places }) => ({ result: { ...reply(), ...qualityOf(places.size === 0 ? [] : live.triangulation().triangles, (id) => places.get(id)) } }),
   HULL: (set) => ({ result: reply([...set.live.hull()].map((id) => `${id} ${set.places.get(id).slice(0, 2).join(' ')}`)) }),
-  EDGES: () => ({ result: reply() }), // constrained ones: the page makes none
+  EDGES: ({ live }) => {
+    const ends = live.constrainedEdges(); // the page asks for no others
+    return { result: reply(Array.from({ length: ends.length / 2 }, (_, k) => `${ends[2 * k]} ${ends[2 * k + 1]}`)) };
+  },
   LISTS: ({ live }, [id]) => ({ result: reply([`${id} ${live.neighbors(Number(id)).join(' ')}`]) }),
   GET: (set, [id]) => ({ result: reply([`${id} ${set.live.point(Number(id)).join(' ')}`]) }),
   FGET: (set, [, id]) => ({ result: reply([`${id} ${set.places.get(Number(id))[2]}`]) }),
@@ -174,6 +178,10 @@ const ANSWERS = {
   UNWATCH: (set) => {
     set.isWatched = false;
     return { result: reply() };
+  },
+  CONSTRAIN: ({ live }, ids) => {
+    live.constrain(ids.map(Number));
+    return { result: reply(), ids: null };
   },
   ADD: (set, words) => {
     const [x, y, value = NaN] = (words[0] === 'FIELDS' ? words.slice(2) : words).map(Number);

@@ -1,9 +1,12 @@
-// A file of points that is opened becomes a new set: at once if the sets are in this page, otherwise after a question.
+// A file of points that is opened becomes a new set: at once if the sets are in this page, otherwise after a question. Lines in it become
+// constraints.
 import { connection, fetchAll, isLocal, request } from './daemon.js';
 import { parse } from './files.js';
 import { ask, report } from './panel.js';
 import { choose } from './sets.js';
 import { loadedNames } from './shown.js';
+
+const MOST_PAIRS = 1000; // in a line of CONSTRAIN
 
 export async function openFile(file) {
   try {
@@ -11,7 +14,7 @@ export async function openFile(file) {
     const name = await freeName(file.name);
     if (isLocal) {
       connection().load(name, points);
-      showLoaded(name, points);
+      await show(name, points);
       return;
     }
     const count = new Intl.NumberFormat().format(points.xy.length / 2);
@@ -40,10 +43,13 @@ async function upload(name, points) {
   const rows = values === null ? xy : Float64Array.from({ length: 3 * n }, (_, k) => (k % 3 === 2 ? values[(k - 2) / 3] : xy[2 * ((k / 3) | 0) + (k % 3)]));
   await fetchAll([[`LOADB ${name} ${n}${values === null ? '' : ` FIELDS ${field}`}`, new Uint8Array(rows.buffer)]]);
   await request(`TRIANGULATE ${name}`);
-  showLoaded(name, points);
+  await show(name, points);
 }
 
-function showLoaded(name, { names }) {
+async function show(name, { names, constraints }) {
   loadedNames.set(name, names);
-  choose(name);
+  await choose(name);
+  for (let k = 0; k < constraints.length; k += MOST_PAIRS) {
+    await request(`CONSTRAIN ${name} ${constraints.slice(k, k + MOST_PAIRS).flat().join(' ')}`);
+  }
 }

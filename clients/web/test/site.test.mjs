@@ -1,5 +1,8 @@
 // The page from a folder of static files: its sets are in the page. And the first view that a visitor gets.
 import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveFolder } from './folder.mjs';
 import { drag, onPage, start, stop, visit, waitFor } from './stage.mjs';
@@ -110,5 +113,43 @@ test('the terrain and the cities are one click away', async () => {
     await waitFor(page, (n) => window.app.mesh.points === n && document.getElementById('notice').hidden, {}, points);
   }
   assert.match(page.url(), /set=cities/);
+  await page.close();
+});
+
+test('lines of a file become constraints, which a point cannot be dragged across: that is shown as refused', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'site-'));
+  const page = await visit('', { at });
+  await waitFor(page, () => window.app.mesh.points === 485);
+  const feature = (type, coordinates) => ({ type: 'Feature', properties: {}, geometry: { type, coordinates } });
+  const corners = feature('MultiPoint', [[0, 0], [4, 0], [4, 4], [0, 4]]);
+  const features = [corners, feature('LineString', [[1, 2], [2, 2], [3, 2]]), feature('LineString', [[1, 1], [3, 1]])];
+  writeFileSync(join(folder, 'fence.geojson'), JSON.stringify({ type: 'FeatureCollection', features }));
+  await (await page.$('#file')).uploadFile(join(folder, 'fence.geojson'));
+  rmSync(folder, { recursive: true });
+  await waitFor(page, () => window.app.mesh.points === 9 && window.app.overlay.lines.constraints.length === 3);
+  await waitFor(page, () => /no Voronoi cells/.test(document.getElementById('message').textContent));
+  const drag = async (from, to) => {
+    await page.mouse.move(...(await onPage(page, ...from)));
+    await page.mouse.down();
+    await page.mouse.move(...(await onPage(page, ...to)));
+  };
+  const refused = (n) => waitFor(page, (k) => document.querySelectorAll('#marks polyline').length === k, {}, n);
+  await drag([3, 1], [2, 3]);
+  await refused(1);
+  await waitFor(page, () => /cross/.test(document.getElementById('message').textContent));
+  await page.mouse.up();
+  await refused(0);
+  assert.deepEqual(await placeOf(page, 8), [3, 1]);
+  await drag([3, 1], [3.2, 1.6]);
+  await page.mouse.up();
+  await waitFor(page, () => Math.hypot(window.app.mesh.xy[16] - 3.2, window.app.mesh.xy[17] - 1.6) < 0.02);
+  const [known, stored] = await page.evaluate(async () => {
+    const sorted = (corners) => Array.from({ length: corners.length / 3 }, (_, k) => [...corners.subarray(3 * k, 3 * k + 3)].sort().join(' ')).sort();
+    const { mesh, connection } = window.app;
+    const { data } = await connection().request('TRIANGLES fence BINARY');
+    return [sorted(mesh.corners.subarray(0, 3 * mesh.slots)).filter((key) => key !== '0 0 0'), sorted(new Uint32Array(data.buffer))];
+  });
+  assert.deepEqual(known, stored);
+  assert.deepEqual(page.faults, []);
   await page.close();
 });
