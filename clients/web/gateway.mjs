@@ -4,7 +4,7 @@
 //
 //     node gateway.mjs [--daemon HOST:PORT] [--listen [HOST:]PORT]
 import { createServer } from 'node:http';
-import { readFile } from 'node:fs/promises';
+import { readFile, readdir } from 'node:fs/promises';
 import { connect } from 'node:net';
 import { extname } from 'node:path';
 import { pipeline } from 'node:stream';
@@ -35,11 +35,18 @@ async function serve(daemon, request, response) {
   }
   try {
     const content = await readFile(fileURLToPath(new URL(name, PAGE)));
-    response.writeHead(200, { ...HEADERS, 'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream' });
+    const preloads = name === 'index.html' ? { Link: await linksOfModules() } : {};
+    response.writeHead(200, { ...HEADERS, ...preloads, 'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream' });
     response.end(request.method === 'HEAD' ? undefined : content);
   } catch {
     response.writeHead(404).end('not found\n');
   }
+}
+
+/** Names the modules of the page, so that a browser fetches all at once instead of one after the other as they import each other. */
+async function linksOfModules() {
+  const modules = (await readdir(PAGE)).filter((name) => name.endsWith('.js'));
+  return modules.map((name) => `<${name}>; rel=modulepreload`).join(', ');
 }
 
 function converse(daemon, request, response) {
@@ -68,7 +75,7 @@ export function createGateway(daemon) {
   const verifyClient = ({ req }) => isOwn(req);
   const sockets = new WebSocketServer({ noServer: true, verifyClient, maxPayload: LONGEST_MESSAGE });
   const pointers = new WebSocketServer({ noServer: true, verifyClient, maxPayload: LONGEST_POINTER });
-  pointers.on('connection', (page) => passPointer(pointers, page));
+  pointers.on('connection', (page) => passPointer(daemon, pointers, page));
   server.on('upgrade', (request, socket, head) => {
     const found = { '/daemon': sockets, '/pointers': pointers }[new URL(request.url, 'http://page').pathname];
     if (found === undefined) socket.destroy();
@@ -86,10 +93,23 @@ export function createGateway(daemon) {
 
 let pages = 0; // that have sent a pointer
 
-/** Passes the pointer of a page, {set, place: [x, y] or null}, to the other pages that show the same set, as {number, place}. A page that
- * begins to show a set gets the pointers of the others. */
-function passPointer(pointers, page) {
-  Object.assign(page, { number: pages++, shown: null, place: null });
+/** Whether the daemon shows a set to someone with this token; null: without one. */
+async function maySee(daemon, token, set) {
+  const socket = connect({ ...daemon, noDelay: true });
+  socket.end(`${token === null ? '' : `AUTH ${token}\n`}STAT ${set}\n`);
+  let replies = '';
+  try {
+    for await (const piece of socket) replies += piece;
+  } catch {
+    return false;
+  }
+  return /(^|\n)OK [^\n]*\n$/.test(replies);
+}
+
+/** Passes the pointer of a page, {set, place: [x, y] or null, token}, to the other pages that show the same set, as {number, place}. A
+ * page that begins to show a set gets the pointers of the others, if the daemon shows it the set. */
+function passPointer(daemon, pointers, page) {
+  Object.assign(page, { number: pages++, wanted: null, shown: null, pointed: null, place: null });
   const others = () => [...pointers.clients].filter((other) => other !== page && other.shown === page.shown && page.shown !== null);
   const tell = (to, { number, place }) => to.send(JSON.stringify({ number, place }));
   const pass = (place) => {
@@ -98,25 +118,30 @@ function passPointer(pointers, page) {
   };
   page.on('error', () => {});
   page.on('close', () => pass(null));
-  page.on('message', (data) => {
-    const { set, place } = pointerOf(data);
-    if (set !== page.shown) {
+  page.on('message', async (data) => {
+    const { set, place, token } = pointerOf(data);
+    page.pointed = place;
+    if (set !== page.wanted) {
       pass(null);
+      Object.assign(page, { wanted: set, shown: null });
+      if (set === null || !(await maySee(daemon, token, set))) return;
+      if (page.wanted !== set || page.readyState !== page.OPEN) return;
       page.shown = set;
       for (const other of others()) if (other.place !== null) tell(page, other);
     }
-    pass(place);
+    pass(page.pointed);
   });
 }
 
-/** Reads a message of a page; whatever it says, the set is a text or null, and the place two numbers or null. */
+/** Reads a message of a page, which may say anything. The set and the token are words or null, and the place is two numbers or null. */
 function pointerOf(data) {
+  const wordOf = (value) => (typeof value === 'string' && /^[^\s\0]+$/.test(value) ? value : null);
   try {
-    const { set, place } = JSON.parse(data);
+    const { set, place, token } = JSON.parse(data);
     const isPlace = Array.isArray(place) && place.length === 2 && place.every(Number.isFinite);
-    return { set: typeof set === 'string' ? set : null, place: isPlace ? place : null };
+    return { set: wordOf(set), place: isPlace ? place : null, token: wordOf(token) };
   } catch {
-    return { set: null, place: null };
+    return { set: null, place: null, token: null };
   }
 }
 

@@ -7,14 +7,16 @@ export class Others {
   /** Map number -> [x, y] in the plane: where the others point. */
   places = new Map();
   #url;
+  #token;
   #socket = null;
   #set = null;
   #next = null; // what is to be sent: [x, y], or null if the pointer has left the map
   #timer = 0;
 
-  /** onChange() is called when somebody's pointer has moved. */
-  constructor(url, onChange) {
+  /** token: for the daemon, or null. onChange() is called when somebody's pointer has moved. */
+  constructor(url, token, onChange) {
     this.#url = url;
+    this.#token = token;
     this.onChange = onChange;
     this.#connect();
   }
@@ -46,6 +48,6 @@ export class Others {
   #send() {
     clearTimeout(this.#timer);
     this.#timer = 0;
-    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify({ set: this.#set, place: this.#next }));
+    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify({ set: this.#set, place: this.#next, token: this.#token }));
   }
 }

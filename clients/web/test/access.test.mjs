@@ -4,7 +4,8 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { ask, onPage, start, stop, until, visit } from './stage.mjs';
+import { WebSocket } from 'ws';
+import { ask, onPage, pagePort, start, stop, until, visit } from './stage.mjs';
 
 let folder;
 
@@ -38,6 +39,28 @@ test('with a token for reading the page shows sets, and says that it may not edi
   await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
   await says(page, 'your token is for reading only');
   assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
+  await page.close();
+});
+
+test('pointers are passed only between those whose token lets them see the set', async () => {
+  const page = await visit('#set=set&token=reader');
+  await page.waitForFunction(() => window.app.mesh.triangles === 4);
+  const join = (token) => {
+    const socket = new WebSocket(`ws://127.0.0.1:${pagePort}/pointers`);
+    const seen = [];
+    socket.on('message', (data) => seen.push(JSON.parse(data).place));
+    socket.on('open', () => socket.send(JSON.stringify({ set: 'set', place: [1, 1], token })));
+    return { socket, seen };
+  };
+  const strangers = [join(null), join('wrong'), join('reader\nSETS')];
+  const known = join('reader');
+  await until(() => page.evaluate(() => window.app.marks.pointers.size === 1));
+  await page.mouse.move(...(await onPage(page, 2, 3)));
+  await until(() => known.seen.some((place) => place !== null && Math.hypot(place[0] - 2, place[1] - 3) < 0.05));
+  assert.deepEqual(strangers.flatMap(({ seen }) => seen), []);
+  assert.equal(await page.evaluate(() => window.app.marks.pointers.size), 1);
+  for (const { socket } of [...strangers, known]) socket.close();
+  await until(() => page.evaluate(() => window.app.marks.pointers.size === 0));
   await page.close();
 });
 
