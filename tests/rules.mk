@@ -88,19 +88,20 @@ same: all $(O)/tests/bench/points
 soak-follow: all
 	tests/interop/follow/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
 
-# ---- test_web: the live page in a browser; bench-web measures it; soak-web opens it again and again on connections with faults:
-# ---- OPENINGS=200 POINTS=1000 SEED=1 ----
+# ---- test_web: the live page in a browser; T="use site" runs some files; bench-web measures it, ONLY="first move drag others million"
+# ---- some of it; soak-web opens it again and again on connections with faults: OPENINGS=200 POINTS=1000 SEED=1 ----
 
-WEB_PROGRAM = $(patsubst %,$(O)/web/test/%.mjs,$(if $(filter bench-web,$@),speed,openings))
+WEB_PROGRAM = $(patsubst %,$(O)/web/test/%.mjs,$(if $(filter bench-web,$@),speed,openings)) $(if $(filter bench-web,$@),$(ONLY))
+WEB_TESTS    = $(if $(T),$(T:%=$(O)/web/test/%.test.mjs),$(O)/web/test/*.test.mjs)
 test_web bench-web soak-web: all site
 	$(call need,nodejs chromium,command -v node && command -v npm && command -v chromium)
-	@mkdir -p $(O)/web && cp -RL clients/web/. $(O)/web
+	@mkdir -p $(O)/web && cp -RL clients/web/. $(O)/web && cp $(O)/ireland.csv $(O)/web/page
 	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  printf 'SKIP the live page: npm cannot fetch packages here\n0 passed, 0 failed, 1 skipped\n'
 	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay SITE=$(O)/site \
 	  $(foreach v,OPENINGS POINTS SEED,$(if $($v),$v=$($v))) timeout $(if $(filter soak-web,$@),7200,1200) \
-	  $(if $(filter test_web,$@),tests/node.sh $(O)/web/test/*.test.mjs,node $(WEB_PROGRAM))
+	  $(if $(filter test_web,$@),tests/node.sh $(WEB_TESTS),node $(WEB_PROGRAM))
 
 # ---- bench: ns per point, compared with CGAL where libcgal-dev is installed ----
 #

@@ -1,6 +1,6 @@
 #!/bin/sh
-# view.sh DAEMON CLIENT DATA TOWNS BUILD - starts a daemon in memory with the table TOWNS as `ireland`, the demo's places and terrain, and the
-# gateway, and prints the address of the page. Ends both when it is interrupted. The gateway's package is fetched to BUILD once. For `make view`.
+# view.sh DAEMON CLIENT DATA TOWNS BUILD - starts a daemon in memory with the table TOWNS as `ireland`, the demo's places and terrain.
+# Starts the gateway and prints the address of the page. Ends both when it is interrupted. The gateway's package is fetched to BUILD once. For `make view`.
 set -eu
 daemon=$1 client=$2 data=$3 towns=$4 build=$5
 here=$(dirname "$0")

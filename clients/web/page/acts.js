@@ -1,5 +1,5 @@
-// What hands do: the map moves, points are picked, dragged, added and deleted, and edits are undone.
-import { keep, viewText } from './address.js';
+// Mouse, touch and keyboard move the map, pick, drag, add and delete points, and undo edits.
+import { given, keep, viewText } from './address.js';
 import { isLocal, request, socketURL } from './daemon.js';
 import { Edits } from './edits.js';
 import { Hands } from './hands.js';
@@ -9,9 +9,9 @@ import { $, report, showCard } from './panel.js';
 import { Pick } from './pick.js';
 import { endHint, first } from './sets.js';
 import { fit, follower, on, refreshSoon, rename } from './shown.js';
-import { canvas, draw, mesh, overlay, view } from './stage.js';
+import { draw, marks, mesh, overlay, view } from './stage.js';
 
-const KEEP_MS = 300; // that the view stands still before the address has it
+const REST_MS = 300; // that the view stands still before the address has it and the card is shown again
 
 export const edits = new Edits({
   request,
@@ -21,6 +21,10 @@ export const edits = new Edits({
     $('redo').disabled = !edits.canRedo;
   },
   onRenamed: rename,
+  onRefused: (line) => {
+    marks.refused = line;
+    draw();
+  },
   onError: report,
 });
 
@@ -31,7 +35,7 @@ const pick = new Pick({
   request,
   nameOf: (id) => overlay.names.get(id),
   onPick: (found) => {
-    overlay.mark = found;
+    marks.picked = found;
     showCard(found, view);
     draw();
   },
@@ -39,9 +43,8 @@ const pick = new Pick({
 
 const others = isLocal
   ? null
-  : new Others(socketURL('pointers'), () => {
-      overlay.pointers = others.places;
-      overlay.stale();
+  : new Others(socketURL('pointers'), given('token'), () => {
+      marks.pointers = others.places;
       draw();
     });
 
@@ -54,14 +57,17 @@ on({
   onChange: () => pick.again(),
 });
 
-let keepTimer = 0;
-const moved = () => {
+let restTimer = 0;
+function moved() {
+  showCard(null, view);
   draw();
-  pick.again();
-  clearTimeout(keepTimer);
-  keepTimer = setTimeout(() => follower.set !== null && keep({ set: follower.set, view: viewText(view) }), KEEP_MS);
   refreshSoon();
-};
+  clearTimeout(restTimer);
+  restTimer = setTimeout(() => {
+    pick.again();
+    if (follower.set !== null) keep({ set: follower.set, view: viewText(view) });
+  }, REST_MS);
+}
 
 const chosenTool = () => document.querySelector('input[name=tool]:checked').value;
 
@@ -98,7 +104,7 @@ const acts = {
   theme: switchTheme,
 };
 
-const hands = new Hands(canvas.overlay, acts);
+const hands = new Hands($('map'), acts);
 
 first.start = () => setTool('move');
 

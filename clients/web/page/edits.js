@@ -8,10 +8,11 @@ export class Edits {
   #queue = Promise.resolve(); // edits are carried out one after the other
   #drag = null;
 
-  /** request(line) resolves to the reply. Calls onChange() when there is more or less to undo, onRenamed(before, id) when a deleted point
-   * is back with another id, onError(error) about a refused request. */
-  constructor({ request, onChange, onRenamed, onError }) {
-    Object.assign(this, { request, onChange, onRenamed, onError });
+  /** request(line) resolves to the reply. Calls onChange() when there is more or less to undo, and onRenamed(before, id) when a deleted
+   * point is back with another id. Calls onError(error) about a refused request, and onRefused([from, to]) where a drag cannot go on; with
+   * null: it can. */
+  constructor({ request, onChange, onRenamed, onRefused, onError }) {
+    Object.assign(this, { request, onChange, onRenamed, onRefused, onError });
   }
 
   get canUndo() {
@@ -44,6 +45,7 @@ export class Edits {
   /** Ends the drag, which is one edit. */
   drop() {
     this.#drag.isDropped = true;
+    this.onRefused(null);
     this.#sendDrag(this.#drag);
     this.#drag = null;
   }
@@ -57,8 +59,10 @@ export class Edits {
       try {
         await this.request(`MOVE ${drag.set} ${drag.id} ${place.join(' ')}`);
         [drag.to, drag.isMoved] = [place, true];
+        this.onRefused(null);
       } catch (error) {
         if (error.code === 'LOST') drag.isMoved = true; // perhaps: the reply is lost
+        else if (!drag.isDropped) this.onRefused([drag.to, place]);
         this.onError(error);
       }
     }

@@ -9,25 +9,31 @@ export class Hands {
   #pointers = new Map(); // id -> [px, py]
   #isDragging = false; // a point
   #began = null; // where the only pointer went down
-  #hover = [0, 0];
+  #hover = null; // where the pointer is on the map; null: it is elsewhere, and keys mean the middle of the map
+  #map;
 
   /** acts: pan(dx, dy), zoom(factor, px, py), fit(), pointNear(px, py, pixels) -> id or null, grab(id), drag(px, py), drop(), add(px, py),
-   * remove(id), hover([px, py] or null), edit(), theme(). Places are pixels of the canvas. */
-  constructor(canvas, acts) {
+   * remove(id), hover([px, py] or null), edit(), theme(). Places are pixels of the map. */
+  constructor(map, acts) {
     this.acts = acts;
+    this.#map = map;
     const place = (e) => [e.offsetX, e.offsetY];
-    canvas.addEventListener('pointerdown', (e) => {
-      canvas.setPointerCapture(e.pointerId);
+    map.addEventListener('pointerdown', (e) => {
+      map.setPointerCapture(e.pointerId);
       this.#down(e.pointerId, place(e), e.button);
     });
-    canvas.addEventListener('pointermove', (e) => this.#move(e.pointerId, place(e)));
-    for (const kind of ['pointerup', 'pointercancel']) canvas.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
-    canvas.addEventListener('dblclick', (e) => {
+    map.addEventListener('pointermove', (e) => this.#move(e.pointerId, place(e)));
+    for (const kind of ['pointerup', 'pointercancel']) map.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
+    map.addEventListener('dblclick', (e) => {
       if (this.tool === 'move') acts.add(...place(e));
       else if (this.tool === 'look') acts.zoom(2, ...place(e));
     });
-    canvas.addEventListener('pointerleave', () => this.#pointers.size === 0 && acts.hover(null));
-    canvas.addEventListener(
+    map.addEventListener('pointerleave', () => {
+      if (this.#pointers.size > 0) return;
+      this.#hover = null;
+      acts.hover(null);
+    });
+    map.addEventListener(
       'wheel',
       (e) => {
         e.preventDefault();
@@ -35,8 +41,8 @@ export class Hands {
       },
       { passive: false },
     );
-    canvas.addEventListener('contextmenu', (e) => e.preventDefault());
-    canvas.addEventListener('keydown', (e) => this.#key(e));
+    map.addEventListener('contextmenu', (e) => e.preventDefault());
+    map.addEventListener('keydown', (e) => this.#key(e));
   }
 
   #down(pointer, at, button) {
@@ -93,7 +99,8 @@ export class Hands {
 
   #key(e) {
     if (e.ctrlKey || e.metaKey || e.altKey) return;
-    const zoom = (factor) => this.acts.zoom(factor, ...this.#hover);
+    const at = this.#hover ?? [this.#map.clientWidth / 2, this.#map.clientHeight / 2];
+    const zoom = (factor) => this.acts.zoom(factor, ...at);
     const keys = {
       ArrowLeft: () => this.acts.pan(KEY_PAN, 0),
       ArrowRight: () => this.acts.pan(-KEY_PAN, 0),
@@ -104,13 +111,14 @@ export class Hands {
       '-': () => zoom(1 / KEY_ZOOM),
       0: () => this.acts.fit(),
       e: () => this.acts.edit(),
-      a: () => this.tool !== 'look' && this.acts.add(...this.#hover),
-      Delete: () => this.tool !== 'look' && this.#remove(this.#hover),
+      a: () => this.tool !== 'look' && this.acts.add(...at),
+      Delete: () => this.tool !== 'look' && this.#remove(at),
       t: () => this.acts.theme(),
     };
     const act = keys[e.key] ?? keys[e.key.toLowerCase()];
     if (act === undefined) return;
     e.preventDefault();
     act();
+    if (this.#hover === null) this.acts.hover(at);
   }
 }

@@ -1,8 +1,9 @@
 // The layers and colours that are chosen on the page or by the address, and the theme.
 import { given, keep } from './address.js';
-import { THEMES as LINES, stepOf } from './overlay.js';
+import { THEMES as LINES } from './overlay.js';
 import { $, showLegend } from './panel.js';
 import { overlay, scene } from './stage.js';
+import { stepOf } from './steps.js';
 
 const LAYERS = ['triangles', 'hull', 'cells', 'points', 'names', 'coloured', 'hillshade', 'bands', 'contours'];
 const STEEP = 0.04; // the height of the hillshade's ground, in sizes of the set
@@ -11,6 +12,7 @@ const THEMES = {
   dark: { fill: [0.35, 0.6, 0.9, 0.1], edge: [0.5, 0.72, 0.95, 0.85] },
 };
 const LINES_ON_COLOURS = [0, 0, 0, 0.3];
+const BESIDE_CELLS = 0.55; // of the opacity of lines, so that cells are seen, too
 
 const dark = matchMedia('(prefers-color-scheme: dark)');
 let shown = { field: null, size: 1 };
@@ -26,10 +28,11 @@ export function showField(field, size = shown.size) {
 function applyStyle() {
   const { field, size } = shown;
   const theme = document.documentElement.dataset.theme;
+  const { fill, edge } = THEMES[theme];
   const coloured = field !== null && isOn('coloured');
   scene.style = {
-    fill: isOn('triangles') ? THEMES[theme].fill : [0, 0, 0, 0],
-    edge: coloured ? LINES_ON_COLOURS : THEMES[theme].edge,
+    fill: isOn('triangles') ? fill : [0, 0, 0, 0],
+    edge: coloured ? LINES_ON_COLOURS : [...edge.slice(0, 3), isOn('cells') ? edge[3] * BESIDE_CELLS : edge[3]],
     coloured,
     edged: isOn('triangles'),
     range: field === null ? [0, 1] : [field.min, field.max],

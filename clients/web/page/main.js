@@ -9,7 +9,7 @@ import { $, report, showWait } from './panel.js';
 import { savePNG, saveSVG } from './save.js';
 import { choose, refreshSets } from './sets.js';
 import { SAMPLES, follow, follower, refreshSoon, resume, showFacts } from './shown.js';
-import { canvas, mesh, overlay, resize, scene, view } from './stage.js';
+import { canvas, marks, mesh, overlay, resize, scene, view } from './stage.js';
 
 const SETS_MS = 3000;
 
@@ -52,4 +52,4 @@ converse({
 setInterval(showFacts, 1000);
 setInterval(refreshSets, SETS_MS);
 setInterval(() => showWait(countWaits(), scene.isLost ? 'waiting for WebGL' : ''), 1000);
-export { connection, edits, follower, mesh, overlay, scene, view }; // for tests
+export { connection, edits, follower, marks, mesh, overlay, scene, view }; // for tests

@@ -134,6 +134,14 @@ export class Mesh {
     return id < this.ids && !Number.isNaN(this.xy[2 * id]);
   }
 
+  /** Counts the points in a box [x0, y0, x1, y1]. */
+  countIn([x0, y0, x1, y1]) {
+    const { xy } = this;
+    let n = 0;
+    for (let k = 0; k < 2 * this.ids; k += 2) if (xy[k] >= x0 && xy[k] <= x1 && xy[k + 1] >= y0 && xy[k + 1] <= y1) n++;
+    return n;
+  }
+
   /** The slots have other triangles than before. */
   #forgetSlots() {
     this.#free = [];

@@ -1,5 +1,6 @@
 // The texts of the page: facts, messages, notices with choices, and the card of the point under the pointer.
 const LONG_S = 4; // what is waited for longer is named
+const SPEAK_MS = 700; // that the card stays the same before it is spoken
 const REFUSAL_MS = 4000; // that the message about a refused request stays
 
 export const $ = (id) => document.getElementById(id);
@@ -75,13 +76,19 @@ export function ask(text, choices) {
   showNotice(text, choices.map(([label, act]) => [label, done(act)]));
 }
 
-/** Shows the card of a point as Pick finds it, beside the point; null: none. */
+let speaking = 0; // a timer
+
+/** Shows the card of a point as Pick finds it, beside the point; null: none. Screen readers speak it when it stays. */
 export function showCard(found, { width, height }) {
   const card = $('pointer');
+  const title = found === null ? '' : (found.name ?? `point ${found.id}`);
   card.hidden = found === null;
-  card.querySelector('strong').textContent = found === null ? '' : (found.name ?? `point ${found.id}`);
+  card.querySelector('strong').textContent = title;
   list('point', found?.facts ?? {});
+  clearTimeout(speaking);
   if (found === null) return;
+  const facts = Object.entries(found.facts).map(([name, value]) => `${name} ${value}`);
+  speaking = setTimeout(() => write('spoken', [title, ...facts].join('; ')), SPEAK_MS);
   const place = (at, size, room) => Math.max(4, Math.min(at + 14 + size > room ? at - 14 - size : at + 14, room - size - 4));
   card.style.left = `${place(found.pixels[0], card.offsetWidth, width)}px`;
   card.style.top = `${place(found.pixels[1], card.offsetHeight, height)}px`;

@@ -1,5 +1,5 @@
 // The picture that is shown, saved as a file.
-import { canvas, mesh, overlay, scene, view } from './stage.js';
+import { canvas, drawNow, mesh, overlay, scene, view } from './stage.js';
 import { SvgContext, drawTriangles, viridis } from './svg.js';
 
 function save(blob, name) {
@@ -13,6 +13,7 @@ function save(blob, name) {
 const ground = () => getComputedStyle(document.body).backgroundColor;
 
 export async function savePNG(name) {
+  drawNow();
   const { width, height } = canvas.mesh;
   const picture = new OffscreenCanvas(width, height);
   const context = picture.getContext('2d');

@@ -1,8 +1,7 @@
 // The triangulation drawn by WebGL 2. Coordinates are in a texture with a texel for each id; a vertex is the id of a corner, as the
 // binary reply to TRIANGLES has it. So a point that moves is one texel, and a triangle that changes is twelve bytes.
 //
-// The picture is kept in a texture. Changes since the last frame are drawn again, from the tiles of triangles that meet them. While the
-// view moves, the picture is moved with it, and drawn again when there is time.
+// Changes since the last frame are drawn again in their part of the picture, from the tiles of triangles that meet them.
 
 import { Tiles, meets, widen } from './tiles.js';
 
@@ -11,8 +10,6 @@ const MOST_DRAWN = 500000; // slots of a mesh of which every triangle is drawn: 
 const SMALL = 3; // pixels that a triangle of a larger mesh is long, below which it is not drawn; dots stand for such triangles
 const DOT = 3; // pixels along a side
 const COVER = 3; // how often dots cover the pixels of a tile, at most
-const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
-const SETTLED_MS = 120;
 const MOST_PARTS = 32; // that are drawn again in a frame; more, and the whole picture is
 
 const HEAD = `#version 300 es
@@ -93,22 +90,7 @@ flat in vec4 dot_colour;
 out vec4 colour;
 void main() { colour = dot_colour; }`;
 
-const PICTURE_VERTEX = `#version 300 es
-uniform vec4 place;    // where the picture is on the screen: offset and size in clip space
-out vec2 at;
-void main() {
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  at = corner;
-  gl_Position = vec4(place.xy + 2.0 * corner * place.zw, 0.0, 1.0);
-}`;
-
-const PICTURE_FRAGMENT = `#version 300 es
-precision highp float;
-in vec2 at;
-uniform sampler2D picture;
-out vec4 colour;
-void main() { colour = texture(picture, at); }`;
-
+/** Begins to compile a program; at: the places of its uniforms, once uniformsOf() has waited for it. */
 function compile(gl, vertex, fragment) {
   const program = gl.createProgram();
   for (const [type, source] of [
@@ -118,18 +100,23 @@ function compile(gl, vertex, fragment) {
     const shader = gl.createShader(type);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
     gl.attachShader(program, shader);
   }
   gl.bindAttribLocation(program, 0, 'id');
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  return { program, at: null };
+}
+
+function uniformsOf(gl, program) {
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+    throw new Error([gl.getProgramInfoLog(program), ...gl.getAttachedShaders(program).map((shader) => gl.getShaderInfoLog(shader))].join('\n'));
+  }
   const names = {};
   for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
     const { name } = gl.getActiveUniform(program, i);
     names[name] = gl.getUniformLocation(program, name);
   }
-  return { program, at: names };
+  return names;
 }
 
 export class Scene {
@@ -142,11 +129,9 @@ export class Scene {
   #dots = null;
   #rows = 0; // of the texture of points
   #room = 0; // slots in the buffer of corners
-  #drawn = null; // the view that the picture shows, and the picture's size; null: there is none
-  #isStale = true; // something else than the view has changed
+  #view = null; // that the picture shows; null: there is no picture
+  #drawn; // its place and size in pixels
   #changed = []; // boxes of the plane that events have changed since the last frame
-  #took = 0; // ms for the last whole picture
-  #settled = 0; // a timer
 
   /** onStale() is called when the picture should be drawn again. */
   constructor(canvas, onStale) {
@@ -170,16 +155,13 @@ export class Scene {
   /** The context is a new one: nothing is in the graphics memory. */
   #begin() {
     const gl = this.#gl;
-    this.#drawn = null;
+    this.#view = null;
     this.mesh_ = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
     this.dots_ = compile(gl, DOT_VERTEX, DOT_FRAGMENT);
-    this.picture_ = compile(gl, PICTURE_VERTEX, PICTURE_FRAGMENT);
-    this.points = this.#texture(gl.NEAREST);
-    this.values = this.#texture(gl.NEAREST);
-    this.picture = this.#texture(gl.LINEAR);
+    this.points = this.#texture();
+    this.values = this.#texture();
     this.corners = gl.createBuffer();
     this.dots = gl.createBuffer();
-    this.frame = gl.createFramebuffer();
     this.array = gl.createVertexArray();
     gl.bindVertexArray(this.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
@@ -188,13 +170,13 @@ export class Scene {
     gl.disable(gl.DEPTH_TEST);
   }
 
-  #texture(filter) {
+  #texture() {
     const gl = this.#gl;
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
     for (const [name, value] of [
-      [gl.TEXTURE_MIN_FILTER, filter],
-      [gl.TEXTURE_MAG_FILTER, filter],
+      [gl.TEXTURE_MIN_FILTER, gl.NEAREST],
+      [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
       [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
       [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
     ]) {
@@ -217,15 +199,19 @@ export class Scene {
   clear() {
     const gl = this.#gl;
     this.#mesh = null;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
   }
 
   /** Everything is to be drawn again, in other colours for instance. */
   stale() {
-    this.#isStale = true;
+    this.#view = null;
     this.onStale();
+  }
+
+  get isStale() {
+    return this.#view === null;
   }
 
   #sendAll() {
@@ -293,58 +279,32 @@ export class Scene {
     if (last !== undefined && meets(last, box)) {
       widen(last, box);
     } else if (this.#changed.push(box) > MOST_PARTS) {
-      this.#isStale = true;
+      this.#view = null;
     }
     this.onStale();
   }
 
-  /** Draws the picture if need be, and copies it to the screen. */
+  /** Draws the picture of a view, which must not change; if it is the view of the last picture, only what has changed. */
   draw(view) {
     if (this.#mesh === null || this.isLost) return;
-    const [width, height] = [this.#gl.drawingBufferWidth, this.#gl.drawingBufferHeight];
-    const d = this.#drawn;
-    const moved = d?.x !== view.x || d.y !== view.y || d.scale !== view.scale;
-    if (this.#isStale || d.across !== width || d.down !== height || (moved && this.#took <= SLOW_MS)) {
-      this.#drawWhole(view);
-      this.#copy(view, null);
-      return;
-    }
-    const parts = this.#changed.map((box) => this.#drawPart(box)).filter((pixels) => pixels !== null);
+    const parts = this.#changed;
     this.#changed = [];
-    if (moved) {
-      this.#drawWhenSettled();
-      this.#copy(view, null);
-    } else {
-      for (const pixels of parts) this.#copy(view, pixels);
-    }
-  }
-
-  #drawWhenSettled() {
-    clearTimeout(this.#settled);
-    this.#settled = setTimeout(() => this.stale(), SETTLED_MS);
+    if (view !== this.#view) this.#drawWhole(view);
+    else parts.forEach((box) => this.#drawPart(box));
   }
 
   #drawWhole(view) {
     const gl = this.#gl;
     const [across, down] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
-    const began = performance.now();
-    if (this.#drawn?.across !== across || this.#drawn.down !== down) {
-      gl.bindTexture(gl.TEXTURE_2D, this.picture);
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, across, down, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.picture, 0);
-    }
+    this.#view = view;
     this.#drawn = { x: view.x, y: view.y, scale: view.scale, width: view.width, height: view.height, across, down };
     this.#drawn.unit = (view.scale * across) / view.width; // pixels of the picture per unit of the plane
-    this.#isStale = false;
-    this.#changed = [];
     this.#drawTiles(view.box(), null);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
-    this.#took = performance.now() - began;
     this.counts.whole++;
   }
 
-  /** Draws the part of the picture again that shows a box of the plane. Returns its pixels [x, y, width, height]; null: there are none. */
+  /** Draws the part of the picture again that shows a box of the plane. */
   #drawPart(box) {
     const d = this.#drawn;
     const { across: width, down: height } = d;
@@ -353,21 +313,19 @@ export class Scene {
     const y0 = Math.max(0, Math.floor(height / 2 + (box[1] - d.y) * fy) - 2);
     const x1 = Math.min(width, Math.ceil(width / 2 + (box[2] - d.x) * fx) + 2);
     const y1 = Math.min(height, Math.ceil(height / 2 + (box[3] - d.y) * fy) + 2);
-    if (x0 >= x1 || y0 >= y1) return null;
+    if (x0 >= x1 || y0 >= y1) return;
     const part = [d.x + (x0 - width / 2) / fx, d.y + (y0 - height / 2) / fy, d.x + (x1 - width / 2) / fx, d.y + (y1 - height / 2) / fy];
-    const pixels = [x0, y0, x1 - x0, y1 - y0];
-    this.#drawTiles(part, pixels);
+    this.#drawTiles(part, [x0, y0, x1 - x0, y1 - y0]);
     this.counts.part++;
-    return pixels;
   }
 
   /** Draws all tiles that meet a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. */
   #drawTiles(box, pixels) {
     const gl = this.#gl;
     const d = this.#drawn;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
     gl.viewport(0, 0, d.across, d.down);
-    this.#clip(pixels);
+    if (pixels !== null) gl.scissor(...pixels);
+    (pixels === null ? gl.disable : gl.enable).call(gl, gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     for (const program of [this.mesh_, this.dots_]) this.#setUniforms(program);
@@ -392,11 +350,12 @@ export class Scene {
     }
     this.#drawTriangles(from, to);
     this.#drawDots(this.#cornersOf(small, this.#tiles.pixels(d.unit)), DOT);
-    this.#clip(null);
   }
 
-  #setUniforms({ program, at }) {
+  #setUniforms(of) {
     const gl = this.#gl;
+    of.at ??= uniformsOf(gl, of.program);
+    const { program, at } = of;
     const d = this.#drawn;
     const { fill, edge, coloured, edged, range, relief, bands } = this.style;
     const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
@@ -447,36 +406,5 @@ export class Scene {
     gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
     gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.drawArrays(gl.POINTS, 0, points.length);
-  }
-
-  /** Copies the picture, or some pixels of it, to the screen, moved and scaled if the view has changed since. */
-  #copy(view, pixels) {
-    const gl = this.#gl;
-    const d = this.#drawn;
-    const { program, at } = this.picture_;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
-    this.#clip(pixels);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.useProgram(program);
-    const [w, h] = [d.width / d.scale, d.height / d.scale];
-    const [fx, fy] = [(2 * view.scale) / view.width, (2 * view.scale) / view.height];
-    gl.uniform4f(at.place, (d.x - w / 2 - view.x) * fx, (d.y - h / 2 - view.y) * fy, (w * fx) / 2, (h * fy) / 2);
-    gl.uniform1i(at.picture, 0);
-    gl.bindTexture(gl.TEXTURE_2D, this.picture);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-    this.#clip(null);
-  }
-
-  /** Draws only these pixels [x, y, width, height] from now on, or everything. */
-  #clip(pixels) {
-    const gl = this.#gl;
-    if (pixels === null) {
-      gl.disable(gl.SCISSOR_TEST);
-    } else {
-      gl.enable(gl.SCISSOR_TEST);
-      gl.scissor(...pixels);
-    }
   }
 }

@@ -1,4 +1,4 @@
-// Which set is shown: the one that is chosen, if it exists; and what is said about it.
+// The page shows the set that is chosen, if it exists, and explains what is missing.
 import { given, keep } from './address.js';
 import { isOpen, request } from './daemon.js';
 import { suggestLayers } from './layers.js';

@@ -1,5 +1,4 @@
-// What is shown of the set that is followed: the copy of it, its field and its names, and the layers that are asked for when the set or
-// the view has changed.
+// The page follows a set: a copy of it, a field and names. The layers are asked for again when the set or the view has changed.
 import { showAngles } from './angles.js';
 import { given, givenView } from './address.js';
 import { connection, fetchAll, isOpen, request } from './daemon.js';
@@ -26,8 +25,8 @@ let totals = null; // STAT of the set
 let fitNext = false; // the view is to show all of the next mesh
 const handlers = {};
 
-/** onSet(set) is called when another mesh is shown, null: none; onChange() when the set has changed; onDropped(set) when it was dropped
- * while it was shown; onStat(keys) when its counts are known, the keys of STAT. */
+/** onSet(set) is called when another mesh is shown, null: none; onChange() is called when the set has changed. onDropped(set) is called
+ * when it was dropped while it was shown; onStat(keys) is called when its counts are known, the keys of STAT. */
 export function on(calls) {
   Object.assign(handlers, calls);
 }
@@ -44,11 +43,13 @@ export const follower = new Follower({
     if (fitNext && isWhole) view.fit(box);
     if (isWhole) fitNext = false;
     scene.show(mesh, box, dots);
+    overlay.lines.forget();
     showField(follower.field, isWhole ? Math.max(box[2] - box[0], box[3] - box[1]) : undefined);
     refreshSoon();
   },
   onChange: (changes) => {
     if (changes !== null) scene.update(changes);
+    overlay.stale();
     handlers.onChange();
     refreshSoon();
   },
@@ -158,8 +159,10 @@ const refresh = latest(async () => {
   handlers.onStat(totals);
   if (totals.triangulated !== 'yes') return;
   const isDone = await follower.look();
-  const missing = await overlay.refresh(fetchAll, set, view, layersOf(totals));
+  const about = { name: set, version: mesh.version, field: follower.field, hull: Number(totals.hull), mesh, kind: follower.kind };
+  const missing = await overlay.lines.refresh(fetchAll, view, overlay.layers, about);
   say([follower.kind === 'sample' ? 'a sample of the triangles; zoom in to see all' : '', missing].filter(Boolean).join('; '));
+  overlay.stale();
   draw();
   await refreshAngles(set);
   if (!isDone || kind !== follower.kind) refreshSoon();
@@ -174,22 +177,6 @@ export function refreshSoon() {
     refresh();
   };
   refreshTimer = setTimeout(later, isSmall ? 0 : REFRESH_MS);
-}
-
-function layersOf({ hull }) {
-  const { kind, field } = follower;
-  const [x0, y0, x1, y1] = view.box();
-  let points = 0;
-  for (let k = 0; k < 2 * mesh.ids; k += 2) {
-    if (mesh.xy[k] >= x0 && mesh.xy[k] <= x1 && mesh.xy[k + 1] >= y0 && mesh.xy[k + 1] <= y1) points++;
-  }
-  return {
-    field,
-    points: kind === 'sample' ? Infinity : points,
-    hull: Number(hull),
-    isLarge: kind !== 'whole',
-    mesh: kind === 'box' ? mesh : null,
-  };
 }
 
 /** Shows the angles of the set as it is now, if somebody wants to see them. */

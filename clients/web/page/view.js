@@ -12,6 +12,23 @@ export class View {
     this.height = height;
   }
 
+  /** A View as this one is now. */
+  copy() {
+    return Object.assign(new View(), this);
+  }
+
+  equals({ x, y, scale, width, height }) {
+    return x === this.x && y === this.y && scale === this.scale && width === this.width && height === this.height;
+  }
+
+  /** The CSS transform that brings what was drawn for another view to its place in this one. */
+  transformOf(drawn) {
+    const factor = this.scale / drawn.scale;
+    const left = (drawn.x - this.x) * this.scale + this.width / 2 - (factor * drawn.width) / 2;
+    const top = (this.y - drawn.y) * this.scale + this.height / 2 - (factor * drawn.height) / 2;
+    return `translate(${left}px, ${top}px) scale(${factor})`;
+  }
+
   /** Shows a box [x0, y0, x1, y1] whole, with a margin. */
   fit([x0, y0, x1, y1]) {
     this.x = x0 / 2 + x1 / 2;

@@ -20,7 +20,7 @@ test('a drag moves the map, and points only after E; undo and redo take the whol
   const home = await place('pulled', 17);
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.5));
   assert.deepEqual(await place('pulled', 17), home);
-  await page.focus('#overlay');
+  await page.focus('#map');
   await press(page, 'e');
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.5));
   await isAt('pulled', 17, [0.5, 0.5]);
@@ -45,7 +45,7 @@ test('undo brings a deleted point back with its values, and what was done to it 
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.52));
   await isAt('kept', 3, [0.5, 0.52]);
   await settled(page, 'kept');
-  await page.focus('#overlay');
+  await page.focus('#map');
   await press(page, 'Delete');
   await until(async () => (await place('kept', 3)) === undefined);
   await page.waitForFunction(() => window.app.mesh.points === 39);
@@ -106,7 +106,7 @@ test('the pointer of another person on the same set is shown, moves, and goes wh
   await makeSet('met', 30);
   await makeSet('elsewhere', 30);
   const [one, two, far] = [await open('met'), await open('met'), await open('elsewhere')];
-  const seen = (page) => page.evaluate(() => [...window.app.overlay.pointers.values()]);
+  const seen = (page) => page.evaluate(() => [...window.app.marks.pointers.values()]);
   const isNear = async (page, x, y) => (await seen(page)).some((p) => Math.hypot(p[0] - x, p[1] - y) < 0.01);
   await one.mouse.move(...(await onPage(one, 0.3, 0.6)));
   await until(() => isNear(two, 0.3, 0.6));
@@ -134,6 +134,7 @@ test('the card is about the point that is there now', async () => {
     await waitFor(page, (t) => document.getElementById('pointer').innerText.replace(/\s+/g, ' ') === t, {}, text);
   };
   await says(4, '2, 2', ' z 1.5');
+  await waitFor(page, () => document.getElementById('spoken').textContent === 'point 4; x, y 2, 2; neighbours 4; z 1.5');
   await ask('MOVE card 4 2 1.75', 'FSET card z 4 2.5');
   await says(4, '2, 1.75', ' z 2.5');
   await ask('DEL card 4');

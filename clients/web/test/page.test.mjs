@@ -204,7 +204,7 @@ test('points are added and deleted by mouse, keyboard and touch', async () => {
   await page.mouse.click(...(await onPage(page, 0.31, 0.33)), { count: 2 });
   await has(101);
   await page.mouse.move(...(await onPage(page, 0.7, 0.2)));
-  await page.focus('#overlay');
+  await page.focus('#map');
   await page.keyboard.press('a');
   await has(102);
   await settled(page, 'hands');

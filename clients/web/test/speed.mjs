@@ -50,10 +50,10 @@ async function firstPicture(at, address, names) {
 
 /** Moves the map in each frame for some time: by keys, or by the wheel. Runs in the page. */
 function moveMap(kind, ms) {
-  const canvas = document.getElementById('overlay');
+  const map = document.getElementById('map') ?? document.getElementById('overlay');
   const acts = {
-    pan: (k) => canvas.dispatchEvent(new KeyboardEvent('keydown', { key: k % 16 < 8 ? 'ArrowLeft' : 'ArrowRight' })),
-    zoom: (k) => canvas.dispatchEvent(new WheelEvent('wheel', { deltaY: k % 40 < 20 ? -20 : 20, clientX: 500, clientY: 400 })),
+    pan: (k) => map.dispatchEvent(new KeyboardEvent('keydown', { key: k % 16 < 8 ? 'ArrowLeft' : 'ArrowRight' })),
+    zoom: (k) => map.dispatchEvent(new WheelEvent('wheel', { deltaY: k % 40 < 20 ? -20 : 20, clientX: 500, clientY: 400 })),
   };
   return new Promise((resolve) => {
     const began = performance.now();
@@ -100,7 +100,7 @@ async function framesWhileDragging() {
   console.log(`a point among 1e5 is dragged: ${perSecond.toFixed(0)} pictures a second, ${((after.bytes - before.bytes) / parts).toFixed(0)} bytes each`);
 }
 
-/** How long after the reply to a MOVE of one page the frame with it begins on another page. */
+/** Measures from the reply to a MOVE of one page to the frame after the one that draws it on another page. */
 async function editsOfOthers() {
   const [one, two] = [await open('hundred', SIZE), await open('hundred', SIZE)];
   const times = [];

@@ -13,6 +13,8 @@ const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
 const QUIET = ['disable-quic', 'no-first-run', 'disable-background-networking', 'disable-component-update', 'disable-sync'];
 const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-swiftshader'];
 
+const PATIENCE_MS = 180000; // that a test waits: ten pages beside each other on two cores take minutes
+
 let daemon, gateway;
 export let port, pagePort, browser;
 
@@ -84,6 +86,7 @@ export async function makeSet(name, n, seed = 1) {
 /** A page at an address behind `/`; before() runs in it before its scripts, visited(page) is called when its document exists. */
 export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, before = null, visited = () => {} } = {}) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
+  page.setDefaultTimeout(PATIENCE_MS);
   await page.setViewport(size);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
@@ -106,7 +109,7 @@ export async function open(set, size, rest = '') {
 }
 
 /** Waits until a function is true on the page. The error says what the page does instead. */
-export async function waitFor(page, isTrue, { polling = 50, timeout = 60000 } = {}, ...words) {
+export async function waitFor(page, isTrue, { polling = 50, timeout = PATIENCE_MS } = {}, ...words) {
   try {
     await page.waitForFunction(isTrue, { polling, timeout }, ...words);
   } catch (error) {
@@ -144,7 +147,7 @@ export async function settled(page, set) {
 export const onPage = (page, x, y) =>
   page.evaluate(
     ([px, py]) => {
-      const { left, top } = document.getElementById('overlay').getBoundingClientRect();
+      const { left, top } = document.getElementById('map').getBoundingClientRect();
       const [sx, sy] = window.app.view.toScreen(px, py);
       return [left + sx, top + sy];
     },
@@ -163,7 +166,7 @@ export async function until(what) {
   for (let tries = 0; ; tries++) {
     const found = await what();
     if (found) return found;
-    if (tries === 600) throw new Error(`never: ${what}`);
+    if (100 * tries > PATIENCE_MS) throw new Error(`never: ${what}`);
     await sleep(100);
   }
 }

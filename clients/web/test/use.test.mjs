@@ -5,6 +5,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { PNG } from 'pngjs';
 import { qualityOf } from '../page/angles.js';
 import { ask, drag, makeSet, onPage, open, start, stop, until, visit, waitFor } from './stage.mjs';
 
@@ -173,6 +174,28 @@ test('a constraint is drawn bold, and a move that would cross it is shown as ref
   });
   await until(async () => (await bold(2.5, 0.5)) > 9);
   await page.close();
+});
+
+test('a map that is moved shows what a page that begins there draws, and keys mean the middle of the map', async () => {
+  const page = await open('used');
+  await page.focus('#map');
+  for (const key of ['ArrowLeft', 'ArrowUp', '+', '+', 'ArrowRight', '-']) await page.keyboard.press(key);
+  await waitFor(page, () => document.getElementById('mesh').style.transform === '' && !document.getElementById('pointer').hidden);
+  await waitFor(page, () => {
+    const [x, y, scale] = (new URLSearchParams(location.hash.slice(1)).get('view') ?? '').split(',').map(Number);
+    const { view } = window.app;
+    return Math.abs(scale / view.scale - 1) < 1e-5 && Math.hypot(x - view.x, y - view.y) * scale < 1;
+  });
+  const middle = await page.evaluate(() => window.app.view.toPlane(window.app.view.width / 2, window.app.view.height / 2));
+  const [id] = (await ask(`NEAREST used ${middle.join(' ')}`))[1].split(' ');
+  assert.match(await page.evaluate(() => document.getElementById('pointer').innerText), new RegExp(`^point ${id}\\b`));
+  const other = await open('used', undefined, new URL(page.url()).hash.replace('#set=used', ''));
+  const picture = (p) => p.evaluate(() => document.getElementById('mesh').toDataURL());
+  const decode = async (p) => PNG.sync.read(Buffer.from((await picture(p)).split(',')[1], 'base64')).data;
+  const [a, b] = [await decode(page), await decode(other)];
+  const differ = a.filter((value, i) => Math.abs(value - b[i]) > 40).length;
+  assert.ok(a.length === b.length && differ < 0.002 * a.length, `${differ} of ${a.length} bytes differ`);
+  for (const p of [page, other]) await p.close();
 });
 
 test('axe-core finds nothing that keeps anybody out, in both themes, while editing and with a notice', async () => {
