@@ -38,7 +38,7 @@ export class Lines {
     const isWhole = kind === 'whole';
     const notes = [];
     const update = (layer, margin, get) => this.#update(layer, [set.version, field?.name, kind].join(' '), view, margin, get);
-    if (layers.hull && set.hull <= MOST_HULL) {
+    if ((layers.hull || layers.triangles) && set.hull <= MOST_HULL) {
       await update('hull', null, async () => {
         const [around, edges] = await fetchAll([`HULL ${name}`, ...(isWhole ? [`EDGES ${name} CONSTRAINED`] : [])]);
         return { hull: hullOf(around.rows), constraints: edges?.rows.map((row) => row.split(' ').map(Number)) ?? [] };

@@ -73,7 +73,7 @@ export class Overlay {
       context.stroke();
     }
     if (this.layers.triangles) this.#drawThin(context, view, mesh);
-    if (this.layers.hull) this.#drawConstraints(context, view, mesh);
+    if (this.layers.hull || this.layers.triangles) this.#drawConstraints(context, view, mesh);
     if (this.layers.points) this.#drawPoints(context, view, mesh);
     this.labels = this.layers.names ? writeLabels(context, view, mesh, this.names, this.colours) : [];
     this.#drawScale(context, view);
