@@ -107,12 +107,12 @@ $(O)/ireland.csv: clients/web/kilometres.awk clients/examples/ireland.csv
 view: all $(O)/ireland.csv
 	@clients/web/view.sh $(O)/delaunayd $(O)/delaunay tests/data $(O)/ireland.csv $(O)/web
 
-SITE_MODULES  := $(notdir $(wildcard clients/web/page/*.js)) core.js
+SITE_MODULES  := $(patsubst clients/web/page/%,%,$(wildcard clients/web/page/*.js clients/web/page/*/*.js)) core.js
 SITE_PRELOADS := $(foreach m,$(SITE_MODULES),<link rel="modulepreload" href="$(m)">)<link rel="preload" as="fetch" crossorigin href="ireland.csv">
 
 # The page without a server: a folder of static files, whose sets are in the page.
 site: $(O)/ireland.csv
-	@rm -rf $(O)/site && mkdir -p $(O)/site && cp -L clients/web/page/* $(O)/ireland.csv tests/data/cities.xy tests/data/terrain.xyz $(O)/site
+	@rm -rf $(O)/site && mkdir -p $(O)/site && cp -RL clients/web/page/. $(O)/ireland.csv tests/data/cities.xy tests/data/terrain.xyz $(O)/site
 	@cp clients/js/browser.js $(O)/site/core.js
 	@sed -i -e 's/<html lang="en">/<html lang="en" data-source="local">/' \
 	  -e 's|<script type="module"|$(SITE_PRELOADS)&|' $(O)/site/index.html

@@ -29,7 +29,7 @@ async function serve(daemon, request, response) {
     return;
   }
   const name = pathname === '/' ? 'index.html' : pathname.slice(1);
-  if (!['GET', 'HEAD'].includes(request.method) || !/^[a-z][a-z.]*$/.test(name)) {
+  if (!['GET', 'HEAD'].includes(request.method) || !/^([a-z]+\/)?[a-z]+\.[a-z]+$/.test(name)) {
     response.writeHead(404).end('not found\n');
     return;
   }
@@ -45,7 +45,7 @@ async function serve(daemon, request, response) {
 
 /** Names the modules of the page, so that a browser fetches all at once instead of one after the other as they import each other. */
 async function linksOfModules() {
-  const modules = (await readdir(PAGE)).filter((name) => name.endsWith('.js'));
+  const modules = (await readdir(PAGE, { recursive: true })).filter((name) => name.endsWith('.js'));
   return modules.map((name) => `<${name}>; rel=modulepreload`).join(', ');
 }
 

@@ -1,8 +1,8 @@
 // The conversation with the daemon, which begins again when the connection is lost; or with the sets in this page, if it is a site of
 // static files.
 import { given } from './address.js';
-import { Connection, fetchReplies } from './connection.js';
-import { Local } from './local.js';
+import { Connection, fetchReplies } from './data/connection.js';
+import { Local } from './data/local.js';
 import { report, say } from './panel.js';
 
 const RETRY_MS = 1000;

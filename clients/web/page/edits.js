@@ -42,16 +42,21 @@ export class Edits {
     this.#sendDrag(this.#drag);
   }
 
-  /** Ends the drag, which is one edit. */
+  /** Ends the drag, which is one edit. An undo waits until it is recorded. */
   drop() {
-    this.#drag.isDropped = true;
-    this.onRefused(null);
-    this.#sendDrag(this.#drag);
+    const drag = this.#drag;
     this.#drag = null;
+    drag.isDropped = true;
+    this.onRefused(null);
+    this.#sendDrag(drag);
+    this.#queue = this.#queue.then(() => drag.sent);
   }
 
-  async #sendDrag(drag) {
-    if (drag.isBusy) return;
+  #sendDrag(drag) {
+    if (!drag.isBusy) drag.sent = this.#sendPlaces(drag);
+  }
+
+  async #sendPlaces(drag) {
     drag.isBusy = true;
     while (drag.next !== null) {
       const place = drag.next;

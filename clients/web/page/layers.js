@@ -1,9 +1,9 @@
 // The layers and colours that are chosen on the page or by the address, and the theme.
 import { given, keep } from './address.js';
-import { THEMES as LINES } from './overlay.js';
+import { THEMES as LINES } from './drawing/overlay.js';
 import { $, showLegend } from './panel.js';
 import { overlay, scene } from './stage.js';
-import { stepOf } from './steps.js';
+import { stepOf } from './drawing/steps.js';
 
 const LAYERS = ['triangles', 'hull', 'cells', 'points', 'names', 'coloured', 'hillshade', 'bands', 'contours'];
 const STEEP = 0.04; // the height of the hillshade's ground, in sizes of the set

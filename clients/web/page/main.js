@@ -1,7 +1,7 @@
 // The page: follows one set of the daemon and shows it. Start reading here; sets.js decides which set, shown.js what is shown of it,
 // acts.js what hands do; stage.js draws.
 import { edits, listen } from './acts.js';
-import { countWaits } from './connection.js';
+import { countWaits } from './data/connection.js';
 import { connection, converse } from './daemon.js';
 import { beginLayers } from './layers.js';
 import { openFile } from './open.js';

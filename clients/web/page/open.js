@@ -1,7 +1,7 @@
 // A file of points that is opened becomes a new set: at once if the sets are in this page, otherwise after a question. Lines in it become
 // constraints.
 import { connection, fetchAll, isLocal, request } from './daemon.js';
-import { parse } from './files.js';
+import { parse } from './data/files.js';
 import { ask, report } from './panel.js';
 import { choose } from './sets.js';
 import { loadedNames } from './shown.js';

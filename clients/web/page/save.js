@@ -1,6 +1,6 @@
 // The picture that is shown, saved as a file.
 import { canvas, drawNow, mesh, overlay, scene, view } from './stage.js';
-import { SvgContext, drawTriangles, viridis } from './svg.js';
+import { SvgContext, drawTriangles, viridis } from './drawing/svg.js';
 
 function save(blob, name) {
   const link = document.createElement('a');

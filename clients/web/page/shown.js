@@ -2,8 +2,8 @@
 import { showAngles } from './angles.js';
 import { given, givenView } from './address.js';
 import { connection, fetchAll, isOpen, request } from './daemon.js';
-import { parse } from './files.js';
-import { Follower } from './follow.js';
+import { parse } from './data/files.js';
+import { Follower } from './data/follow.js';
 import { showField } from './layers.js';
 import { $, fillSelect, list, report, say } from './panel.js';
 import { draw, mesh, overlay, scene, show, view } from './stage.js';

@@ -1,12 +1,12 @@
 // The parts of the page share the copy of the set, the part of the plane that is shown, and the canvases. The canvases are drawn when
 // something has changed. While the map moves, the browser moves the canvases with it; they are drawn for the new view as often as there
 // is time for it.
-import { Marks } from './marks.js';
-import { Mesh } from './mesh.js';
-import { Overlay } from './overlay.js';
+import { Marks } from './drawing/marks.js';
+import { Mesh } from './data/mesh.js';
+import { Overlay } from './drawing/overlay.js';
 import { $, say } from './panel.js';
-import { Scene } from './scene.js';
-import { View } from './view.js';
+import { Scene } from './drawing/scene.js';
+import { View } from './drawing/view.js';
 
 const REST = 6; // how much longer the canvases are only moved than drawing them took
 

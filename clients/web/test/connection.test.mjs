@@ -31,7 +31,7 @@ class Socket {
 }
 
 globalThis.WebSocket = Socket;
-const { Connection, countWaits } = await import('../page/connection.js');
+const { Connection, countWaits } = await import('../page/data/connection.js');
 const lost = { code: 'LOST' };
 let connection, ends;
 

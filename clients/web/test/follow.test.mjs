@@ -2,9 +2,9 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate as turn } from 'node:timers/promises';
-import { Follower } from '../page/follow.js';
-import { Mesh } from '../page/mesh.js';
-import { View } from '../page/view.js';
+import { Follower } from '../page/data/follow.js';
+import { Mesh } from '../page/data/mesh.js';
+import { View } from '../page/drawing/view.js';
 
 /** The binary reply to POINTS. */
 function pointsOf(places) {

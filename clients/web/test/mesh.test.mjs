@@ -1,8 +1,8 @@
 // The page's copy of a set, without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { Mesh } from '../page/mesh.js';
-import { Gathered } from '../page/rings.js';
+import { Mesh } from '../page/data/mesh.js';
+import { Gathered } from '../page/data/rings.js';
 
 function event(...rows) {
   const gathered = new Gathered();

@@ -5,8 +5,7 @@ import { serveFolder } from './folder.mjs';
 import { browser, makeSet, onPage, open, start, stop, visit, waitFor } from './stage.mjs';
 
 const SIZE = { width: 1280, height: 800 };
-const MOVING_MS = 3000;
-const ROUNDS = 3;
+const { SITE, ROUNDS = '3', FRAMES = '120' } = process.env;
 
 /** Seconds of processor time that Chromium has used, all its processes together. */
 function processorTime() {
@@ -48,8 +47,8 @@ async function firstPicture(at, address, names) {
   return names.map((name) => `${name} after ${firsts[name].toFixed(0)} ms`).join(', ');
 }
 
-/** Moves the map in each frame for some time: by keys, or by the wheel. Runs in the page. */
-function moveMap(kind, ms) {
+/** Moves the map in each of n frames, by keys or by the wheel. Returns how many milliseconds they took. Runs in the page. */
+function moveMap(kind, n) {
   const map = document.getElementById('map') ?? document.getElementById('overlay');
   const acts = {
     pan: (k) => map.dispatchEvent(new KeyboardEvent('keydown', { key: k % 16 < 8 ? 'ArrowLeft' : 'ArrowRight' })),
@@ -59,7 +58,7 @@ function moveMap(kind, ms) {
     const began = performance.now();
     let frames = 0;
     const frame = (now) => {
-      if (now - began >= ms) return resolve((1000 * frames) / (now - began));
+      if (frames === n) return resolve(now - began);
       acts[kind](frames++);
       requestAnimationFrame(frame);
     };
@@ -74,9 +73,9 @@ async function framesWhileMoving(at, name, address, isThere) {
   const texts = [];
   for (const kind of ['pan', 'zoom']) {
     const before = processorTime();
-    const perSecond = await page.evaluate(moveMap, kind, MOVING_MS);
-    const each = (1e6 * (processorTime() - before)) / MOVING_MS / perSecond;
-    texts.push(`${kind} ${perSecond.toFixed(0)} frames a second, ${each.toFixed(0)} ms of processor time each`);
+    const ms = await page.evaluate(moveMap, kind, Number(FRAMES));
+    const each = (1000 * (processorTime() - before)) / Number(FRAMES);
+    texts.push(`${kind} ${((1000 * Number(FRAMES)) / ms).toFixed(0)} frames a second, ${each.toFixed(0)} ms of processor time each`);
   }
   console.log(`${name}: ${texts.join('; ')}`);
   await page.close();
@@ -131,12 +130,12 @@ async function editsOfOthers() {
 
 const chosen = process.argv.slice(2);
 const isChosen = (word) => chosen.length === 0 || chosen.includes(word);
-const site = await serveFolder(process.env.SITE);
+const site = await serveFolder(SITE);
 await start();
 await makeSet('hundred', 100000);
 if (isChosen('million')) await makeSet('million', 1000000);
 await (await browser.newPage()).goto('about:blank');
-for (let round = 0; round < ROUNDS; round++) {
+for (let round = 0; round < Number(ROUNDS); round++) {
   if (isChosen('first')) {
     console.log(`Ireland in process: ${await firstPicture(site.port, '', ['triangles', 'points', 'names'])}`);
     console.log(`cities in process: ${await firstPicture(site.port, '#set=cities', ['triangles'])}`);

@@ -1,6 +1,6 @@
 // Sets in process, for a page without a server: what the page asks a daemon for, answered by the core in WebAssembly (core.js is
-// ../../js/browser.js). It has the requests and events of PROTOCOL.md that the page uses, and the interface of a Connection.
-import { qualityOf } from './angles.js';
+// ../../../js/browser.js). It has the requests and events of PROTOCOL.md that the page uses, and the interface of a Connection.
+import { qualityOf } from '../angles.js';
 import { Refused } from './connection.js';
 import { parse } from './files.js';
 
@@ -65,7 +65,7 @@ export class Local {
   constructor(files, { onEvent }) {
     this.#onEvent = onEvent;
     for (const [name, address] of Object.entries(files)) this.#sets.set(name, address);
-    this.opened = import('./core.js').then(() => (this.#core = globalThis.delaunayd));
+    this.opened = import('../core.js').then(() => (this.#core = globalThis.delaunayd));
   }
 
   /** Makes a set of what parse() returns. */

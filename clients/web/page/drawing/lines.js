@@ -1,7 +1,7 @@
 // Lines over the triangles that are asked for: hull and constraints, Voronoi cells, contours, and triangles that reach out of a mesh that
 // covers only a box. Each is asked for again when the set has changed, or when the view has left the box it was asked for.
 
-import { placesOf } from './sample.js';
+import { placesOf } from '../data/sample.js';
 import { stepOf } from './steps.js';
 
 const MOST_CELLS = 20000; // in the box they are asked for; more would be nothing but lines

@@ -1,1 +1,0 @@
-../../js/lib/rings.mjs
