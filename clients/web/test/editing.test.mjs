@@ -134,7 +134,8 @@ test('the card is about the point that is there now', async () => {
     await waitFor(page, (t) => document.getElementById('pointer').innerText.replace(/\s+/g, ' ') === t, {}, text);
   };
   await says(4, '2, 2', ' z 1.5');
-  await waitFor(page, () => document.getElementById('spoken').textContent === 'point 4; x, y 2, 2; neighbours 4; z 1.5');
+  const ring = (await ask('LISTS card 4'))[1].split(' ').slice(1);
+  await waitFor(page, (n) => document.getElementById('spoken').textContent === `point 4; x, y 2, 2; neighbours ${n}; z 1.5`, {}, ring.length);
   await ask('MOVE card 4 2 1.75', 'FSET card z 4 2.5');
   await says(4, '2, 1.75', ' z 2.5');
   await ask('DEL card 4');
