@@ -51,7 +51,8 @@ export class Overlay {
   draw(view, mesh) {
     if (view === this.#view) return;
     this.#view = view;
-    const context = this.#canvas.getContext('2d');
+    // Drawn by the processor: without a graphics card, a graphics process takes far longer for paths and text.
+    const context = this.#canvas.getContext('2d', { willReadFrequently: true });
     const ratio = this.#canvas.width / view.width;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
