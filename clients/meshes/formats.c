@@ -22,6 +22,12 @@ static void put(struct row *r, const char *text)
     r->n += n;
 }
 
+void formats_put_number(FILE *out, double v)
+{
+    char text[PROTO_NUMBER_MAX];
+    fwrite(text, 1, proto_write_double(text, v), out);
+}
+
 static void put_id(struct row *r, size_t v, char after)
 {
     r->n += proto_write_u32(r->text + r->n, (uint32_t)v);

@@ -22,6 +22,9 @@ struct format {
 extern const struct format formats[];
 extern const size_t format_count;
 
+/* Writes the shortest text that is read as v. */
+void formats_put_number(FILE *out, double v);
+
 /* Triangle's .node. False when out of memory. */
 bool formats_write_node(FILE *out, const struct model *m);
 

@@ -7,7 +7,6 @@
 
 #include "clients/meshes/faces.h"
 #include "clients/meshes/model_paths.h"
-#include "proto/number.h"
 
 struct lines {
     FILE *out;
@@ -32,13 +31,6 @@ static void lines_free(struct lines *l)
     free(l->used);
 }
 
-static void put_number(FILE *out, double v)
-{
-    char text[PROTO_NUMBER_MAX];
-    size_t n = proto_write_double(text, v);
-    fwrite(text, 1, n, out);
-}
-
 static bool has_height(const struct lines *l, size_t place)
 {
     return l->m->z >= 0 && !isnan(model_value(l->m, l->m->z, place));
@@ -46,13 +38,13 @@ static bool has_height(const struct lines *l, size_t place)
 
 static void put_place(const struct lines *l, size_t place, char between, bool height)
 {
-    put_number(l->out, l->m->xy[2 * place]);
+    formats_put_number(l->out, l->m->xy[2 * place]);
     putc(between, l->out);
-    put_number(l->out, l->m->xy[2 * place + 1]);
+    formats_put_number(l->out, l->m->xy[2 * place + 1]);
     if (!height)
         return;
     putc(between, l->out);
-    put_number(l->out, model_value(l->m, l->m->z, place));
+    formats_put_number(l->out, model_value(l->m, l->m->z, place));
 }
 
 /* The place of a corner; that after the last one is the first again. */
@@ -213,7 +205,7 @@ static void put_row(const struct lines *l, size_t place)
     put_place(l, place, ' ', false);
     if (has_height(l, place)) {
         putc(' ', l->out);
-        put_number(l->out, model_value(l->m, l->m->z, place));
+        formats_put_number(l->out, model_value(l->m, l->m->z, place));
     } else if (l->m->z >= 0) {
         fputs(" nan", l->out);
     }
@@ -250,7 +242,7 @@ static bool write_obj(FILE *out, const struct model *m)
         fputs("v ", out);
         put_place(&l, i, ' ', false);
         putc(' ', out);
-        put_number(out, has_height(&l, i) ? model_value(m, m->z, i) : 0);
+        formats_put_number(out, has_height(&l, i) ? model_value(m, m->z, i) : 0);
         putc('\n', out);
     }
     for (size_t i = 0; ok && i < l.paths.n; i++) {
@@ -300,9 +292,9 @@ static void put_seed(FILE *out, const struct model *m, size_t number, size_t tri
         for (size_t i = 0; i < 2; i++)
             at[i] += m->xy[2 * (size_t)m->triangle[3 * triangle + k] + i] / 3;
     fprintf(out, "%zu ", number);
-    put_number(out, at[0]);
+    formats_put_number(out, at[0]);
     putc(' ', out);
-    put_number(out, at[1]);
+    formats_put_number(out, at[1]);
     if (attribute >= 0)
         fprintf(out, " %jd", (intmax_t)attribute);
     putc('\n', out);

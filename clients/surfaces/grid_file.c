@@ -1,7 +1,7 @@
 /* grid_file.c - see grid_file.h. Both formats mark what is missing by a number, which must not be a value. */
 #include "clients/surfaces/grid_file.h"
 
-#include "proto/number.h"
+#include "clients/meshes/formats.h"
 
 #include <float.h>
 #include <math.h>
@@ -40,18 +40,11 @@ static double no_data(const struct grid *g)
     return grid_range(g, &least, &most) && (float)least <= -9999 ? -(double)FLT_MAX : -9999;
 }
 
-static void put_number(FILE *out, double v, char after)
-{
-    char text[PROTO_NUMBER_MAX + 1];
-    size_t n = proto_write_double(text, v);
-    text[n++] = after;
-    fwrite(text, 1, n, out);
-}
-
 static void put_key(FILE *out, const char *key, double v)
 {
     fputs(key, out);
-    put_number(out, v, '\n');
+    formats_put_number(out, v);
+    putc('\n', out);
 }
 
 void grid_write_asc(FILE *out, const struct grid *g)
@@ -62,9 +55,10 @@ void grid_write_asc(FILE *out, const struct grid *g)
     put_key(out, "yllcorner ", g->y0);
     put_key(out, "cellsize ", g->cell);
     put_key(out, "NODATA_value ", missing);
-    for (size_t i = 0; i < cells(g); i++)
-        put_number(out, isnan(g->value[i]) ? missing : g->value[i],
-                   (i + 1) % g->columns == 0 ? '\n' : ' ');
+    for (size_t i = 0; i < cells(g); i++) {
+        formats_put_number(out, isnan(g->value[i]) ? missing : g->value[i]);
+        putc((i + 1) % g->columns == 0 ? '\n' : ' ', out);
+    }
 }
 
 void grid_write_bil(FILE *out, const struct grid *g)

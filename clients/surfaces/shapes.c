@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/meshes/formats.h"
 #include "clients/surfaces/words.h"
 #include "proto/number.h"
 
@@ -145,13 +146,6 @@ bool shapes_bounds(const struct shapes *s, double *box)
 
 /* ---- writing ---- */
 
-static void put_number(FILE *out, double v)
-{
-    char text[PROTO_NUMBER_MAX];
-    size_t n = proto_write_double(text, v);
-    fwrite(text, 1, n, out);
-}
-
 /* The corners, for a closed shape the first one again in the end. */
 static void put_corners(FILE *out, const struct shapes *s, const struct shape *shape,
                         const char *before, char between, const char *after)
@@ -160,9 +154,9 @@ static void put_corners(FILE *out, const struct shapes *s, const struct shape *s
         const double *p = s->xy + 2 * (shape->first + i % shape->n);
         fputs(i > 0 ? "," : "", out);
         fputs(before, out);
-        put_number(out, p[0]);
+        formats_put_number(out, p[0]);
         putc(between, out);
-        put_number(out, p[1]);
+        formats_put_number(out, p[1]);
         fputs(after, out);
     }
 }
@@ -173,7 +167,7 @@ static void put_level(FILE *out, double level, const char *infinite)
     if (isinf(level))
         fputs(infinite, out);
     else
-        put_number(out, level);
+        formats_put_number(out, level);
 }
 
 /* Of a polygon of n rings, or a line. */
