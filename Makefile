@@ -45,14 +45,16 @@ FLAGS_asan  := -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-o
 FLAGS_tsan  := -g1 -fsanitize=thread
 # Optimisation other than that of CFLAGS, and that of the tests, which is -O1 unless it is named here: compiling tests takes as long as
 # compiling all the rest, and what they compare with is slow enough.
+# Without optimisation gcc does not know how large numbers are, and says that texts of them may be cut off.
+UNOPTIMISED := -O0 -Wno-format-truncation
 LEVEL_asan  := -O1
 LEVEL_tsan  := -O1
 LEVEL_musl  := -O1
 LEVEL_debug := -O0
 TEST_LEVEL_asan  := -O0
-TEST_LEVEL_musl  := -O0
-TEST_LEVEL_plain := -O0
-TEST_LEVEL_tsan  := -O0
+TEST_LEVEL_musl  := $(UNOPTIMISED)
+TEST_LEVEL_plain := $(UNOPTIMISED)
+TEST_LEVEL_tsan  := $(UNOPTIMISED)
 TEST_LEVEL_debug := -O0
 COMPILE   = $(CC) $(CFLAGS) $(LEVEL_$(V)) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
 LDLIBS   := -lm
