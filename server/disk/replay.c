@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+enum { ROWS_AT_ONCE = 128 }; /* of a snapshot that are decoded together */
+
 static const char contradiction[] = "it contradicts what comes before it";
 static const char no_memory[] = "out of memory";
 
@@ -224,12 +226,15 @@ static const char *collect_rows(struct replay *p, const struct record *r)
         return contradiction;
     if (!reserve_rows(p, r->n))
         return fail_memory(p);
-    for (uint32_t i = 0; i < r->n; i++, p->n++) {
-        struct record_row row;
-        record_items(r, i, 1, &row);
-        p->id[p->n] = row.id;
-        p->representative[p->n] = row.representative;
-        p->points[p->n] = (struct dt_point){row.x, row.y};
+    for (uint32_t i = 0, n; i < r->n; i += n) {
+        struct record_row row[ROWS_AT_ONCE];
+        n = r->n - i < ROWS_AT_ONCE ? r->n - i : ROWS_AT_ONCE;
+        record_items(r, i, n, row);
+        for (uint32_t k = 0; k < n; k++, p->n++) {
+            p->id[p->n] = row[k].id;
+            p->representative[p->n] = row[k].representative;
+            p->points[p->n] = (struct dt_point){row[k].x, row[k].y};
+        }
     }
     return NULL;
 }
