@@ -154,7 +154,7 @@ static size_t field_size(char field)
     return field == 'w' ? sizeof(uint32_t) : sizeof(double);
 }
 
-/* Where a field begins in memory, if those before it end at `at`. */
+/* Returns the offset of a field in memory, behind fields that end at `at`. */
 static size_t field_at(char field, size_t at)
 {
     enum { ALIGNED = offsetof(struct record_value, value) };

@@ -199,8 +199,8 @@ static void write_constraint(struct rows *r, struct buf *out, const uint32_t *wo
         reply_row_constraint(out, word[0], word[1], (word[2] & 1) != 0, word[2] >> 1);
 }
 
-/* How a row of a list is written, and its words: `head`, and `each` more for each of those that word `count` of it counts.
- * Without a head: `width`. */
+/* The forms of rows of a list. A row has `head` words, and `each` more for each of those that word `count` of it counts. Forms without
+ * a head have `width` words. */
 static const struct list_form {
     void (*write)(struct rows *r, struct buf *out, const uint32_t *word);
     size_t head, count, each;

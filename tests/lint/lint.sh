@@ -147,7 +147,7 @@ file_rules() {
     files . | xargs grep -HnIE '(^|[^A-Za-z])/([w]ork|[r]oot|[t]mp/(wt|bash))(/|$)' | sed 's|$|    (path of one machine)|'
 }
 
-# What is released has the version of proto/version.h.
+# All packages have the version of proto/version.h.
 versions() {
     local f first version='[0-9]+\.[0-9]+\.[0-9]+'
     local released=$(grep -oE "$version" proto/version.h)
