@@ -251,7 +251,7 @@ test('a page that has lost its connection catches up', async () => {
   await makeSet('lost', 200);
   const page = await open('lost');
   killGateway();
-  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent), { timeout: 20000 });
+  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent));
   await ask('MOVE lost 3 0.111 0.222', 'DEL lost 5', 'ADD lost 0.9 0.05');
   await listen();
   await checkEqual(page, 'lost');
@@ -290,7 +290,7 @@ test('values of a field come with events: of points that move, of new ones, of t
   await page.waitForFunction(() => window.app.mesh.values[8] === -3);
   assert.deepEqual(await values(), await stored());
   killGateway();
-  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent), { timeout: 20000 });
+  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent));
   await ask('FSET valued z 9 -4');
   await listen();
   await page.waitForFunction(() => window.app.mesh.values[9] === -4);
