@@ -11,12 +11,12 @@ const LEAST_SPACING = 14; // pixels between points, about, from which on they ar
 const MOST_ROUND = 700; // points on the screen that are drawn as circles
 const MOST_SCANNED = 500000; // points of a mesh of which those in view are looked for
 const MOST_THIN = 60000; // triangles of a mesh of which thin ones are looked for
-const THIN = 2; // pixels of height, below which a triangle is thin
+const THIN = 4; // pixels of height, below which a triangle is thin
 const LONG = 12; // pixels of length, from which on that is seen
 const SCALE_BAR = 120; // pixels, at most
 const BOLD = 2.5; // pixels of a constraint
 
-const COMMON = { hull: '#c33', contours: '#850', reaching: '#4a7fb5' };
+const COMMON = { hull: '#c33', contours: '#850', reaching: '#4a7fb5', thin: '#4a7fb580' };
 export const THEMES = {
   light: { ...COMMON, cells: '#fffb', soft: '55% 78%', points: '#223', text: '#112', halo: '#fffd' },
   dark: { ...COMMON, cells: '#0009', contours: '#da6', soft: '32% 40%', points: '#dde', text: '#eef', halo: '#111d' },
@@ -93,7 +93,7 @@ export class Overlay {
   /** The edges of triangles too thin for the graphics memory's lines, which would be dashed. */
   #drawThin(context, view, { slots, corners, xy }) {
     if (slots > MOST_THIN) return;
-    context.strokeStyle = this.colours.reaching;
+    context.strokeStyle = this.colours.thin;
     context.lineWidth = 1;
     context.beginPath();
     for (let k = 0; k < 3 * slots; k += 3) {
