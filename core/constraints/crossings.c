@@ -4,6 +4,7 @@
 #include "core/constraints/crossings.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "core/exact/bignum.h"
 #include "core/exact/box.h"
@@ -88,14 +89,8 @@ static enum dt_status add_pair(struct dt_pairs *out, uint32_t a, uint32_t b)
 {
     if (out->n >= out->most)
         return DT_NOMEM;
-    if (out->n == out->cap) {
-        size_t cap = out->cap == 0 ? 64 : out->cap + out->cap / 2;
-        uint64_t *v = dt_array_grow(out->v, out->n, cap, sizeof *v);
-        if (v == NULL)
-            return DT_NOMEM;
-        out->v = v;
-        out->cap = cap;
-    }
+    if (dt_items_reserve(&out->v, out->n + 1, &out->cap, sizeof *out->v) != DT_OK)
+        return DT_NOMEM;
     out->v[out->n++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
     return DT_OK;
 }
@@ -131,14 +126,8 @@ static bool meets(const struct dt_segment *s, const struct dt_box *b)
 /* Appends those of n from `from` on that meet the box. */
 static enum dt_status choose(struct search *f, size_t from, size_t n, const struct dt_box *b)
 {
-    if (f->cap - f->n < n) {
-        size_t cap = f->cap + f->cap / 2 + n;
-        uint32_t *list = dt_array_grow(f->list, f->n, cap, sizeof *list);
-        if (list == NULL)
-            return DT_NOMEM;
-        f->list = list;
-        f->cap = cap;
-    }
+    if (dt_items_reserve(&f->list, f->n + n, &f->cap, sizeof *f->list) != DT_OK)
+        return DT_NOMEM;
     for (size_t i = from; i < from + n; i++)
         if (meets(&f->s[f->list[i]], b))
             f->list[f->n++] = f->list[i];
@@ -230,19 +219,18 @@ static enum dt_status search(struct search *f, const struct dt_box *box, size_t 
 static enum dt_status begin(struct search *f, size_t n, struct dt_box *box)
 {
     size_t fresh = 0;
-    f->list = dt_array_new(n + 1, sizeof *f->list);
-    f->cap = n + 1;
+    enum dt_status status = dt_items_reserve(&f->list, n + 1, &f->cap, sizeof *f->list);
     for (size_t i = 0; i < n; i++)
         if (f->s[i].fresh) {
             struct dt_box around = box_of(&f->s[i]);
             *box = fresh++ == 0 ? around : dt_box_join(*box, around);
         }
-    for (size_t i = 0; i < n && fresh > 0 && f->list != NULL; i++) {
+    for (size_t i = 0; i < n && fresh > 0 && status == DT_OK; i++) {
         struct dt_box around = box_of(&f->s[i]);
         if (dt_box_overlaps(&around, box))
             f->list[f->n++] = (uint32_t)i;
     }
-    return f->list == NULL ? DT_NOMEM : dt_work(f->work, n);
+    return status == DT_OK ? dt_work(f->work, n) : status;
 }
 
 enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop *work,
@@ -254,7 +242,7 @@ enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop
     enum dt_status status = begin(&f, n, &box);
     if (status == DT_OK)
         status = search(&f, &box, f.n);
-    dt_array_free(f.list);
+    free(f.list);
     size_t kept = 0;
     dt_sort_keys(out->v, out->n);
     for (size_t i = 0; i < out->n; i++)

@@ -1,7 +1,6 @@
 /* declared.c - see declared.h. */
 #include "core/constraints/declared.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory/memory.h"
@@ -241,16 +240,10 @@ struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row)
 
 enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c)
 {
-    if (list->n == list->cap) {
-        size_t cap = list->cap == 0 ? 16 : 2 * list->cap;
-        struct dt_constraint *v = realloc(list->v, cap * sizeof *v);
-        if (v == NULL)
-            return DT_NOMEM;
-        list->v = v;
-        list->cap = cap;
-    }
-    list->v[list->n++] = c;
-    return DT_OK;
+    enum dt_status status = dt_items_reserve(&list->v, list->n + 1, &list->cap, sizeof *list->v);
+    if (status == DT_OK)
+        list->v[list->n++] = c;
+    return status;
 }
 
 int dt_constraint_compare(const void *p, const void *q)

@@ -38,15 +38,7 @@ size_t dt_enforcer_memory(const struct dt_enforcer *e)
 
 static enum dt_status reserve(struct dt_ids *a, size_t n)
 {
-    if (n <= a->cap)
-        return DT_OK;
-    size_t cap = n < 64 ? 64 : n + n / 2;
-    uint32_t *v = realloc(a->v, cap * sizeof *v);
-    if (v == NULL)
-        return DT_NOMEM;
-    a->v = v;
-    a->cap = cap;
-    return DT_OK;
+    return dt_items_reserve(&a->v, n, &a->cap, sizeof *a->v);
 }
 
 static enum dt_status append(struct dt_ids *a, uint32_t value)

@@ -1,6 +1,8 @@
 /* flood.c - see flood.h. */
 #include "core/constraints/flood.h"
 
+#include <stdlib.h>
+
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
@@ -24,16 +26,10 @@ static bool is_known(const struct dt_mesh *m, uint32_t h)
 static enum dt_status reach(struct flood *f, uint32_t h, uint32_t inside)
 {
     dt_face_set(f->m, h, (dt_face(f->m, h) & DT_FLOOD_NEAR) | inside);
-    if (f->n == f->cap) {
-        size_t cap = f->cap + f->cap / 2 + 64;
-        uint32_t *larger = dt_array_grow(f->triangle, f->n, cap, sizeof *larger);
-        if (larger == NULL)
-            return DT_NOMEM;
-        f->triangle = larger;
-        f->cap = cap;
-    }
-    f->triangle[f->n++] = dt_base(h);
-    return DT_OK;
+    enum dt_status status = dt_items_reserve(&f->triangle, f->n + 1, &f->cap, sizeof *f->triangle);
+    if (status == DT_OK)
+        f->triangle[f->n++] = dt_base(h);
+    return status;
 }
 
 /* ---- loose sides ---- */
@@ -120,6 +116,6 @@ enum dt_status dt_flood(struct dt_mesh *m, const struct dt_point *xy,
 {
     struct flood f = {.m = m, .xy = xy, .loose = loose, .n_loose = n, .area = area};
     enum dt_status status = m->vertices < 2 ? DT_OK : flood(&f, work);
-    dt_array_free(f.triangle);
+    free(f.triangle);
     return status;
 }

@@ -4,10 +4,9 @@
 #include <stdlib.h>
 
 #include "core/exact/predicates.h"
+#include "core/memory/memory.h"
 #include "core/mesh/diagonal.h"
 #include "core/mesh/fixed.h"
-
-enum { FIRST = 64 };
 
 void dt_suspects_clear(struct dt_suspects *s)
 {
@@ -17,17 +16,10 @@ void dt_suspects_clear(struct dt_suspects *s)
 
 void dt_suspect(struct dt_suspects *s, uint32_t h)
 {
-    if (s->n == s->cap) {
-        size_t cap = s->cap == 0 ? FIRST : 2 * s->cap;
-        uint32_t *half = realloc(s->half, cap * sizeof *half);
-        if (half == NULL) {
-            s->lost = true;
-            return;
-        }
-        s->half = half;
-        s->cap = cap;
-    }
-    s->half[s->n++] = h;
+    if (dt_items_reserve(&s->half, s->n + 1, &s->cap, sizeof *s->half) == DT_OK)
+        s->half[s->n++] = h;
+    else
+        s->lost = true;
 }
 
 static bool must_flip(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h)

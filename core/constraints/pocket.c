@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/exact/predicates.h"
+#include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
@@ -15,15 +16,7 @@ void dt_pocket_clear(struct dt_pocket *p)
 
 enum dt_status dt_pocket_reserve(struct dt_pocket *p, size_t n)
 {
-    if (n <= p->cap)
-        return DT_OK;
-    size_t cap = n < 64 ? 64 : n + n / 2;
-    struct dt_side *side = realloc(p->side, cap * sizeof *side);
-    if (side == NULL || cap > UINT32_MAX)
-        return DT_NOMEM;
-    p->side = side;
-    p->cap = (uint32_t)cap;
-    return DT_OK;
+    return n > UINT32_MAX ? DT_NOMEM : dt_items_reserve(&p->side, n, &p->cap, sizeof *p->side);
 }
 
 /* A filling under way. */

@@ -27,7 +27,8 @@ struct dt_side {
 /* Start with {0}. */
 struct dt_pocket {
     struct dt_side *side; /* owns `cap` */
-    uint32_t n, cap;
+    uint32_t n;
+    size_t cap;
     uint32_t face; /* of its triangles (core/mesh/fixed.h) */
 };
 

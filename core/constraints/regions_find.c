@@ -7,7 +7,6 @@
  *      side from either face; that which is inside the region gives the side its direction.
  *   4. Areas, exact: half the sum of the cross products of the sides of a region, counterclockwise. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "core/constraints/enforce.h"
 #include "core/constraints/regions.h"
@@ -55,21 +54,6 @@ struct survey {
     struct room *room; /* owns: stack */
     size_t rooms, room_cap;
 };
-
-/* Makes room for one element more in the array. */
-static enum dt_status grow(void *array, size_t n, size_t *cap, size_t size)
-{
-    void **p = array;
-    if (n < *cap)
-        return DT_OK;
-    size_t more = *cap < 64 ? 64 : *cap + *cap / 2;
-    void *larger = dt_array_grow(*p, n, more, size);
-    if (larger == NULL)
-        return DT_NOMEM;
-    *p = larger;
-    *cap = more;
-    return DT_OK;
-}
 
 /* ---- which borders there are ---- */
 
@@ -141,7 +125,7 @@ static enum dt_status add_chain(struct survey *s, uint32_t region, const uint32_
     enum dt_status status = DT_OK;
     for (uint32_t v = end[0], near = s->m->leaving[v]; v != end[1] && status == DT_OK;) {
         uint32_t h = dt_chain_next(s->m, xy, near, xy[end[1]]);
-        status = grow(&s->side, s->sides, &s->cap, sizeof *s->side);
+        status = dt_items_reserve(&s->side, s->sides + 1, &s->cap, sizeof *s->side);
         if (status == DT_OK)
             status = dt_work(s->work, 1);
         if (status == DT_OK)
@@ -251,7 +235,7 @@ static enum dt_status add_door(struct survey *s, uint32_t h, uint32_t side)
     for (uint32_t i = side; is_side_of(s, i, edge); i++)
         if (s->enclosing[region_of(s, i)] != DT_NONE)
             s->left[i] = h == edge;
-    enum dt_status status = grow(&s->door, s->doors, &s->door_cap, sizeof *s->door);
+    enum dt_status status = dt_items_reserve(&s->door, s->doors + 1, &s->door_cap, sizeof *s->door);
     if (status == DT_OK)
         s->door[s->doors++] = (struct door){h, side};
     return status;
@@ -260,7 +244,8 @@ static enum dt_status add_door(struct survey *s, uint32_t h, uint32_t side)
 static enum dt_status reach(struct survey *s, uint32_t h, uint32_t face)
 {
     dt_face_set(s->faces, h, face);
-    enum dt_status status = grow(&s->triangle, s->triangles, &s->triangle_cap, sizeof *s->triangle);
+    enum dt_status status =
+        dt_items_reserve(&s->triangle, s->triangles + 1, &s->triangle_cap, sizeof *s->triangle);
     if (status == DT_OK)
         s->triangle[s->triangles++] = dt_base(h);
     return status;
@@ -277,7 +262,7 @@ static enum dt_status look_beyond(struct survey *s, uint32_t h, uint32_t face)
 /* The next face, of h, through the door. */
 static enum dt_status enter(struct survey *s, uint32_t h, struct door from)
 {
-    enum dt_status status = grow(&s->room, s->rooms, &s->room_cap, sizeof *s->room);
+    enum dt_status status = dt_items_reserve(&s->room, s->rooms + 1, &s->room_cap, sizeof *s->room);
     if (status != DT_OK)
         return status;
     uint32_t face = s->r->faces++;
@@ -430,13 +415,13 @@ static void find_areas(struct survey *s)
 
 static void clear(struct survey *s)
 {
-    dt_array_free(s->side);
+    free(s->side);
     dt_array_free(s->start);
     dt_array_free(s->enclosing);
     free(s->left);
-    dt_array_free(s->triangle);
-    dt_array_free(s->door);
-    dt_array_free(s->room);
+    free(s->triangle);
+    free(s->door);
+    free(s->room);
 }
 
 static enum dt_status survey_all(struct dt_regions *r, struct dt_mesh *m, const struct dt_points *p,

@@ -23,16 +23,10 @@ struct polygon {
 
 static enum dt_status leave_out(struct polygon *s, uint32_t v, uint32_t w)
 {
-    if (s->n == s->cap) {
-        size_t cap = s->cap + s->cap / 2 + 16;
-        struct loose *larger = realloc(s->loose, cap * sizeof *larger);
-        if (larger == NULL)
-            return DT_NOMEM;
-        s->loose = larger;
-        s->cap = cap;
-    }
-    s->loose[s->n++] = (struct loose){v, w};
-    return DT_OK;
+    enum dt_status status = dt_items_reserve(&s->loose, s->n + 1, &s->cap, sizeof *s->loose);
+    if (status == DT_OK)
+        s->loose[s->n++] = (struct loose){v, w};
+    return status;
 }
 
 static enum dt_status add_side(struct polygon *s, uint32_t a, uint32_t b)

@@ -251,14 +251,8 @@ static enum dt_status list_cuts(struct plan *s, int round)
             continue;
         if (round > 0)
             q = move_to_end(&s->segment[a], &s->segment[b], q, round);
-        if (s->cuts + 2 > s->cut_cap) {
-            size_t cap = 2 * s->cut_cap + 64;
-            struct cut *cut = dt_array_grow(s->cut, s->cuts, cap, sizeof *cut);
-            if (cut == NULL)
-                return DT_NOMEM;
-            s->cut = cut;
-            s->cut_cap = cap;
-        }
+        if (dt_items_reserve(&s->cut, s->cuts + 2, &s->cut_cap, sizeof *s->cut) != DT_OK)
+            return DT_NOMEM;
         s->cut[s->cuts++] = cut_of(s, a, q);
         s->cut[s->cuts++] = cut_of(s, b, q);
     }
@@ -524,9 +518,9 @@ static void clear(struct plan *s)
     dt_points_clear(&s->fresh);
     dt_array_free(s->origin);
     dt_array_free(s->part);
-    dt_array_free(s->cut);
+    free(s->cut);
     dt_array_free(s->segment);
-    dt_array_free(s->pairs.v);
+    free(s->pairs.v);
 }
 
 void dt_split_clear(struct dt_split *out)

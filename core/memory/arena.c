@@ -2,9 +2,6 @@
  * arena.h. */
 #include "core/memory/arena.h"
 
-#include <stdint.h>
-#include <stdlib.h>
-
 #include "core/memory/memory.h"
 
 #define MIN_CHUNK ((size_t)1 << 16)

@@ -90,6 +90,21 @@ size_t dt_array_room(size_t cap, size_t need, size_t limit)
     return room > limit ? limit : room;
 }
 
+enum dt_status dt_items_reserve(void *array, size_t need, size_t *cap, size_t size)
+{
+    void *items;
+    if (need <= *cap)
+        return DT_OK;
+    size_t room = dt_array_room(*cap, need, SIZE_MAX / size);
+    memcpy(&items, array, sizeof items);
+    items = need > room ? NULL : realloc(items, room * size);
+    if (items == NULL)
+        return DT_NOMEM;
+    memcpy(array, &items, sizeof items);
+    *cap = room;
+    return DT_OK;
+}
+
 /* ---- arrays of callers of the core ---- */
 
 void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes)

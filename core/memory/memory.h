@@ -5,9 +5,7 @@
 #ifndef DT_MEMORY_H
 #define DT_MEMORY_H
 
-#include <stddef.h>
-
-struct dt_pages;
+#include "core/delaunay.h"
 
 /* Asks for the cache line at p, which need not be a valid address, ahead of its use. The empty asm statement is
  * needed: without it gcc removes a function that only prefetches. */
@@ -47,5 +45,10 @@ size_t dt_array_bytes(size_t n, size_t size);
 /* The capacity to grow to so that it holds `need` items and appending costs amortised constant
  * time; at most `limit`. */
 size_t dt_array_room(size_t cap, size_t need, size_t limit);
+
+/* Makes room for `need` items of `size` bytes in a growing array from malloc. `array` points to the pointer to the array, which may
+ * have any type, and be NULL; *cap is the number of items for which there is room. The caller frees the array. DT_NOMEM: nothing is
+ * changed. Appending costs amortised constant time. */
+enum dt_status dt_items_reserve(void *array, size_t need, size_t *cap, size_t size);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "core/delaunay_fields.h"
+#include "core/memory/memory.h"
 #include "core/mesh/hull.h"
 
 enum { MOST = 16384, MOST_CONSTRAINTS = 8192 };
@@ -20,30 +20,16 @@ void dt_touched_note(struct dt_touched_list *w, uint64_t key)
 {
     if (w->all)
         return;
-    if (w->n == w->cap) {
-        size_t cap = w->cap == 0 ? 64 : 2 * w->cap;
-        uint64_t *larger = w->n < MOST ? realloc(w->key, cap * sizeof *larger) : NULL;
-        if (larger == NULL) {
-            w->all = true;
-            return;
-        }
-        w->key = larger;
-        w->cap = cap;
-    }
-    w->key[w->n++] = key;
+    w->all = w->n == MOST || dt_items_reserve(&w->key, w->n + 1, &w->cap, sizeof *w->key) != DT_OK;
+    if (!w->all)
+        w->key[w->n++] = key;
 }
 
 void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, bool moved)
 {
     struct dt_touched_constraints *w = &t->touched.constraints;
-    if (w->n == w->cap && !w->all) {
-        size_t cap = w->cap == 0 ? 16 : 2 * w->cap;
-        struct dt_touched_constraint *row =
-            w->n < MOST_CONSTRAINTS ? realloc(w->row, cap * sizeof *row) : NULL;
-        w->all = row == NULL;
-        w->row = w->all ? w->row : row;
-        w->cap = w->all ? w->cap : cap;
-    }
+    w->all = w->all || w->n == MOST_CONSTRAINTS ||
+             dt_items_reserve(&w->row, w->n + 1, &w->cap, sizeof *w->row) != DT_OK;
     if (!w->all)
         w->row[w->n++] = (struct dt_touched_constraint){
             *c, {dt_points_xy(&t->points, c->a), dt_points_xy(&t->points, c->b)}, moved};

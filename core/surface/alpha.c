@@ -15,6 +15,7 @@
 #include "core/control/stop.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
+#include "core/memory/memory.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
@@ -99,16 +100,10 @@ static bool reserve_ring(struct dt_alpha *a, uint32_t degree)
 
 static enum dt_status put_turn(struct dt_alpha *a, struct turn turn)
 {
-    if (a->turns == a->turn_cap) {
-        size_t cap = a->turn_cap == 0 ? 256 : a->turn_cap + a->turn_cap / 2;
-        struct turn *more = realloc(a->turn, cap * sizeof *more);
-        if (more == NULL)
-            return DT_NOMEM;
-        a->turn = more;
-        a->turn_cap = cap;
-    }
-    a->turn[a->turns++] = turn;
-    return DT_OK;
+    enum dt_status s = dt_items_reserve(&a->turn, a->turns + 1, &a->turn_cap, sizeof *a->turn);
+    if (s == DT_OK)
+        a->turn[a->turns++] = turn;
+    return s;
 }
 
 /* The turns at a point with this ring: of each fan from its first edge, ccw, to its last one. */
