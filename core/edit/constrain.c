@@ -11,6 +11,7 @@
 #include "core/constraints/march.h"
 #include "core/edit/update.h"
 #include "core/memory/memory.h"
+#include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
 
 /* ---- one constraint and the mesh ---- */
@@ -443,12 +444,6 @@ enum dt_status dt_constrain(struct dt *t, const struct dt_constraint *c, size_t 
 
 /* ---- releasing ---- */
 
-static int compare_rows(const void *a, const void *b)
-{
-    const uint32_t *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Finds the rows, each once. */
 static enum dt_status find_rows(const struct dt *t, const struct dt_constraint *c, size_t n,
                                 uint32_t *row, size_t *distinct, size_t *missing)
@@ -461,12 +456,7 @@ static enum dt_status find_rows(const struct dt *t, const struct dt_constraint *
             return DT_NOCONSTRAINT;
         }
     }
-    if (n > 1)
-        qsort(row, n, sizeof *row, compare_rows);
-    *distinct = 0;
-    for (size_t i = 0; i < n; i++)
-        if (i == 0 || row[i] != row[i - 1])
-            row[(*distinct)++] = row[i];
+    *distinct = dt_sort_unique(row, n, t->points.pages, NULL);
     return DT_OK;
 }
 

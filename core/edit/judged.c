@@ -10,6 +10,7 @@
 
 #include "core/edit/update.h"
 #include "core/memory/memory.h"
+#include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
 
@@ -263,12 +264,6 @@ enum dt_status dt_constrained_move(struct dt *t, uint32_t id, struct dt_point to
                : status;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    const uint32_t *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Whether the ids are live and distinct. */
 static enum dt_status check_ids(const struct dt *t, const uint32_t *ids, size_t n,
                                 uint32_t *missing)
@@ -283,7 +278,7 @@ static enum dt_status check_ids(const struct dt *t, const uint32_t *ids, size_t 
         return DT_NOMEM;
     for (size_t i = 0; i < n; i++)
         sorted[i] = ids[i];
-    qsort(sorted, n, sizeof *sorted, compare_ids);
+    dt_sort_ids(sorted, n, t->points.pages, NULL);
     enum dt_status status = DT_OK;
     for (size_t i = 1; i < n && status == DT_OK; i++)
         if (sorted[i] == sorted[i - 1]) {

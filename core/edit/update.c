@@ -16,8 +16,6 @@
  * dt_refresh rebuilds it from the points. */
 #include "core/edit/update.h"
 
-#include <stdlib.h>
-
 #include "core/control/stop.h"
 #include "core/edit/batch.h"
 #include "core/edit/flip.h"

@@ -304,44 +304,10 @@ static inline size_t keys_of_star(const struct dt_cursor *c, const uint32_t *rin
     return rows;
 }
 
-/* Brings the least k of n keys, 0 < k < n, to the front [Hoare, "Algorithm 65: find", CACM 4(7), 1961]. */
-static void select_keys(uint64_t *key, size_t n, size_t k)
-{
-    uint64_t random = (uintptr_t)key;           /* as in near.c */
-    for (size_t lo = 0, hi = n - 1; lo < hi;) { /* place k - 1 is among lo .. hi */
-        uint64_t pivot = key[lo + dt_random_below(&random, (uint32_t)(hi - lo + 1))];
-        size_t i = lo, j = hi;
-        for (;; i++, j--) {
-            while (key[i] < pivot)
-                i++;
-            while (key[j] > pivot)
-                j--;
-            if (i >= j)
-                break;
-            uint64_t swap = key[i];
-            key[i] = key[j];
-            key[j] = swap;
-        }
-        if (k - 1 <= j)
-            hi = j;
-        else
-            lo = j + 1;
-    }
-}
-
-static int compare_keys(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Puts the least k of n keys in order, all if there are few. */
-static inline void sort_keys(uint64_t *key, size_t n, size_t k)
+static inline void sort_keys(uint64_t *key, size_t n)
 {
     if (n > DT_STAR_MAX) {
-        if (0 < k && k < n)
-            select_keys(key, n, k);
-        qsort(key, k < n ? k : n, sizeof *key, compare_keys);
+        dt_sort_keys(key, n);
         return;
     }
     for (size_t i = 1; i < n; i++) {
@@ -377,7 +343,7 @@ static inline bool write_keys(struct dt_cursor *c, struct sink *k, uint64_t *key
     size_t room = (k->cap - k->words) / width;
     room = room < k->max_rows - k->rows ? room : k->max_rows - k->rows;
     size_t fit = n < room ? n : room;
-    sort_keys(key, n, room);
+    sort_keys(key, n);
     for (size_t i = 0; i < fit; i++)
         write_key(c, k, key[i]);
     c->left -= (uint32_t)fit;
