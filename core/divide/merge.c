@@ -128,49 +128,29 @@ INLINE void look_at(const struct dt_merging *w, struct side *s, uint32_t c, size
     s->x = x ^ ((x ^ c) & (0 - (x >> 31))); /* no branch: only DT_NONE has its top bit set */
 }
 
-INLINE void look_left(const struct dt_merging *w, struct side *s, size_t ghost)
+INLINE void look_from(const struct dt_merging *w, bool left, struct side *s, size_t ghost)
 {
     s->ghost = ghost;
-    look_at(w, s, w->half[ghost], knit_twin(w, ghost));
+    look_at(w, s, w->half[left ? ghost : ghost + 1], knit_twin(w, ghost));
 }
 
-INLINE void look_right(const struct dt_merging *w, struct side *s, size_t ghost)
+/* Deletes the edge of a side beyond its ghost: l-u of L beyond lc = (u, l, none), or its mirror image, the edge r-v of R beyond
+ * rc = (r, v, none). `left` is known when compiled. */
+INLINE void delete_edge(const struct dt_merging *w, bool left, struct side *s)
 {
-    s->ghost = ghost;
-    look_at(w, s, w->half[ghost + 1], knit_twin(w, ghost));
-}
-
-/* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
-INLINE void delete_left(const struct dt_merging *w, struct side *s)
-{
-    size_t lc = s->ghost, edge = knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
-    uint32_t u = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
-    size_t t = dt_base((uint32_t)edge), beyond_side = knit_twin(w, before),
-           beyond_top = knit_twin(w, after), out = knit_twin(w, lc + 2);
-    w->half[lc] = x;
-    knit_link(w, lc, beyond_side);
-    knit_ghost(w, t, u, x);
+    size_t g = s->ghost,
+           edge = knit_twin(w, g); /* l->u, in the triangle (l, u, x); v->r, in (v, r, x) */
+    uint32_t c = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
+    size_t t = dt_base((uint32_t)edge), beyond_side = knit_twin(w, left ? before : after),
+           beyond_top = knit_twin(w, left ? after : before),
+           out = knit_twin(w, left ? g + 2 : g + 1);
+    w->half[left ? g : g + 1] = x;
+    knit_link(w, g, beyond_side);
+    knit_ghost(w, t, left ? c : x, left ? x : c);
     knit_link(w, t, beyond_top);
-    knit_link(w, t + 1, lc + 2);
-    knit_link(w, t + 2, out);
-    w->leaving[x] = (uint32_t)lc;
-    look_at(w, s, x, beyond_side);
-}
-
-/* The mirror image: the edge r-v of R beyond the ghost rc = (r, v, none). */
-INLINE void delete_right(const struct dt_merging *w, struct side *s)
-{
-    size_t rc = s->ghost, edge = knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
-    uint32_t v = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
-    size_t t = dt_base((uint32_t)edge), beyond_side = knit_twin(w, after),
-           beyond_top = knit_twin(w, before), out = knit_twin(w, rc + 1);
-    w->half[rc + 1] = x;
-    knit_link(w, rc, beyond_side);
-    knit_ghost(w, t, x, v);
-    knit_link(w, t, beyond_top);
-    knit_link(w, t + 1, out);
-    knit_link(w, t + 2, rc + 1);
-    w->leaving[v] = (uint32_t)out - 2;
+    knit_link(w, left ? t + 1 : t + 2, left ? g + 2 : g + 1);
+    knit_link(w, left ? t + 2 : t + 1, out);
+    w->leaving[left ? x : c] = (uint32_t)(left ? g : out - 2);
     look_at(w, s, x, beyond_side);
 }
 
@@ -193,7 +173,7 @@ INLINE void knit_left(const struct dt_merging *w, struct seam *s, const struct s
     s->l = s->left.c;
     w->leaving[s->l] = (uint32_t)lc;
     sight_from_left(&s->at, c);
-    look_left(w, &s->left, next);
+    look_from(w, true, &s->left, next);
 }
 
 INLINE void knit_right(const struct dt_merging *w, struct seam *s, const struct sight *c)
@@ -205,7 +185,7 @@ INLINE void knit_right(const struct dt_merging *w, struct seam *s, const struct 
     s->r = s->right.c;
     w->leaving[s->r] = (uint32_t)next;
     sight_from_right(&s->at, c);
-    look_right(w, &s->right, next);
+    look_from(w, false, &s->right, next);
 }
 
 /* From the lower common tangent, whose ghost gets the record bot. */
@@ -219,12 +199,12 @@ INLINE struct seam start(const struct dt_merging *w, bool polls, int sides, uint
         descend(w, polls, sides, &s, &gl, &gr);
     knit_ghost(w, bot, s.r, s.l);
     if (sides & SIGHT_LEFT) {
-        look_left(w, &s.left, ghost_before(w, gl));
+        look_from(w, true, &s.left, ghost_before(w, gl));
         knit_link(w, bot + 1, gl + 2);
         w->leaving[s.l] = (uint32_t)gl;
     }
     if (sides & SIGHT_RIGHT) {
-        look_right(w, &s.right, ghost_after(w, gr));
+        look_from(w, false, &s.right, ghost_after(w, gr));
         knit_link(w, bot + 2, gr + 1);
     }
     return s;
@@ -247,9 +227,9 @@ INLINE bool knit(const struct dt_merging *w, bool close, bool polls, int sides, 
             break;
         int worse = to_delete(w, &s, left, right, above, &c);
         if (worse & SIGHT_LEFT)
-            delete_left(w, &s.left);
+            delete_edge(w, true, &s.left);
         if (worse & SIGHT_RIGHT)
-            delete_right(w, &s.right);
+            delete_edge(w, false, &s.right);
         if (worse != 0)
             continue;
         if (sight_left_wins(w, &s.filter, s.l, s.r, above, left->c, right->c, &c))
