@@ -54,58 +54,56 @@ static bool are_more(const struct levels *l, size_t most)
     return dt_big_compare(&end, &l->most) <= 0;
 }
 
-size_t dt_levels_every(double least, double most, double step, double base, double *level,
-                       size_t cap)
+/* Lists the rounded levels from the least value to the greatest one, each once; with `around`, also the ones before and after. Returns
+ * their number, cap + 1 if they are more than `cap`. */
+static size_t list(struct levels *l, double least, double most, bool around, double *level,
+                   size_t cap)
 {
-    struct levels l;
-    size_t n = 0;
-    if (!(least <= most))
-        return 0;
-    begin(&l, least, most, step, base);
-    if (are_more(&l, cap))
-        return cap + 1;
-    /* The one before may be rounded to the least value. */
-    dt_big_subtract(&l.at, &l.step, &l.at);
-    for (double z = dt_big_nearest(&l.at); z <= most; z = dt_big_nearest(&l.at)) {
-        if (z >= least && (n == 0 || z > level[n - 1])) {
-            if (n == cap)
-                return cap + 1;
-            level[n++] = z;
-        }
-        if (dt_big_compare(&l.at, &l.most) > 0) /* all that follow are rounded to the same */
-            break;
-        dt_big_add(&l.at, &l.step, &l.at);
-    }
-    return n;
-}
-
-size_t dt_levels_around(double least, double most, double step, double base, double *level,
-                        size_t cap)
-{
-    struct levels l;
     size_t n = 0;
     bool above = false; /* the exact level before is above the greatest value */
-    if (!(least <= most))
-        return 0;
-    begin(&l, least, most, step, base);
-    if (are_more(&l, cap))
+    if (are_more(l, cap))
         return cap + 1;
-    dt_big_subtract(&l.at, &l.step, &l.at);
+    /* The one before may be rounded to the least value. */
+    dt_big_subtract(&l->at, &l->step, &l->at);
     for (;;) {
-        double z = dt_big_nearest(&l.at);
+        double z = dt_big_nearest(&l->at);
         if (above &&
-            z <= most) /* the steps are so small that a level is rounded to the next double */
+            z <= most) /* the steps are so small that all that follow are rounded to the same */
             z = nextafter(most, HUGE_VAL);
+        if (z > most && !around)
+            return n;
         if (n == 1 && z <= least) /* the one before is not needed */
             n = 0;
-        if (n == 0 || z > level[n - 1]) {
+        if ((around || z >= least) && (n == 0 || z > level[n - 1])) {
             if (n == cap)
                 return cap + 1;
             level[n++] = z;
         }
         if (z > most)
             return n;
-        above = dt_big_compare(&l.at, &l.most) > 0;
-        dt_big_add(&l.at, &l.step, &l.at);
+        above = dt_big_compare(&l->at, &l->most) > 0;
+        dt_big_add(&l->at, &l->step, &l->at);
     }
+}
+
+static size_t levels(double least, double most, double step, double base, bool around,
+                     double *level, size_t cap)
+{
+    struct levels l;
+    if (!(least <= most))
+        return 0;
+    begin(&l, least, most, step, base);
+    return list(&l, least, most, around, level, cap);
+}
+
+size_t dt_levels_every(double least, double most, double step, double base, double *level,
+                       size_t cap)
+{
+    return levels(least, most, step, base, false, level, cap);
+}
+
+size_t dt_levels_around(double least, double most, double step, double base, double *level,
+                        size_t cap)
+{
+    return levels(least, most, step, base, true, level, cap);
 }
