@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 void dt_cell_clear(struct dt_cell_work *w)
 {

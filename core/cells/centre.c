@@ -14,7 +14,6 @@
 #include "core/exact/lanes2.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Every numerator and denominator below errs by less than UNIT of the sum of the magnitudes of its terms; a quotient errs
  * by less than UNIT of itself. These errors are at most 21 u^2, u = 2^-53, by the bounds of double2.h. */

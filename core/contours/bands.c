@@ -20,11 +20,9 @@
 
 #include "core/exact/predicates.h"
 #include "core/set/view.h"
-#include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     NEW = 8192,       /* crossings of a piece of reading, or parts of the border */

@@ -15,7 +15,6 @@
 #include "core/control/parallel.h"
 #include "core/divide/divide.h"
 #include "core/divide/part.h"
-#include "core/memory/memory.h"
 #include "core/mesh/hull.h"
 
 #define SLICES_PER_THREAD 32u

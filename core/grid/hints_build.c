@@ -16,8 +16,6 @@
 #include "core/exact/lanes.h"
 #include "core/memory/memory.h"
 
-#include <string.h>
-
 #define NEAR 2       /* cells: a distance that need not be improved */
 #define FARTHEST 254 /* cells: distances are cut off there */
 #define BATCHES 8u   /* of grids, for each thread */

@@ -7,9 +7,6 @@
  * 4. With tolerance 0 a representative has the smallest id of all points at its place. */
 #include "core/points/points.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "core/control/parallel.h"
 #include "core/memory/memory.h"
 

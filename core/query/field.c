@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/memory/memory.h"
 #include "core/set/set.h"
 
 const char *dt_field_name(const struct dt_field *f)

@@ -12,8 +12,6 @@
 #include "core/grid/jump.h"
 #include "core/mesh/hull.h"
 
-#include <math.h>
-
 #define PATIENCE 64 /* triangles; nearly every walk is shorter than a dozen */
 
 /* q is in the closed triangle at t, on these sides of its half edges; none is negative. */

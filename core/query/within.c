@@ -26,7 +26,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     AHEAD = 4,  /* triangles that are fetched ahead */

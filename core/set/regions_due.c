@@ -1,6 +1,5 @@
 /* regions_due.c - the regions of a set: found when a query is going to need them, and forgotten when borders change. */
 #include "core/delaunay_surface.h"
-#include "core/mesh/fixed.h"
 #include "core/set/set.h"
 
 bool dt_surveyed(const struct dt *t)

@@ -17,7 +17,6 @@
  */
 #include "core/shelling/front.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory/memory.h"
