@@ -12,7 +12,7 @@
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
 #include "core/exact/lanes.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 

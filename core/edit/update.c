@@ -21,7 +21,7 @@
 #include "core/edit/flip.h"
 #include "core/edit/insert.h"
 #include "core/edit/remove.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 #include "core/query/ahead.h"

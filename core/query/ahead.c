@@ -9,7 +9,7 @@
 #include "core/query/ahead.h"
 
 #include "core/exact/predicates.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/memory/memory.h"
 #include "core/query/locate.h"
 #include "core/set/set.h"

@@ -8,8 +8,8 @@
 
 #include "core/constraints/march.h"
 #include "core/exact/predicates.h"
-#include "core/grid/hints.h"
-#include "core/grid/jump.h"
+#include "core/hints/hints.h"
+#include "core/hints/jump.h"
 #include "core/mesh/hull.h"
 
 #define PATIENCE 64 /* triangles; nearly every walk is shorter than a dozen */

@@ -13,7 +13,7 @@
 #include "core/query/nearest.h"
 
 #include "core/control/stop.h"
-#include "core/grid/jump.h"
+#include "core/hints/jump.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
 #include "core/set/set.h"

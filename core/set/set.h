@@ -4,7 +4,7 @@
 
 #include "core/constraints/constraints.h"
 #include "core/fields/fields.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/mesh/cavity.h"
 #include "core/mesh/mesh.h"
 #include "core/points/points.h"

@@ -10,7 +10,7 @@
 #include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
 #include "core/query/query.h"
-#include "core/surface/rows.h"
+#include "core/surface/raster_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -98,20 +98,19 @@ static uint32_t first_row(const struct mask *k, double y, bool below)
     return lo;
 }
 
-/* The first column whose centre is to the east of an edge from a up to b; with `on`, or on the edge. Near: a guess. */
+/* The first column whose centre is to the east of an edge from a up to b. Near: a guess. */
 static uint32_t first_column(const struct mask *k, struct dt_point a, struct dt_point b,
-                             uint32_t row, uint32_t near, bool on)
+                             uint32_t row, uint32_t near)
 {
     uint32_t lo = 0, hi = k->r->columns;
     for (uint32_t c = near; lo < hi; c = lo + (hi - lo) / 2) {
-        if (dt_orient2d(a, b, centre(k, row, c)) < (on ? 1 : 0)) {
+        if (dt_orient2d(a, b, centre(k, row, c)) < 0) {
             hi = c;
-            if (c > lo && dt_orient2d(a, b, centre(k, row, c - 1)) >= (on ? 1 : 0))
+            if (c > lo && dt_orient2d(a, b, centre(k, row, c - 1)) >= 0)
                 return c;
         } else
             lo = c + 1;
-        if (c == near && lo == near + 1 && lo < hi &&
-            dt_orient2d(a, b, centre(k, row, lo)) < (on ? 1 : 0))
+        if (c == near && lo == near + 1 && lo < hi && dt_orient2d(a, b, centre(k, row, lo)) < 0)
             return lo;
     }
     return lo;
@@ -142,7 +141,7 @@ static void cross(struct mask *k, struct dt_point a, struct dt_point b, uint32_t
     const uint32_t columns = k->r->columns;
     const uint64_t begin = (uint64_t)row * columns;
     const double y = centre(k, row, 0).y;
-    uint32_t east = first_column(k, a, b, row, guess(k, a, b, y), false);
+    uint32_t east = first_column(k, a, b, row, guess(k, a, b, y));
     for (uint32_t c = east; c > 0 && dt_orient2d(a, b, centre(k, row, c - 1)) == 0; c--)
         set(k->on, begin + c - 1);
     if (y < b.y && east < columns)

@@ -1,9 +1,9 @@
-/* raster.c - values of a surface at many places, and at the cells of a raster, by rows (rows.h). */
+/* raster.c - values of a surface at many places, and at the cells of a raster, by rows (raster_rows.h). */
 #include "core/control/parallel.h"
 #include "core/delaunay_constraints.h"
 #include "core/query/ahead.h"
 #include "core/set/set.h"
-#include "core/surface/rows.h"
+#include "core/surface/raster_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "core/edit/insert.h"
 #include "core/edit/remove.h"
 #include "core/exact/predicates.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/query/locate.h"
 #include "tests/core/mesh_check.h"
 #include "tests/oracle/families.h"

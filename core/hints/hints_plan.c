@@ -8,7 +8,7 @@
  * grid for each cell in which samples crowd, on their box, and so on. A grid most of whose samples are in
  * crowded cells is of little use, so it is remade with few cells: the next level will fit better. If all grids
  * together take more memory than a set may have for them, they are laid out again with fewer cells. */
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* hints_test.c - the grid of hints: hints near every place and a small grid for every distribution; and walks
  * from anywhere. */
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 
 #include <math.h>
 #include <stdlib.h>

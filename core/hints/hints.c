@@ -1,5 +1,5 @@
 /* hints.c - the grid's memory, the way to cells that are not empty, and hints while the mesh changes; see hints.h. */
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 
 void dt_hints_clear(struct dt_hints *g)
 {

@@ -1,4 +1,4 @@
-/* rows.h - rows of cells of a raster, each a line from west to east, several side by side.
+/* raster_rows.h - rows of cells of a raster, each a line from west to east, several side by side.
  *
  * A row crosses the triangles one after the other, each from an edge that goes down, as seen from the triangle, to one
  * that goes up:
@@ -11,8 +11,8 @@
  *
  * A cell on an edge or at a corner is looked up by itself. The first cell of a row, some cells after many triangles
  * without cells, and cells to the west of the hull are, too. */
-#ifndef DT_ROWS_H
-#define DT_ROWS_H
+#ifndef DT_RASTER_ROWS_H
+#define DT_RASTER_ROWS_H
 
 #include "core/surface/value.h"
 

@@ -1,6 +1,6 @@
 /* jump.c - see jump.h. Records and vertices are in spatial order, so a sample takes them in even
  * steps, in an order that depends on nothing but their number. */
-#include "core/grid/jump.h"
+#include "core/hints/jump.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* jump_test.c - searches that would be long begin at the best of a sample. */
-#include "core/grid/jump.h"
+#include "core/hints/jump.h"
 
 #include <math.h>
 #include <stdlib.h>

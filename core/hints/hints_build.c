@@ -9,7 +9,7 @@
  *
  * Triangles and vertices are in spatial order in memory, so claiming runs through the cells nearly in order;
  * threads share the passes but the first. */
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"

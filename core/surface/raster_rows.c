@@ -1,4 +1,4 @@
-/* rows.c - see rows.h.
+/* raster_rows.c - see raster_rows.h.
  *
  * Where a row crosses an edge decides which columns are to the west of it:
  *
@@ -14,7 +14,7 @@
  *
  * The place of a crossing is rounded. If a centre is so near that c is not certain, the exact side of the edge
  * decides, and a cell on the edge is looked up. */
-#include "core/surface/rows.h"
+#include "core/surface/raster_rows.h"
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/mesh/hull.h"
