@@ -9,9 +9,8 @@
  *    of degree 3, have at most 1,210 bits. */
 #include "core/cells/centre.h"
 
-#include "core/exact/bignum.h"
-#include "core/exact/double2.h"
 #include "core/exact/lanes2.h"
+#include "core/exact/vectors.h"
 
 #include <math.h>
 
@@ -51,14 +50,6 @@ static void big_cross(const struct dt_big *a, const struct dt_big *b, const stru
     dt_big_multiply(c, d, &right);
     dt_big_multiply(a, b, r);
     dt_big_subtract(r, &right, r);
-}
-
-static void big_square(const struct dt_big *x, const struct dt_big *y, struct dt_big *r)
-{
-    struct dt_big yy;
-    dt_big_multiply(y, y, &yy);
-    dt_big_multiply(x, x, r);
-    dt_big_add(r, &yy, r);
 }
 
 /* from + n / d, rounded. */
@@ -205,17 +196,16 @@ static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point
 
 static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct dt_point c)
 {
-    struct dt_big bx, by, cx, cy, bb, cc, twice, x, y;
-    dt_big_difference(b.x, a.x, &bx);
-    dt_big_difference(b.y, a.y, &by);
-    dt_big_difference(c.x, a.x, &cx);
-    dt_big_difference(c.y, a.y, &cy);
-    big_square(&bx, &by, &bb);
-    big_square(&cx, &cy, &cc);
-    big_cross(&bx, &cy, &by, &cx, &twice);
+    struct dt_big_vector to_b, to_c;
+    struct dt_big bb, cc, twice, x, y;
+    dt_big_vector_of(a, b, &to_b);
+    dt_big_vector_of(a, c, &to_c);
+    dt_big_dot(&to_b, &to_b, &bb);
+    dt_big_dot(&to_c, &to_c, &cc);
+    dt_big_cross(&to_b, &to_c, &twice);
     dt_big_add(&twice, &twice, &twice);
-    big_cross(&bb, &cy, &cc, &by, &x);
-    big_cross(&cc, &bx, &bb, &cx, &y);
+    big_cross(&bb, &to_c.y, &cc, &to_b.y, &x);
+    big_cross(&cc, &to_b.x, &bb, &to_c.x, &y);
     return (struct dt_point){round_big(a.x, &x, &twice), round_big(a.y, &y, &twice)};
 }
 
@@ -284,16 +274,16 @@ void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struc
 
 static double bisector_big(struct dt_point p, struct dt_point q, double at)
 {
-    struct dt_big dx, twice_dy, n, twice_w;
-    dt_big_difference(q.x, p.x, &dx);
-    dt_big_difference(q.y, p.y, &twice_dy);
-    big_square(&dx, &twice_dy, &n);
-    dt_big_add(&twice_dy, &twice_dy, &twice_dy);
+    struct dt_big_vector d;
+    struct dt_big n, twice_w;
+    dt_big_vector_of(p, q, &d);
+    dt_big_dot(&d, &d, &n);
+    dt_big_add(&d.y, &d.y, &d.y);
     dt_big_difference(at, p.x, &twice_w);
     dt_big_add(&twice_w, &twice_w, &twice_w);
-    dt_big_multiply(&dx, &twice_w, &dx);
-    dt_big_subtract(&n, &dx, &n);
-    return round_big(p.y, &n, &twice_dy);
+    dt_big_multiply(&d.x, &twice_w, &d.x);
+    dt_big_subtract(&n, &d.x, &n);
+    return round_big(p.y, &n, &d.y);
 }
 
 double dt_bisector_y(struct dt_point p, struct dt_point q, double at)

@@ -6,9 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/exact/bignum.h"
+#include "core/delaunay_constraints.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
+#include "core/exact/vectors.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 
@@ -28,20 +29,6 @@ bool dt_segments_cross(const struct dt_segment *a, const struct dt_segment *b)
 {
     struct dt_box one = box_of(a), other = box_of(b);
     return dt_box_overlaps(&one, &other) && separates(a, b) && separates(b, a);
-}
-
-/* *r = (b - a) x (d - c) */
-static void cross(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d,
-                  struct dt_big *r)
-{
-    struct dt_big x, y, left;
-    dt_big_difference(b.x, a.x, &x);
-    dt_big_difference(d.y, c.y, &y);
-    dt_big_multiply(&x, &y, &left);
-    dt_big_difference(b.y, a.y, &x);
-    dt_big_difference(d.x, c.x, &y);
-    dt_big_multiply(&x, &y, r);
-    dt_big_subtract(&left, r, r);
 }
 
 /* from + (to - from) num / den, rounded. A polynomial of degree three over one of degree two: numbers of 2,560 bits have
@@ -66,9 +53,13 @@ static double round_place(double from, double to, const struct dt_big *num,
 
 struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b)
 {
+    struct dt_big_vector one, other, between;
     struct dt_big num, den;
-    cross(a->p, a->q, b->p, b->q, &den);
-    cross(a->p, b->p, b->p, b->q, &num);
+    dt_big_vector_of(a->p, a->q, &one);
+    dt_big_vector_of(b->p, b->q, &other);
+    dt_big_vector_of(a->p, b->p, &between);
+    dt_big_cross(&one, &other, &den);
+    dt_big_cross(&between, &other, &num);
     return (struct dt_point){round_place(a->p.x, a->q.x, &num, &den),
                              round_place(a->p.y, a->q.y, &num, &den)};
 }
@@ -112,25 +103,16 @@ static enum dt_status look_at_all(struct search *f, size_t n)
     return status;
 }
 
-static bool meets(const struct dt_segment *s, const struct dt_box *b)
-{
-    struct dt_box around = box_of(s);
-    if (!dt_box_overlaps(&around, b))
-        return false;
-    bool rising = (s->p.x < s->q.x) == (s->p.y < s->q.y);
-    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
-                    right = {b->hi.x, rising ? b->lo.y : b->hi.y};
-    return dt_orient2d(s->p, s->q, left) * dt_orient2d(s->p, s->q, right) <= 0;
-}
-
 /* Appends those of n from `from` on that meet the box. */
 static enum dt_status choose(struct search *f, size_t from, size_t n, const struct dt_box *b)
 {
     if (dt_items_reserve(&f->list, f->n + n, &f->cap, sizeof *f->list) != DT_OK)
         return DT_NOMEM;
-    for (size_t i = from; i < from + n; i++)
-        if (meets(&f->s[f->list[i]], b))
+    for (size_t i = from; i < from + n; i++) {
+        const struct dt_segment *s = &f->s[f->list[i]];
+        if (dt_segment_meets_box(s->p, s->q, b->lo, b->hi))
             f->list[f->n++] = f->list[i];
+    }
     return dt_work(f->work, n);
 }
 

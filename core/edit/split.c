@@ -14,8 +14,9 @@
 #include "core/constraints/crossings.h"
 #include "core/delaunay_fields.h"
 #include "core/edit/constrain.h"
-#include "core/exact/double2.h"
+#include "core/exact/box.h"
 #include "core/exact/predicates.h"
+#include "core/exact/vectors.h"
 #include "core/memory/memory.h"
 #include "core/query/query.h"
 
@@ -113,14 +114,6 @@ static int compare_constraints(const void *a, const void *b)
     return dt_constraint_compare(&((const struct origin *)a)->c, &((const struct origin *)b)->c);
 }
 
-static struct dt_constraint ascending(struct dt_constraint c)
-{
-    uint32_t a = c.a < c.b ? c.a : c.b;
-    c.b = c.a < c.b ? c.b : c.a;
-    c.a = a;
-    return c;
-}
-
 /* Lists the declared constraints, and then the constraints of c[n] that are not declared, sorted; each once. */
 static enum dt_status list_origins(struct plan *s, const struct dt_constraint *c, size_t n)
 {
@@ -134,7 +127,7 @@ static enum dt_status list_origins(struct plan *s, const struct dt_constraint *c
             s->origin[k++] = (struct origin){dt_declared_get(d, i), true, false};
     for (size_t i = kept = 0; i < n; i++)
         if (declared == 0 || dt_declared_find(d, &c[i]) == DT_NONE)
-            s->origin[k + kept++] = (struct origin){ascending(c[i]), false, false};
+            s->origin[k + kept++] = (struct origin){dt_constraint_ascending(c[i]), false, false};
     qsort(s->origin + k, kept, sizeof *s->origin, compare_constraints);
     size_t first = k;
     for (size_t i = first; i < first + kept; i++)
@@ -184,23 +177,16 @@ static bool meet_at_point(const struct plan *s, const struct dt_segment *a,
     return id != DT_NONE && dt_compare_xy(place_of(s, id), q) == 0;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static double size_of(struct dt_point p)
 {
-    return larger(fabs(p.x), fabs(p.y));
+    return dt_greater(fabs(p.x), fabs(p.y));
 }
 
 /* The distance of r from the line through p and q. */
 static double distance(struct dt_point p, struct dt_point q, struct dt_point r)
 {
-    struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);
-    struct dt_double2 left = dt_double2_multiply(dx, dt_double2_difference(r.y, p.y));
-    struct dt_double2 right = dt_double2_multiply(dy, dt_double2_difference(r.x, p.x));
-    return fabs(dt_double2_add(left, dt_double2_negate(right)).hi) / hypot(dx.hi, dy.hi);
+    struct dt_vector2 d = dt_vector2_of(p, q);
+    return fabs(dt_vector2_cross(d, dt_vector2_of(p, r)).value.hi) / hypot(d.x.hi, d.y.hi);
 }
 
 static bool is_between(double a, double b, double v, double slack)
@@ -481,8 +467,8 @@ static enum dt_status write_plan(const struct plan *s, struct dt_split *out)
     for (size_t i = 0; i < s->parts; i++) {
         const struct origin *o = &s->origin[s->part[i].origin];
         if (o->cut || !o->declared)
-            out->added[n++] = ascending((struct dt_constraint){s->part[i].end[0], s->part[i].end[1],
-                                                               o->c.border, o->c.number});
+            out->added[n++] = dt_constraint_ascending((struct dt_constraint){
+                s->part[i].end[0], s->part[i].end[1], o->c.border, o->c.number});
     }
     settle_added(s, n, out);
     out->deviation = deviation_of(s);

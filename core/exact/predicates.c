@@ -34,8 +34,9 @@
 
 #include <string.h>
 
-#include "core/exact/bignum.h"
-#include "core/exact/double2.h"
+#include "core/delaunay_constraints.h"
+#include "core/exact/box.h"
+#include "core/exact/vectors.h"
 
 #ifdef __FAST_MATH__
 #error "the predicates need IEEE arithmetic: compile without -ffast-math"
@@ -55,67 +56,6 @@ static double spread(struct dt_point a, struct dt_point b)
     return fabs(a.x - b.x) + fabs(a.y - b.y);
 }
 
-/* ---- vectors between points ---- */
-
-struct double2_vector {
-    struct dt_double2 x, y;
-};
-
-/* b - a */
-static struct double2_vector vector_2(struct dt_point a, struct dt_point b)
-{
-    return (struct double2_vector){dt_double2_difference(b.x, a.x),
-                                   dt_double2_difference(b.y, a.y)};
-}
-
-/* A value and the sum of the magnitudes of its terms. */
-struct bounded_2 {
-    struct dt_double2 value;
-    double size;
-};
-
-static struct bounded_2 add_2(struct dt_double2 a, struct dt_double2 b)
-{
-    return (struct bounded_2){dt_double2_add(a, b), fabs(a.hi) + fabs(b.hi)};
-}
-
-static struct bounded_2 cross_2(struct double2_vector a, struct double2_vector b)
-{
-    return add_2(dt_double2_multiply(a.x, b.y), dt_double2_negate(dt_double2_multiply(a.y, b.x)));
-}
-
-static struct bounded_2 dot_2(struct double2_vector a, struct double2_vector b)
-{
-    return add_2(dt_double2_multiply(a.x, b.x), dt_double2_multiply(a.y, b.y));
-}
-
-struct big_vector {
-    struct dt_big x, y;
-};
-
-/* *r = b - a */
-static void vector_big(struct dt_point a, struct dt_point b, struct big_vector *r)
-{
-    dt_big_difference(b.x, a.x, &r->x);
-    dt_big_difference(b.y, a.y, &r->y);
-}
-
-static void cross_big(const struct big_vector *a, const struct big_vector *b, struct dt_big *r)
-{
-    struct dt_big right;
-    dt_big_multiply(&a->x, &b->y, r);
-    dt_big_multiply(&a->y, &b->x, &right);
-    dt_big_subtract(r, &right, r);
-}
-
-static void dot_big(const struct big_vector *a, const struct big_vector *b, struct dt_big *r)
-{
-    struct dt_big y;
-    dt_big_multiply(&a->x, &b->x, r);
-    dt_big_multiply(&a->y, &b->y, &y);
-    dt_big_add(r, &y, r);
-}
-
 /* ---- orient2d ---- */
 
 struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c)
@@ -128,24 +68,24 @@ struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, st
 
 int dt_orient2d_double2(const struct dt_near_corner *k)
 {
-    struct bounded_2 det = cross_2(vector_2(k->p, k->q), vector_2(k->p, k->s));
+    struct dt_bounded2 det = dt_vector2_cross(dt_vector2_of(k->p, k->q), dt_vector2_of(k->p, k->s));
     return fabs(det.value.hi) > DT_ORIENT_BOUND_2 * det.size ? sign_of(det.value.hi) : 0;
 }
 
 int dt_orient2d_big(const struct dt_near_corner *k)
 {
-    struct big_vector q, s;
+    struct dt_big_vector q, s;
     struct dt_big det;
-    vector_big(k->p, k->q, &q);
-    vector_big(k->p, k->s, &s);
-    cross_big(&q, &s, &det);
+    dt_big_vector_of(k->p, k->q, &q);
+    dt_big_vector_of(k->p, k->s, &s);
+    dt_big_cross(&q, &s, &det);
     return det.sign;
 }
 
 /* If all differences are exact, two products decide: rounding is monotone. False: some are not. */
 static bool orient2d_two_products(const struct dt_near_corner *k, int *sign)
 {
-    struct double2_vector q = vector_2(k->p, k->q), s = vector_2(k->p, k->s);
+    struct dt_vector2 q = dt_vector2_of(k->p, k->q), s = dt_vector2_of(k->p, k->s);
     double left, left_tail, right, right_tail;
     if (q.x.lo != 0 || q.y.lo != 0 || s.x.lo != 0 || s.y.lo != 0)
         return false;
@@ -287,10 +227,11 @@ struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct
 
 int dt_incircle_double2(const struct dt_near_base *k)
 {
-    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
-    struct bounded_2 cr_q = cross_2(base, q), cr_t = cross_2(base, vector_2(k->nearer, k->t));
-    struct bounded_2 dt_q = dot_2(q, vector_2(k->s, k->q));
-    struct bounded_2 dt_t = dot_2(vector_2(k->p, k->t), vector_2(k->s, k->t));
+    struct dt_vector2 base = dt_vector2_of(k->p, k->s), q = dt_vector2_of(k->p, k->q);
+    struct dt_bounded2 cr_q = dt_vector2_cross(base, q),
+                       cr_t = dt_vector2_cross(base, dt_vector2_of(k->nearer, k->t));
+    struct dt_bounded2 dt_q = dt_vector2_dot(q, dt_vector2_of(k->s, k->q));
+    struct dt_bounded2 dt_t = dt_vector2_dot(dt_vector2_of(k->p, k->t), dt_vector2_of(k->s, k->t));
     struct dt_double2 left = dt_double2_multiply(dt_q.value, cr_t.value);
     struct dt_double2 right = dt_double2_multiply(dt_t.value, cr_q.value);
     struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
@@ -300,18 +241,18 @@ int dt_incircle_double2(const struct dt_near_base *k)
 
 int dt_incircle_big(const struct dt_near_base *k)
 {
-    struct big_vector base, to_q, to_t, other;
+    struct dt_big_vector base, to_q, to_t, other;
     struct dt_big cr_q, cr_t, dt_q, dt_t;
-    vector_big(k->p, k->s, &base);
-    vector_big(k->p, k->q, &to_q);
-    vector_big(k->p, k->t, &to_t);
-    cross_big(&base, &to_q, &cr_q);
-    vector_big(k->nearer, k->t, &other);
-    cross_big(&base, &other, &cr_t);
-    vector_big(k->s, k->q, &other);
-    dot_big(&to_q, &other, &dt_q);
-    vector_big(k->s, k->t, &other);
-    dot_big(&to_t, &other, &dt_t);
+    dt_big_vector_of(k->p, k->s, &base);
+    dt_big_vector_of(k->p, k->q, &to_q);
+    dt_big_vector_of(k->p, k->t, &to_t);
+    dt_big_cross(&base, &to_q, &cr_q);
+    dt_big_vector_of(k->nearer, k->t, &other);
+    dt_big_cross(&base, &other, &cr_t);
+    dt_big_vector_of(k->s, k->q, &other);
+    dt_big_dot(&to_q, &other, &dt_q);
+    dt_big_vector_of(k->s, k->t, &other);
+    dt_big_dot(&to_t, &other, &dt_t);
     dt_big_multiply(&dt_q, &cr_t, &dt_q);
     dt_big_multiply(&dt_t, &cr_q, &dt_t);
     return k->sign * dt_big_compare(&dt_q, &dt_t);
@@ -354,13 +295,29 @@ int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, str
                          : dt_orient2d(a, b, d);
 }
 
+/* ---- boxes ---- */
+
+/* No axis and not the segment's normal separates them. */
+bool dt_segment_meets_box(struct dt_point a, struct dt_point b, struct dt_point lo,
+                          struct dt_point hi)
+{
+    const struct dt_box box = {lo, hi}, around = dt_box_of((const struct dt_point[]){a, b}, 2);
+    if (dt_box_contains(&box, a) || dt_box_contains(&box, b))
+        return true;
+    if (!dt_box_overlaps(&around, &box))
+        return false;
+    bool rising = (a.x < b.x) == (a.y < b.y);
+    struct dt_point left = {lo.x, rising ? hi.y : lo.y}, right = {hi.x, rising ? lo.y : hi.y};
+    return dt_orient2d(a, b, left) * dt_orient2d(a, b, right) <= 0;
+}
+
 /* ---- distances ---- */
 
 static void square_distance_big(struct dt_point a, struct dt_point b, struct dt_big *r)
 {
-    struct big_vector v;
-    vector_big(a, b, &v);
-    dot_big(&v, &v, r);
+    struct dt_big_vector v;
+    dt_big_vector_of(a, b, &v);
+    dt_big_dot(&v, &v, r);
 }
 
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
@@ -388,11 +345,11 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
 
 int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b)
 {
-    struct big_vector to_a, to_b;
+    struct dt_big_vector to_a, to_b;
     struct dt_big dot;
-    vector_big(o, a, &to_a);
-    vector_big(o, b, &to_b);
-    dot_big(&to_a, &to_b, &dot);
+    dt_big_vector_of(o, a, &to_a);
+    dt_big_vector_of(o, b, &to_b);
+    dt_big_dot(&to_a, &to_b, &dot);
     return dot.sign;
 }
 
@@ -401,16 +358,16 @@ int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b)
 static int compare_circumradius_big(struct dt_point a, struct dt_point b, struct dt_point c,
                                     double r)
 {
-    struct big_vector to_b, to_c;
+    struct dt_big_vector to_b, to_c;
     struct dt_big sides, other;
     square_distance_big(a, b, &sides);
     square_distance_big(b, c, &other);
     dt_big_multiply(&sides, &other, &sides);
     square_distance_big(c, a, &other);
     dt_big_multiply(&sides, &other, &sides);
-    vector_big(a, b, &to_b);
-    vector_big(a, c, &to_c);
-    cross_big(&to_b, &to_c, &other);
+    dt_big_vector_of(a, b, &to_b);
+    dt_big_vector_of(a, c, &to_c);
+    dt_big_cross(&to_b, &to_c, &other);
     dt_big_of(2 * r, &to_b.x);
     dt_big_multiply(&other, &to_b.x, &other);
     dt_big_multiply(&other, &other, &other);

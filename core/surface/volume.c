@@ -24,8 +24,9 @@
  *
  * Together that is less than 2^-46.
  */
-#include "core/exact/double2.h"
+#include "core/exact/box.h"
 #include "core/exact/sum.h"
+#include "core/exact/vectors.h"
 #include "core/mesh/fixed.h"
 #include "core/query/query.h"
 #include "core/set/set.h"
@@ -164,14 +165,10 @@ static void read_heights(const struct dt *t, struct dt_volume *v)
 /* Twice the area of a triangle that is not flat, in double words; *size: of the two products. */
 static double area_in_double_words(const struct dt_point p[3], double *size)
 {
-    struct dt_double2 ax = dt_double2_difference(p[1].x, p[0].x);
-    struct dt_double2 ay = dt_double2_difference(p[1].y, p[0].y);
-    struct dt_double2 bx = dt_double2_difference(p[2].x, p[0].x);
-    struct dt_double2 by = dt_double2_difference(p[2].y, p[0].y);
-    struct dt_double2 plus = dt_double2_multiply(ax, by);
-    struct dt_double2 minus = dt_double2_multiply(ay, bx);
-    *size = fabs(plus.hi) + fabs(minus.hi);
-    return dt_double2_add(plus, dt_double2_negate(minus)).hi;
+    struct dt_bounded2 area =
+        dt_vector2_cross(dt_vector2_of(p[0], p[1]), dt_vector2_of(p[0], p[2]));
+    *size = area.size;
+    return area.value.hi;
 }
 
 /* Twice the area of a counterclockwise triangle, with an error below 64 u. In doubles the difference of the products errs by 3 u of
@@ -192,16 +189,6 @@ static double twice_area(const struct dt_point p[3])
     for (int k = 0; k < 3; k++)
         dt_sum_cross(&sum, p[k], p[(k + 1) % 3]);
     return 2 * dt_sum_half(&sum);
-}
-
-static double least_of(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double most_of(double a, double b)
-{
-    return a > b ? a : b;
 }
 
 /* Six times what is on both sides, for twice the area 1: of the corner that is alone, with h > 0, and of the others. */
@@ -241,7 +228,8 @@ static void add_small(struct dt_volume *v, double area, const double h[3])
 static void add_triangle(struct dt_volume *v, const struct dt_point p[3], const double h[3])
 {
     double area = twice_area(p), whole = h[0] + h[1] + h[2];
-    double least = least_of(least_of(h[0], h[1]), h[2]), most = most_of(most_of(h[0], h[1]), h[2]);
+    double least = dt_lesser(dt_lesser(h[0], h[1]), h[2]),
+           most = dt_greater(dt_greater(h[0], h[1]), h[2]);
     dt_wide_sum_add(&v->area, area, 1);
     if (least >= 0)
         dt_wide_sum_add(&v->above, area, whole);

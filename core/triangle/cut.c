@@ -16,7 +16,7 @@
 #include "core/triangle/cut.h"
 
 #include "core/constraints/crossings.h"
-#include "core/exact/bignum.h"
+#include "core/exact/vectors.h"
 
 #include <math.h>
 
@@ -24,23 +24,17 @@
 static bool area_of(struct dt_point p, struct dt_point q, struct dt_point r,
                     struct dt_double2 *area)
 {
-    struct dt_double2 ax = dt_double2_difference(q.x, p.x), ay = dt_double2_difference(q.y, p.y);
-    struct dt_double2 bx = dt_double2_difference(r.x, p.x), by = dt_double2_difference(r.y, p.y);
-    struct dt_double2 plus = dt_double2_multiply(ax, by), minus = dt_double2_multiply(ay, bx);
-    *area = dt_double2_add(plus, dt_double2_negate(minus));
-    return area->hi >= 0x1p-20 * (fabs(plus.hi) + fabs(minus.hi));
+    struct dt_bounded2 cross = dt_vector2_cross(dt_vector2_of(p, q), dt_vector2_of(p, r));
+    *area = cross.value;
+    return cross.value.hi >= 0x1p-20 * cross.size;
 }
 
 static void exact_area(struct dt_point p, struct dt_point q, struct dt_point r, struct dt_big *area)
 {
-    struct dt_big x, y, plus;
-    dt_big_difference(q.x, p.x, &x);
-    dt_big_difference(r.y, p.y, &y);
-    dt_big_multiply(&x, &y, &plus);
-    dt_big_difference(q.y, p.y, &y);
-    dt_big_difference(r.x, p.x, &x);
-    dt_big_multiply(&x, &y, area);
-    dt_big_subtract(&plus, area, area);
+    struct dt_big_vector a, b;
+    dt_big_vector_of(p, q, &a);
+    dt_big_vector_of(p, r, &b);
+    dt_big_cross(&a, &b, area);
 }
 
 static struct dt_double2 quotient_of(const struct dt_big *a, const struct dt_big *b)
