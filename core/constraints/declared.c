@@ -127,8 +127,8 @@ enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n)
 
 static struct dt_declared_row row_of(const struct dt_constraint *c)
 {
-    return (struct dt_declared_row){.end = {c->a < c->b ? c->a : c->b, c->a < c->b ? c->b : c->a},
-                                    .what = c->number << 1 | c->border};
+    struct dt_constraint k = dt_constraint_ascending(*c);
+    return (struct dt_declared_row){.end = {k.a, k.b}, .what = k.number << 1 | k.border};
 }
 
 uint32_t dt_declared_find(const struct dt_declared *d, const struct dt_constraint *c)

@@ -71,6 +71,12 @@ static inline bool dt_declared_is_live(const struct dt_declared *d, uint32_t row
     return d->row[row].end[0] != DT_NONE;
 }
 
+/* The same constraint, its smaller id first. */
+static inline struct dt_constraint dt_constraint_ascending(struct dt_constraint c)
+{
+    return c.a < c.b ? c : (struct dt_constraint){c.b, c.a, c.border, c.number};
+}
+
 /* Appends one; DT_NOMEM leaves the list as it was. Cost: constant, amortised. */
 enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c);
 

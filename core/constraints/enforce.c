@@ -17,6 +17,7 @@
 #include "core/mesh/diagonal.h"
 #include "core/mesh/fixed.h"
 #include "core/mesh/hull.h"
+#include "core/mesh/star.h"
 
 #define ALONG 4u /* a bit that no half edge has */
 

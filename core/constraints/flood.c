@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
@@ -34,21 +35,13 @@ static enum dt_status reach(struct flood *f, uint32_t h, uint32_t inside)
 
 /* ---- loose sides ---- */
 
-static double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double most(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Each segment contains its lower end and not its upper one, so that a way through a corner of the polygon meets one side or both. */
 static bool meets(const struct dt_segment *s, struct dt_point a, struct dt_point b)
 {
-    if (most(s->p.x, s->q.x) < least(a.x, b.x) || least(s->p.x, s->q.x) > most(a.x, b.x) ||
-        most(s->p.y, s->q.y) < least(a.y, b.y) || least(s->p.y, s->q.y) > most(a.y, b.y))
+    if (dt_greater(s->p.x, s->q.x) < dt_lesser(a.x, b.x) ||
+        dt_lesser(s->p.x, s->q.x) > dt_greater(a.x, b.x) ||
+        dt_greater(s->p.y, s->q.y) < dt_lesser(a.y, b.y) ||
+        dt_lesser(s->p.y, s->q.y) > dt_greater(a.y, b.y))
         return false;
     return (dt_orient2d(a, b, s->p) > 0) != (dt_orient2d(a, b, s->q) > 0) &&
            (dt_orient2d(s->p, s->q, a) > 0) != (dt_orient2d(s->p, s->q, b) > 0);

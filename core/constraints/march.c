@@ -1,6 +1,8 @@
 /* march.c - see march.h. */
 #include "core/constraints/march.h"
 
+#include "core/mesh/star.h"
+
 /* Whether r lies from p in the direction of q, all three on one line. */
 static bool ahead(struct dt_point p, struct dt_point r, struct dt_point q)
 {
@@ -54,20 +56,6 @@ enum dt_march_step dt_march_begin(const struct dt_mesh *m, const struct dt_point
     } while (h != near);
     *half = ghost_beyond(m, xy, near, q);
     return DT_MARCH_OUT;
-}
-
-uint32_t dt_edge_between(const struct dt_mesh *m, uint32_t a, uint32_t b)
-{
-    uint32_t from_a = m->leaving[a], from_b = m->leaving[b];
-    do {
-        if (dt_dest(m, from_a) == b)
-            return from_a;
-        if (dt_dest(m, from_b) == a)
-            return dt_twin(m, from_b);
-        from_a = dt_turn_ccw(m, from_a);
-        from_b = dt_turn_ccw(m, from_b);
-    } while (from_a != m->leaving[a] && from_b != m->leaving[b]);
-    return DT_NONE;
 }
 
 enum dt_march_step dt_march_between(const struct dt_mesh *m, const struct dt_point *xy, uint32_t a,

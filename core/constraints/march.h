@@ -44,8 +44,4 @@ static inline uint32_t dt_march_next(const struct dt_mesh *m, uint32_t half, int
     return side_of_apex > 0 ? dt_next(g) : dt_prev(g);
 }
 
-/* The half edge from vertex a to vertex b, DT_NONE if they are not joined; found without a look at places. Cost: the
- * smaller degree. */
-uint32_t dt_edge_between(const struct dt_mesh *m, uint32_t a, uint32_t b);
-
 #endif

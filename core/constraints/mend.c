@@ -22,7 +22,7 @@ void dt_suspect(struct dt_suspects *s, uint32_t h)
         s->lost = true;
 }
 
-static bool must_flip(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h)
+bool dt_must_flip(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h)
 {
     uint32_t g = dt_twin(m, h);
     return !dt_is_fixed(m, h) && !dt_is_ghost(m, h) && !dt_is_ghost(m, g) &&
@@ -30,8 +30,7 @@ static bool must_flip(const struct dt_mesh *m, const struct dt_point *xy, uint32
                                  xy[dt_apex_of(m, g)]) > 0;
 }
 
-static void flip(struct dt_mesh *m, uint32_t h, struct dt_suspects *s,
-                 const struct dt_changes *changes)
+void dt_flip_noting(struct dt_mesh *m, uint32_t h, const struct dt_changes *changes)
 {
     uint32_t g = dt_twin(m, h);
     dt_changes_star(changes, dt_origin(m, h));
@@ -39,6 +38,13 @@ static void flip(struct dt_mesh *m, uint32_t h, struct dt_suspects *s,
     dt_changes_star(changes, dt_apex_of(m, h));
     dt_changes_star(changes, dt_apex_of(m, g));
     dt_flip(m, h);
+}
+
+static void flip(struct dt_mesh *m, uint32_t h, struct dt_suspects *s,
+                 const struct dt_changes *changes)
+{
+    uint32_t g = dt_twin(m, h);
+    dt_flip_noting(m, h, changes);
     m->recycled = true;
     dt_suspect(s, h);
     dt_suspect(s, dt_next(h));
@@ -52,7 +58,7 @@ static void look_everywhere(struct dt_mesh *m, const struct dt_point *xy, struct
 {
     s->lost = false;
     for (uint32_t h = 0; h < 8 * m->tri_end; h = (h & 7) == 2 ? h + 6 : h + 1)
-        if (!dt_is_dead(m, h) && must_flip(m, xy, h))
+        if (!dt_is_dead(m, h) && dt_must_flip(m, xy, h))
             flip(m, h, s, changes);
 }
 
@@ -64,7 +70,7 @@ void dt_mend(struct dt_mesh *m, const struct dt_point *xy, struct dt_suspects *s
             look_everywhere(m, xy, s, changes);
         while (s->n > 0) {
             uint32_t h = s->half[--s->n];
-            if (must_flip(m, xy, h))
+            if (dt_must_flip(m, xy, h))
                 flip(m, h, s, changes);
         }
     } while (s->lost);

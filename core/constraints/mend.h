@@ -19,6 +19,12 @@ void dt_suspects_clear(struct dt_suspects *s);
 /* Adds one; out of memory, *s is lost. */
 void dt_suspect(struct dt_suspects *s, uint32_t h);
 
+/* Whether the edge of h must be flipped: it is neither fixed nor at the hull, and not locally Delaunay. */
+bool dt_must_flip(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h);
+
+/* Flips the edge of h, and notifies changes, which may be NULL, of the stars that change. */
+void dt_flip_noting(struct dt_mesh *m, uint32_t h, const struct dt_changes *changes);
+
 /* Flips what is not Delaunay among the suspects, and what that makes suspect; none is left then, and *s is not lost.
  * changes, which may be NULL, is notified of the stars that change. Out of memory, it looks at all edges instead. */
 void dt_mend(struct dt_mesh *m, const struct dt_point *xy, struct dt_suspects *s,

@@ -226,16 +226,6 @@ enum dt_status dt_constrainable(const struct dt *t, const struct dt_constraint *
     return DT_OK;
 }
 
-static struct dt_constraint ascending(struct dt_constraint c)
-{
-    uint32_t a = c.a;
-    if (c.a > c.b) {
-        c.a = c.b;
-        c.b = a;
-    }
-    return c;
-}
-
 void dt_constraints_tidy(struct dt *t)
 {
     if (t->constraints == NULL || t->constraints->declared.rows > 0)
@@ -366,7 +356,7 @@ static enum dt_status declare_together(struct dt *t, const struct dt_constraint 
     size_t made = 0;
     enum dt_status status = DT_OK;
     for (size_t i = 0; i < n && status == DT_OK; i++) {
-        struct dt_constraint own = ascending(c[i]);
+        struct dt_constraint own = dt_constraint_ascending(c[i]);
         if (i + DT_AHEAD < n)
             dt_declared_fetch(d, &c[i + DT_AHEAD]);
         status = dt_work(work, 1);
@@ -395,7 +385,7 @@ static enum dt_status declare_all(struct dt *t, const struct dt_constraint *c, s
     for (size_t i = 0; i < n && status == DT_OK; i++) {
         if (n > 1)
             fetch_constraints(t, c, i, n);
-        status = declare(t, ascending(c[i]), work, &row[k]);
+        status = declare(t, dt_constraint_ascending(c[i]), work, &row[k]);
         k += status == DT_OK && row[k] != DT_NONE;
     }
     *added = k;

@@ -8,6 +8,7 @@
  *    be flipped, and hull edges never change. */
 #include "core/edit/flip.h"
 
+#include "core/constraints/mend.h"
 #include "core/exact/predicates.h"
 #include "core/mesh/diagonal.h"
 #include "core/mesh/fixed.h"
@@ -126,14 +127,6 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
     return status;
 }
 
-static bool is_delaunay(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h)
-{
-    uint32_t g = dt_twin(m, h);
-    return dt_is_ghost(m, g) || dt_is_fixed(m, h) ||
-           dt_incircle_perturbed(xy[dt_origin(m, h)], xy[dt_origin(m, g)], xy[dt_apex_of(m, h)],
-                                 xy[dt_apex_of(m, g)]) <= 0;
-}
-
 /* Flips the edge of h and suspects those around it. */
 static enum dt_status flip_one(struct dt_mesh *m, struct dt_flips *f, uint32_t h,
                                const struct dt_cavity *scratch)
@@ -144,11 +137,7 @@ static enum dt_status flip_one(struct dt_mesh *m, struct dt_flips *f, uint32_t h
         status = DT_TOOBIG;
     if (status != DT_OK)
         return status;
-    dt_changes_star(scratch->changes, dt_origin(m, h));
-    dt_changes_star(scratch->changes, dt_origin(m, g));
-    dt_changes_star(scratch->changes, dt_apex_of(m, h));
-    dt_changes_star(scratch->changes, dt_apex_of(m, g));
-    dt_flip(m, h);
+    dt_flip_noting(m, h, scratch->changes);
     f->flip[f->flipped++] = h;
     bool room = add_suspect(f, h) && add_suspect(f, dt_next(h)) && add_suspect(f, g) &&
                 add_suspect(f, dt_next(g));
@@ -161,7 +150,7 @@ enum dt_status dt_flip_all(struct dt_mesh *m, const struct dt_point *xy, struct 
     enum dt_status status = DT_OK;
     while (status == DT_OK && f->suspects > 0) {
         uint32_t h = f->suspect[--f->suspects];
-        if (!is_delaunay(m, xy, h))
+        if (dt_must_flip(m, xy, h))
             status = flip_one(m, f, h, scratch);
     }
     while (status != DT_OK && f->flipped > 0)

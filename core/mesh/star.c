@@ -15,6 +15,22 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit)
     return degree;
 }
 
+uint32_t dt_edge_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
+{
+    uint32_t from_u = m->leaving[u], from_v = m->leaving[v];
+    if (from_u == DT_NONE || from_v == DT_NONE || u == v)
+        return DT_NONE;
+    do {
+        if (dt_dest(m, from_u) == v)
+            return from_u;
+        if (dt_dest(m, from_v) == u)
+            return dt_twin(m, from_v);
+        from_u = dt_turn_ccw(m, from_u);
+        from_v = dt_turn_ccw(m, from_v);
+    } while (from_u != m->leaving[u] && from_v != m->leaving[v]);
+    return DT_NONE;
+}
+
 uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
                       size_t room)
 {

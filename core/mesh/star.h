@@ -14,6 +14,10 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
 uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
                       size_t room);
 
+/* The half edge from vertex u to vertex v, DT_NONE if they are not joined; found without a look at places. Both stars are searched in
+ * step, so the cost is the smaller degree. */
+uint32_t dt_edge_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
+
 /* Turns a star of n ids into a canonical ring. The ring of an interior point begins at the smallest id, the ring of a hull
  * point at its successor. Clockwise it is the same backwards; a hull point's ring then begins at its predecessor. */
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);

@@ -1,5 +1,6 @@
 /* query.c - the triangles at points, edges and triangles; where a place lies. */
 #include "core/query/query.h"
+#include "core/mesh/star.h"
 
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
@@ -27,6 +28,14 @@ int dt_triangle_compare(const void *p, const void *q)
         if (a[i] != b[i])
             return a[i] < b[i] ? -1 : 1;
     return 0;
+}
+
+bool dt_triangle_precedes(const struct dt *t, uint32_t h, uint32_t g)
+{
+    uint32_t one[3], other[3];
+    dt_triangle_ids(t, h, false, one);
+    dt_triangle_ids(t, g, false, other);
+    return dt_triangle_compare(one, other) < 0;
 }
 
 /* There must be room. */
@@ -62,22 +71,6 @@ enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, st
     return DT_OK;
 }
 
-uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
-{
-    uint32_t from_u = m->leaving[u], from_v = m->leaving[v];
-    if (from_u == DT_NONE || from_v == DT_NONE || u == v)
-        return DT_NONE;
-    do {
-        if (dt_dest(m, from_u) == v)
-            return from_u;
-        if (dt_dest(m, from_v) == u)
-            return dt_twin(m, from_v);
-        from_u = dt_turn_ccw(m, from_u);
-        from_v = dt_turn_ccw(m, from_v);
-    } while (from_u != m->leaving[u] && from_v != m->leaving[v]);
-    return DT_NONE;
-}
-
 enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw,
                                     struct dt_ids *out)
 {
@@ -87,7 +80,7 @@ enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, 
         s = dt_read_vertex(t, b, &v);
     if (s != DT_OK)
         return s;
-    uint32_t h = dt_half_between(&t->mesh, u, v);
+    uint32_t h = dt_edge_between(&t->mesh, u, v);
     if (h == DT_NONE)
         return DT_NOEDGE;
     s = dt_ids_reserve(out, 6);
@@ -104,7 +97,7 @@ enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, 
 /* A half edge of the triangle with these corners, in any order; DT_NONE if there is none. */
 static uint32_t half_of_triangle(const struct dt_mesh *m, const uint32_t v[3])
 {
-    uint32_t h = dt_half_between(m, v[0], v[1]);
+    uint32_t h = dt_edge_between(m, v[0], v[1]);
     if (h == DT_NONE || dt_apex_of(m, h) == v[2])
         return h;
     return dt_apex_of(m, dt_twin(m, h)) == v[2] ? dt_twin(m, h) : DT_NONE;

@@ -4,10 +4,6 @@
 
 #include "core/set/set.h"
 
-/* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a
- * vertex of high degree costs no more than its partner. */
-uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
-
 /* dt_find, also for sets of one point, whose half edge is DT_NONE, or none. */
 enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half);
 
@@ -41,6 +37,9 @@ void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3]);
 
 /* For qsort: < 0 if row a comes before row b. */
 int dt_triangle_compare(const void *a, const void *b);
+
+/* Whether the triangle of half edge h comes before that of g. */
+bool dt_triangle_precedes(const struct dt *t, uint32_t h, uint32_t g);
 
 /* For a search from star to star that walks round the origin of h: fetches the triangle beyond the edge
  * opposite to it, which the stars of two neighbours share. */

@@ -14,9 +14,10 @@
  *
  * If the region holds a large share of the set, a scan of all vertices replaces the flood. */
 #include "core/control/stop.h"
+#include "core/delaunay_constraints.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
-#include "core/grid/hints.h"
+#include "core/hints/hints.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
 #include "core/query/nearest.h"
@@ -46,21 +47,6 @@ static inline bool contains(const struct region *r, struct dt_point p)
         return dt_box_contains(&r->box, p);
     double d = dt_square_distance(p, r->centre);
     return d <= r->inside || (d <= r->outside && dt_compare_radius(p, r->centre, r->radius) <= 0);
-}
-
-/* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
- * them. */
-static bool meets(const struct dt_box *b, struct dt_point p, struct dt_point q)
-{
-    if (dt_box_contains(b, p) || dt_box_contains(b, q))
-        return true;
-    struct dt_box around = dt_box_of((const struct dt_point[]){p, q}, 2);
-    if (!dt_box_overlaps(&around, b))
-        return false;
-    bool rising = (p.x < q.x) == (p.y < q.y);
-    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
-                    right = {b->hi.x, rising ? b->lo.y : b->hi.y};
-    return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
 }
 
 struct flood {
@@ -104,7 +90,7 @@ static inline struct corner corner(const struct flood *f, uint32_t v)
 static inline bool edge_meets(const struct flood *f, struct dt_point p, struct dt_point q)
 {
     if (!f->in.disc)
-        return meets(&f->in.box, p, q);
+        return dt_segment_meets_box(p, q, f->in.box.lo, f->in.box.hi);
     return f->t->mesh.fixed != NULL && dt_edge_least(f->in.centre, p, q) <= f->in.outside;
 }
 
@@ -158,7 +144,8 @@ static enum dt_status first_in_plane(const struct flood *f, uint32_t *half)
     uint32_t g = m->hull;
     *half = DT_NONE;
     do {
-        if (meets(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]))
+        if (dt_segment_meets_box(xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)], b->lo,
+                                 b->hi))
             *half = dt_twin(m, g);
         g = dt_hull_step(m, g, false);
         s = dt_work(f->work, 1);
@@ -212,7 +199,7 @@ static enum dt_status first_on_line(const struct flood *f, uint32_t *half)
          g = dt_hull_step(m, g, false)) {
         p = xy[dt_hull_vertex(m, g)];
         q = xy[dt_hull_successor(m, g)];
-        if (meets(b, p, q))
+        if (dt_segment_meets_box(p, q, b->lo, b->hi))
             *half = g;
         at_end = along(b, q, p, q) > 0 || dt_hull_turns(m, g);
         s = dt_work(f->work, 1);
@@ -356,7 +343,8 @@ bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt
 {
     struct dt_box b = {lo, hi}, around = dt_box_of(p, 3);
     return dt_box_overlaps(&around, &b) &&
-           (meets(&b, p[0], p[1]) || meets(&b, p[1], p[2]) || meets(&b, p[2], p[0]) ||
+           (dt_segment_meets_box(p[0], p[1], lo, hi) || dt_segment_meets_box(p[1], p[2], lo, hi) ||
+            dt_segment_meets_box(p[2], p[0], lo, hi) ||
             (dt_orient2d(p[0], p[1], lo) > 0 && dt_orient2d(p[1], p[2], lo) > 0 &&
              dt_orient2d(p[2], p[0], lo) > 0));
 }

@@ -4,8 +4,6 @@
 
 #include <stdlib.h>
 
-#include "core/exact/predicates.h"
-
 uint32_t dt_constraints_count(const struct dt *t)
 {
     return t->constraints == NULL ? 0 : t->constraints->declared.rows;
@@ -120,20 +118,4 @@ enum dt_status dt_constraints(const struct dt *t, const struct dt_view *v, uint3
     *rows = status == DT_OK ? list.v : NULL;
     *n = status == DT_OK ? list.n : 0;
     return status;
-}
-
-/* ---- boxes ---- */
-
-bool dt_segment_meets_box(struct dt_point a, struct dt_point b, struct dt_point lo,
-                          struct dt_point hi)
-{
-    if (fmax(a.x, b.x) < lo.x || fmin(a.x, b.x) > hi.x || fmax(a.y, b.y) < lo.y ||
-        fmin(a.y, b.y) > hi.y)
-        return false;
-    /* If both extents overlap, only the line through a segment that has two can separate it from the box. */
-    const struct dt_point corner[4] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}};
-    int sides = 0;
-    for (int i = 0; i < 4; i++)
-        sides += dt_orient2d(a, b, corner[i]);
-    return sides != 4 && sides != -4;
 }

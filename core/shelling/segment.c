@@ -9,16 +9,6 @@
 
 #include "core/exact/bounds.h"
 
-static double smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* The segment of cotangent s, where root = sqrt(1 + s^2). Let c be the circle's centre, r its radius, and e a direction
  * along an axis. The box reaches to the point c + r e if that point is left of the edge: d x (c + r e - a) > 0.
  * Otherwise the box reaches to an end of the edge. The pads exceed the rounding errors: first those relative to a,
@@ -32,10 +22,10 @@ static struct dt_segment segment(const struct dt_edge *edge, double s, double ro
     double pad_x = DT_SEGMENT_PAD * size + 2 * DT_U * fabs(a.x),
            pad_y = DT_SEGMENT_PAD * size + 2 * DT_U * fabs(a.y);
     struct dt_segment g = {.s = s, .height = height * (1 + DT_SEGMENT_ROOM)};
-    g.box.hi.x = a.x + ((left > d.y * root ? cx + r : larger(d.x, 0)) + pad_x);
-    g.box.lo.x = a.x + ((left > -d.y * root ? cx - r : smaller(d.x, 0)) - pad_x);
-    g.box.hi.y = a.y + ((left > -d.x * root ? cy + r : larger(d.y, 0)) + pad_y);
-    g.box.lo.y = a.y + ((left > d.x * root ? cy - r : smaller(d.y, 0)) - pad_y);
+    g.box.hi.x = a.x + ((left > d.y * root ? cx + r : dt_greater(d.x, 0)) + pad_x);
+    g.box.lo.x = a.x + ((left > -d.y * root ? cx - r : dt_lesser(d.x, 0)) - pad_x);
+    g.box.hi.y = a.y + ((left > -d.x * root ? cy + r : dt_greater(d.y, 0)) + pad_y);
+    g.box.lo.y = a.y + ((left > d.x * root ? cy - r : dt_lesser(d.y, 0)) - pad_y);
     return g;
 }
 
@@ -82,8 +72,8 @@ static void set_strip(struct dt_window *w, const struct dt_edge *e, double heigh
     double width = height * c->per_unit * e->length * fabs(inverse);
     double pad = DT_STRIP_PAD * (fabs(u) + (fabs(v) + c->lines) * fabs(slope) + c->length);
     bool left_is_lower = (across > 0) != c->upright; /* upright lines see the mirror image */
-    w->lo = at + smaller(slope, 0) - pad - (left_is_lower ? width : 0);
-    w->hi = at + larger(slope, 0) + pad + (left_is_lower ? 0 : width);
+    w->lo = at + dt_lesser(slope, 0) - pad - (left_is_lower ? width : 0);
+    w->hi = at + dt_greater(slope, 0) + pad + (left_is_lower ? 0 : width);
     w->slope = slope;
 }
 
@@ -104,9 +94,9 @@ double dt_segment_reach(const struct dt_edge *e, const struct dt_segment *g,
                         const struct dt_cells *c)
 {
     double along = c->side * c->length, across = c->side * c->lines;
-    double x1 = smaller(g->box.hi.x, c->lo.x + (c->upright ? across : along));
-    double y1 = smaller(g->box.hi.y, c->lo.y + (c->upright ? along : across));
-    double x = larger(x1 - e->a.x, e->a.x - larger(g->box.lo.x, c->lo.x));
-    double y = larger(y1 - e->a.y, e->a.y - larger(g->box.lo.y, c->lo.y));
-    return (larger(larger(x, y), 0) + c->side + e->span) * (1 + DT_REACH_ROOM);
+    double x1 = dt_lesser(g->box.hi.x, c->lo.x + (c->upright ? across : along));
+    double y1 = dt_lesser(g->box.hi.y, c->lo.y + (c->upright ? along : across));
+    double x = dt_greater(x1 - e->a.x, e->a.x - dt_greater(g->box.lo.x, c->lo.x));
+    double y = dt_greater(y1 - e->a.y, e->a.y - dt_greater(g->box.lo.y, c->lo.y));
+    return (dt_greater(dt_greater(x, y), 0) + c->side + e->span) * (1 + DT_REACH_ROOM);
 }

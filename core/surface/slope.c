@@ -8,16 +8,8 @@
 /* Makes *best the triangle of the half edge if that has a surface and comes first in DT_TRIANGLES; best: DT_NONE for none. */
 static void offer(struct dt_valuer *v, uint32_t half, uint32_t *best)
 {
-    uint32_t row[3], other[3];
-    if (!dt_has_surface(v, half))
-        return;
-    if (*best != DT_NONE) {
-        dt_triangle_ids(v->t, half, false, row);
-        dt_triangle_ids(v->t, *best, false, other);
-        if (dt_triangle_compare(row, other) > 0)
-            return;
-    }
-    *best = dt_base(half);
+    if (dt_has_surface(v, half) && (*best == DT_NONE || dt_triangle_precedes(v->t, half, *best)))
+        *best = dt_base(half);
 }
 
 static enum dt_status first_around(struct dt_valuer *v, uint32_t half, uint32_t *best)

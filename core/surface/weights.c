@@ -245,10 +245,8 @@ static uint32_t from_smallest(const struct dt *t, uint32_t half)
 /* and of the two triangles at an edge in the one that comes first in TRIANGLES. */
 static uint32_t first_triangle(const struct dt *t, uint32_t half)
 {
-    uint32_t twin = dt_twin(&t->mesh, half), one[3], other[3];
-    dt_triangle_ids(t, half, false, one);
-    dt_triangle_ids(t, twin, false, other);
-    return from_smallest(t, dt_triangle_compare(one, other) < 0 ? half : twin);
+    uint32_t twin = dt_twin(&t->mesh, half);
+    return from_smallest(t, dt_triangle_precedes(t, half, twin) ? half : twin);
 }
 
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half)
