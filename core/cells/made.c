@@ -145,10 +145,8 @@ static bool make_room(const struct dt *t, struct dt_cells_made *m, size_t corner
     size_t cap = m->corners + corners + m->cap / 8;
     if (cap >= UINT32_MAX)
         return false;
-    void *larger = dt_array_grow_in(t->points.pages, m->corner, m->corners, cap, sizeof *m->corner);
-    if (larger == NULL)
+    if (!dt_array_resize(t->points.pages, &m->corner, m->corners, cap, sizeof *m->corner))
         return false;
-    m->corner = larger;
     m->cap = cap;
     return true;
 }

@@ -115,10 +115,8 @@ enum dt_status dt_declared_reserve(struct dt_declared *d, size_t n)
         return DT_TOOBIG;
     if (end > d->cap) {
         size_t cap = n > d->rows / 2 ? end : dt_array_room(d->cap, end, DT_MAX_CONSTRAINTS);
-        struct dt_declared_row *row = dt_array_grow_in(d->pages, d->row, d->end, cap, sizeof *row);
-        if (row == NULL)
+        if (!dt_array_resize(d->pages, &d->row, d->end, cap, sizeof *d->row))
             return DT_NOMEM;
-        d->row = row;
         d->cap = (uint32_t)cap;
     }
     size_t room = d->places - d->places / 4;

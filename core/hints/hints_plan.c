@@ -68,10 +68,8 @@ static enum dt_status reserve_cells(struct dt_hints *g, double end)
     double want = g->cell_cap == 0 ? end : end + end / 4;
     if (want > UINT32_MAX)
         return DT_NOMEM;
-    uint32_t *cell = dt_array_grow_in(g->pages, g->cell, g->cells, (size_t)want, sizeof *cell);
-    if (cell == NULL)
+    if (!dt_array_resize(g->pages, &g->cell, g->cells, (size_t)want, sizeof *g->cell))
         return DT_NOMEM;
-    g->cell = cell;
     g->cell_cap = (uint32_t)want;
     return DT_OK;
 }
@@ -82,18 +80,13 @@ static enum dt_status reserve_grid(struct planner *p)
     struct dt_hints *g = p->hints;
     uint32_t want = 2 * g->grids + 1;
     if (g->grids == g->grid_cap) {
-        struct dt_hint_grid *grid =
-            dt_array_grow_in(g->pages, g->grid, g->grids, want, sizeof *grid);
-        if (grid == NULL)
+        if (!dt_array_resize(g->pages, &g->grid, g->grids, want, sizeof *g->grid))
             return DT_NOMEM;
-        g->grid = grid;
         g->grid_cap = want;
     }
     if (g->grids == p->span_cap) {
-        struct span *span = dt_array_grow_in(g->pages, p->span, g->grids, want, sizeof *span);
-        if (span == NULL)
+        if (!dt_array_resize(g->pages, &p->span, g->grids, want, sizeof *p->span))
             return DT_NOMEM;
-        p->span = span;
         p->span_cap = want;
     }
     return DT_OK;

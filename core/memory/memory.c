@@ -63,6 +63,16 @@ void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, s
     return larger;
 }
 
+bool dt_array_resize(struct dt_pages *pages, void *array, size_t used, size_t n, size_t size)
+{
+    void *items;
+    memcpy(&items, array, sizeof items);
+    items = dt_array_grow_in(pages, items, used, n, size);
+    if (items != NULL)
+        memcpy(array, &items, sizeof items);
+    return items != NULL;
+}
+
 size_t dt_array_bytes(size_t n, size_t size)
 {
     size_t bytes = n * size + HEADER;

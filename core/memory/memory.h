@@ -25,7 +25,10 @@ void *dt_array_new_in(struct dt_pages *pages, size_t n, size_t size);
  * unchanged. An array has one keeper all its life. Cost: O(used) for a small array, else O(pages). */
 void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, size_t size);
 
-/* The same without a keeper. */
+/* dt_array_grow_in for the array whose pointer, of any type, `array` points to. False: out of memory. */
+bool dt_array_resize(struct dt_pages *pages, void *array, size_t used, size_t n, size_t size);
+
+/* Both without a keeper. */
 static inline void *dt_array_new(size_t n, size_t size)
 {
     return dt_array_new_in(NULL, n, size);

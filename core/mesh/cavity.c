@@ -17,21 +17,12 @@ size_t dt_cavity_memory(const struct dt_cavity *c)
     return c->room * (sizeof *c->record + sizeof *c->rim + sizeof *c->stack);
 }
 
-static bool grow(void *array, size_t used, size_t room, size_t size)
-{
-    void **p = array;
-    void *larger = dt_array_grow(*p, used, room, size);
-    if (larger != NULL)
-        *p = larger;
-    return larger != NULL;
-}
-
 bool dt_cavity_grow(struct dt_cavity *c)
 {
     size_t room = dt_array_room(c->room, (size_t)c->room + 64, UINT32_MAX);
-    if (!grow(&c->record, c->room, room, sizeof *c->record) ||
-        !grow(&c->rim, c->room, room, sizeof *c->rim) ||
-        !grow(&c->stack, c->room, room, sizeof *c->stack))
+    if (!dt_array_resize(NULL, &c->record, c->room, room, sizeof *c->record) ||
+        !dt_array_resize(NULL, &c->rim, c->room, room, sizeof *c->rim) ||
+        !dt_array_resize(NULL, &c->stack, c->room, room, sizeof *c->stack))
         return false;
     c->room = (uint32_t)room;
     return true;

@@ -34,19 +34,14 @@ size_t dt_mesh_memory(const struct dt_mesh *m)
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
 {
     if (verts > m->vert_cap) {
-        uint32_t *leaving =
-            dt_array_grow_in(m->pages, m->leaving, m->vert_cap, verts, sizeof *leaving);
-        if (leaving == NULL)
+        if (!dt_array_resize(m->pages, &m->leaving, m->vert_cap, verts, sizeof *m->leaving))
             return DT_NOMEM;
-        m->leaving = leaving;
         m->vert_cap = verts;
     }
     if (tris > m->tri_cap) {
-        uint32_t *half = dt_array_grow_in(m->pages, m->half, (size_t)m->tri_end * 8,
-                                          (size_t)tris * 8, sizeof *half);
-        if (half == NULL)
+        if (!dt_array_resize(m->pages, &m->half, (size_t)m->tri_end * 8, (size_t)tris * 8,
+                             sizeof *m->half))
             return DT_NOMEM;
-        m->half = half;
         m->tri_cap = tris;
     }
     return DT_OK;

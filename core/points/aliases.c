@@ -1,8 +1,6 @@
 /* aliases.c - see aliases.h. */
 #include "core/points/aliases.h"
 
-#include <string.h>
-
 #include "core/memory/sort.h"
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages)
@@ -51,13 +49,9 @@ static enum dt_status grow(struct dt_aliases *a, void *array, uint32_t end, uint
 {
     if (end < *cap)
         return DT_OK;
-    void *items;
-    memcpy(&items, array, sizeof items);
     size_t room = dt_array_room(*cap, (size_t)end + 1, UINT32_MAX);
-    items = dt_array_grow_in(a->pages, items, end, room, size);
-    if (items == NULL)
+    if (!dt_array_resize(a->pages, array, end, room, size))
         return DT_NOMEM;
-    memcpy(array, &items, sizeof items);
     *cap = (uint32_t)room;
     return DT_OK;
 }

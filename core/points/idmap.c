@@ -53,10 +53,8 @@ static enum dt_status reserve_table(struct dt_idmap *m, uint32_t end)
 {
     if (end > m->cap) {
         size_t cap = dt_array_room(m->cap, end, UINT32_MAX);
-        void *page = dt_array_grow(m->page, m->pages, cap, sizeof *m->page);
-        if (page == NULL)
+        if (!dt_array_resize(NULL, &m->page, m->pages, cap, sizeof *m->page))
             return DT_NOMEM;
-        m->page = page;
         m->cap = (uint32_t)cap;
     }
     if (end > m->pages) {

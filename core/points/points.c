@@ -49,12 +49,10 @@ static enum dt_status reserve_groups(struct dt_points *p, uint32_t n)
 {
     if (n <= p->group_cap)
         return DT_OK;
-    uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, n, sizeof *group);
-    if (group == NULL)
+    if (!dt_array_resize(p->pages, &p->group, p->group_cap, n, sizeof *p->group))
         return DT_NOMEM;
-    p->group = group;
     for (; p->group_cap < n; p->group_cap++)
-        group[p->group_cap] = DT_NONE;
+        p->group[p->group_cap] = DT_NONE;
     return DT_OK;
 }
 
@@ -117,14 +115,10 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_
     if (need > p->cap) {
         /* A first batch gets exactly what it needs, so that sets that are loaded once waste no memory. */
         size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
-        struct dt_point *xy = dt_array_grow_in(p->pages, p->xy, p->end, cap, sizeof *xy);
-        if (xy == NULL)
+        if (!dt_array_resize(p->pages, &p->xy, p->end, cap, sizeof *p->xy))
             return DT_NOMEM;
-        p->xy = xy;
-        uint32_t *id = dt_array_grow_in(p->pages, p->id, p->end, cap, sizeof *id);
-        if (id == NULL)
+        if (!dt_array_resize(p->pages, &p->id, p->end, cap, sizeof *p->id))
             return DT_NOMEM;
-        p->id = id;
         p->cap = (uint32_t)cap;
     }
     if (p->group != NULL && reserve_groups(p, p->cap) != DT_OK)

@@ -51,10 +51,8 @@ static bool reserve_table(struct dt_images *s, size_t n)
         memmove(s->chunk, s->chunk + s->head, used * sizeof *s->chunk);
     } else {
         size_t cap = dt_array_room(s->cap, s->chunks + n, SIZE_MAX);
-        uint32_t **chunk = dt_array_grow(s->chunk, s->chunks, cap, sizeof *chunk);
-        if (chunk == NULL)
+        if (!dt_array_resize(NULL, &s->chunk, s->chunks, cap, sizeof *s->chunk))
             return false;
-        s->chunk = chunk;
         s->cap = cap;
         memmove(s->chunk, s->chunk + s->head, used * sizeof *s->chunk);
     }
