@@ -5,6 +5,16 @@
 
 #include "core/exact/bignum.h"
 
+/* a - b, for any finite doubles. */
+static inline struct dt_big dt_big_difference_of(double a, double b)
+{
+    struct dt_big x, y;
+    dt_big_of(a, &x);
+    dt_big_of(b, &y);
+    dt_big_subtract(&x, &y, &x);
+    return x;
+}
+
 static inline struct dt_big dt_big_plus(struct dt_big a, struct dt_big b)
 {
     dt_big_add(&a, &b, &a);

@@ -57,13 +57,6 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 
 /* ---- in numbers that are always enough ---- */
 
-static struct dt_big big_difference(double a, double b)
-{
-    struct dt_big r;
-    dt_big_difference(a, b, &r);
-    return r;
-}
-
 static double big_rough(struct dt_big a)
 {
     return dt_big_to_double(&a);
@@ -71,7 +64,7 @@ static double big_rough(struct dt_big a)
 
 #define NUMBER struct dt_big
 #define F(name) name##_big
-#define DIFFERENCE(a, b) big_difference(a, b)
+#define DIFFERENCE(a, b) dt_big_difference_of(a, b)
 #define PLUS(a, b) dt_big_plus(a, b)
 #define MINUS(a, b) dt_big_minus(a, b)
 #define TIMES(a, b) dt_big_times(a, b)

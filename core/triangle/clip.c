@@ -33,18 +33,9 @@ enum { CORNERS = 9 };
 
 /* ---- in long numbers ---- */
 
-static struct dt_big big_difference(double a, double b)
-{
-    struct dt_big x, y;
-    dt_big_of(a, &x);
-    dt_big_of(b, &y);
-    dt_big_subtract(&x, &y, &x);
-    return x;
-}
-
 #define NUMBER struct dt_big
 #define F(name) name##_big
-#define DIFFERENCE(a, b) big_difference(a, b)
+#define DIFFERENCE(a, b) dt_big_difference_of(a, b)
 #define PLUS(a, b) dt_big_plus(a, b)
 #define MINUS(a, b) dt_big_minus(a, b)
 #define TIMES(a, b) dt_big_times(a, b)

@@ -10,7 +10,7 @@
  * the determinants. */
 #include "core/triangle/gradient.h"
 
-#include "core/exact/bignum.h"
+#include "core/exact/big_values.h"
 #include "core/exact/double2.h"
 
 #include <math.h>
@@ -73,33 +73,21 @@ static bool gradient_in_double_words(const struct dt_point p[3], const double z[
 
 /* ---- exactly ---- */
 
-static struct dt_big difference(double a, double b)
+/* a d - b c */
+static struct dt_big big_determinant(struct dt_big a, struct dt_big d, struct dt_big b,
+                                     struct dt_big c)
 {
-    struct dt_big x, y;
-    dt_big_of(a, &x);
-    dt_big_of(b, &y);
-    dt_big_subtract(&x, &y, &x);
-    return x;
-}
-
-static struct dt_big big_determinant(const struct dt_big *a, const struct dt_big *d,
-                                     const struct dt_big *b, const struct dt_big *c)
-{
-    struct dt_big plus, minus;
-    dt_big_multiply(a, d, &plus);
-    dt_big_multiply(b, c, &minus);
-    dt_big_subtract(&plus, &minus, &plus);
-    return plus;
+    return dt_big_minus(dt_big_times(a, d), dt_big_times(b, c));
 }
 
 static struct dt_gradient exact_gradient(const struct dt_point p[3], const double z[3])
 {
-    struct dt_big bx = difference(p[1].x, p[0].x), by = difference(p[1].y, p[0].y),
-                  bz = difference(z[1], z[0]), cx = difference(p[2].x, p[0].x),
-                  cy = difference(p[2].y, p[0].y), cz = difference(z[2], z[0]);
-    struct dt_big area = big_determinant(&bx, &cy, &by, &cx),
-                  dx = big_determinant(&bz, &cy, &by, &cz),
-                  dy = big_determinant(&cz, &bx, &cx, &bz);
+    struct dt_big bx = dt_big_difference_of(p[1].x, p[0].x),
+                  by = dt_big_difference_of(p[1].y, p[0].y), bz = dt_big_difference_of(z[1], z[0]),
+                  cx = dt_big_difference_of(p[2].x, p[0].x),
+                  cy = dt_big_difference_of(p[2].y, p[0].y), cz = dt_big_difference_of(z[2], z[0]);
+    struct dt_big area = big_determinant(bx, cy, by, cx), dx = big_determinant(bz, cy, by, cz),
+                  dy = big_determinant(cz, bx, cx, bz);
     return (struct dt_gradient){dt_big_quotient(&dx, &area), dt_big_quotient(&dy, &area)};
 }
 
