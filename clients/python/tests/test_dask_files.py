@@ -5,9 +5,11 @@ import gzip
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import types
 import unittest
 from pathlib import Path
@@ -20,6 +22,7 @@ try:
 
     from delaunayd.dask import limits, making, reading, triangulate
     from delaunayd.dask.engine import Engine
+    from delaunayd.spatial import Delaunay
 
     from .test_dask import in_order, of_process
 except ImportError:
@@ -145,6 +148,58 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "must end with .npy"):
             triangulate(self.path("points.shp"))
 
+    def test_files_without_rows_among_others(self):
+        np.save(self.path("a.npy"), np.column_stack([self.points, self.z]))
+        np.save(self.path("none.npy"), np.empty((0, 2)))
+        for name, text in (("zero.csv", ""), ("blank.csv", "\n \n"), ("names.csv", "x,y,z\n"), ("names.csv.gz", "x,y\n")):
+            self.path(name, text)
+        nothing = [self.path(name) for name in ("none.npy", "zero.csv", "blank.csv", "names.csv", "names.csv.gz")]
+        self.check([*nothing, self.path("a.npy"), *nothing], has_values=True)
+        with triangulate(nothing, spill=self.folder) as tin:
+            self.assertEqual((tin.triangles.compute().shape, tin.stats()["points"]), ((0, 3), 0))
+
+    def test_text_of_other_programs(self):
+        rows = ["%r , %r,%r" % (*p, z) for p, z in zip(self.points.tolist(), self.z.tolist())]
+        for text in (
+            "x,y,z\r\n" + "\r\n".join(rows), "\n\nx,y,z\n\n" + "\n\n".join(rows) + "\n \n", "\ufeff" + "\n".join(rows),
+            '\ufeff"x","y","z"\n' + "\n".join(rows), "\r".join(rows),
+        ):
+            with open(self.path("a.csv"), "w", newline="", encoding="utf-8") as file:
+                file.write(text)
+            with mock.patch.object(reading, "_LINES", 2):
+                self.check(self.path("a.csv"), has_values=True)
+
+    def test_numbers_of_every_type_and_order(self):
+        whole = np.random.default_rng(3).integers(0, 99, (500, 2))
+        for points in (
+            whole, whole.astype(np.uint8), whole.astype(">i4"), self.points.astype(np.float32), self.points.astype(np.float16),
+            self.points.astype(">f8"), np.asfortranarray(self.points), self.points.astype(np.longdouble),
+        ):
+            np.save(self.path("a.npy"), points)
+            for given in (self.path("a.npy"), points):
+                with triangulate(given, tile=90, spill=self.folder) as tin:
+                    got = in_order(tin.triangles.compute())
+                    self.assertEqual(got.tobytes(), of_process(points.astype(np.float64)).tobytes(), points.dtype)
+
+    def test_files_that_are_no_points_are_named(self):
+        for dtype in (complex, bool, "U20", object):
+            np.save(self.path("a.npy"), self.points.astype(dtype))
+            with self.assertRaisesRegex(ValueError, r"a\.npy .*(not numbers|not a file of numbers)"):
+                triangulate(self.path("a.npy"), spill=self.folder)
+        with self.assertRaisesRegex(ValueError, "complex"):
+            triangulate(self.points.astype(complex))
+        np.save(self.path("a.npy"), self.points)
+        whole = Path(self.path("a.npy")).read_bytes()
+        packed = gzip.compress(b"1,2\n" * 100)
+        for name, content in (
+            ("a.npy", whole[:-1]), ("a.npy", b""), ("a.npy", b"1,2\n"), ("a.csv", b"1,2\n\xe9,3\n"), ("a.csv.gz", b"1,2\n"),
+            ("a.csv.gz", packed[:-9]), ("a.csv.gz", packed[:12] + b"\xff" * 20), ("a.csv", b"1,two\n3,4\n"),
+        ):
+            Path(self.path(name)).write_bytes(content)
+            with self.assertRaisesRegex(ValueError, r"/%s(, | is )" % name.replace(".", r"\."), msg=content):
+                triangulate(self.path(name), spill=self.folder)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["a.csv", "a.csv.gz", "a.npy"])
+
     def test_triangles_are_written_to_one_file(self):
         target = self.path("triangles.npy")
         with triangulate(self.points, tile=90) as tin:
@@ -162,7 +217,7 @@ class Files(unittest.TestCase):
         shifted = np.arange(0, 500, 100)
         engine, folder = Engine(None, False), tempfile.mkdtemp(dir=self.folder)
         chunks = [chunk for chunk in making.reading.chunks_of(self.points, None, engine, folder).chunks]
-        job = making.Job(folder, (), "<u8", (2**33,))
+        job = making.Job(folder, (), "<u8", (2**33,))  # as if other files were before this one
         course = making.Course(engine, job, chunks, making.tiling_of(self.points, 5), True)
         course.split()
         with making.Tin(engine, course.run(), True) as tin:
@@ -170,6 +225,7 @@ class Files(unittest.TestCase):
             self.assertEqual(got.dtype, np.uint64)
             np.testing.assert_array_equal(in_order(got) - np.uint64(2**33), of_process(self.points).astype(np.uint64))
             np.testing.assert_array_equal(tin.locate(self.points[shifted]).min(axis=1) >= 2**33, True)
+            np.testing.assert_array_equal(np.sort(tin.hull()), np.unique(Delaunay(self.points).convex_hull) + 2**33)
 
     def test_too_little_memory_is_an_error_before_anything_is_read(self):
         class Small(Engine):
@@ -181,6 +237,15 @@ class Files(unittest.TestCase):
             limits.check_memory(Small(None, False), 10_000_000, 0)
         with self.assertRaisesRegex(ValueError, "2\\^28"):
             limits.check_memory(Small(None, False), 1 << 29, 0)
+
+    def test_text_is_not_read_if_a_tile_of_it_is_too_large(self):
+        path = self.path("a.csv", "0,0\n" + " " * (128 << 20))
+        self.assertEqual(reading.least([path, path]), 2 << 20)
+        with mock.patch.object(Engine, "memory", return_value=(1 << 29, 2)), mock.patch.object(reading, "convert") as convert:
+            with self.assertRaisesRegex(MemoryError, "a tile of 2097152 points"):
+                triangulate([path, path], spill=self.folder)
+            convert.assert_not_called()
+        self.assertEqual(os.listdir(self.folder), ["a.csv"])
 
     def test_too_little_disk_is_an_error_before_anything_is_written(self):
         with mock.patch("shutil.disk_usage", return_value=types.SimpleNamespace(free=20000)):
@@ -263,6 +328,25 @@ class CommandLine(unittest.TestCase):
             lines = json.loads(Path(folder + "/out/contours.geojson").read_text())["features"]
             self.assertEqual([line["properties"]["level"] for line in lines], [0.5])
             np.testing.assert_allclose(np.array(lines[0]["geometry"]["coordinates"])[:, 0], 0.5, atol=1e-12)
+
+    def test_an_interrupt_leaves_nothing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pipe = folder + "/p.csv"
+            os.mkfifo(pipe)
+            command = [sys.executable, "-m", "delaunayd.dask", pipe, "--out", folder + "/out", "--workers", "1", "--quiet", "--tile", "1000"]
+            env = {**os.environ, "PYTHONPATH": HERE}
+            process = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            writer = None
+            while writer is None and process.poll() is None:
+                try:
+                    writer = os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)  # OSError: nothing reads the pipe yet
+                except OSError:
+                    time.sleep(0.05)
+            self.assertIsNotNone(writer)
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(), 130)
+            os.close(writer)
+            self.assertEqual(os.listdir(folder + "/out"), [])
 
     def test_errors_are_one_line(self):
         from delaunayd.dask.__main__ import main

@@ -20,6 +20,7 @@ struct plan {
     uint32_t n;
     unsigned tiles;
     unsigned tile_of[MOST]; /* by id */
+    bool has[TILES][MOST];  /* whether the point, by id, is foreign in the tile */
 };
 
 /* Cuts the ids id[n] into `tiles` parts along x and y in turn. Equal coordinates stay together, so parts may be empty. */
@@ -101,9 +102,22 @@ static void deliver(const struct dt_tile *from, struct dt_tile *to, const uint32
         CHECK(dt_tile_insert(to, p, id, n) == DT_OK);
 }
 
-/* All tiles are opened, then everything is delivered. Returns how many points were sent. */
-static size_t round_of(struct dt_tile **tile, unsigned tiles, const double *box)
+static void note(struct plan *plan, const struct dt_tile *from, unsigned to, const uint32_t *vertex,
+                 size_t n)
 {
+    for (size_t i = 0; i < n; i++) {
+        struct dt_point p;
+        uint64_t id;
+        CHECK(dt_tile_points(from, vertex + i, 1, &p, &id) == DT_OK);
+        plan->has[to][(uint32_t)(id - 3) / 7] =
+            true; /* the low 32 bits are those of global(id, false) */
+    }
+}
+
+/* All tiles are opened, then everything is delivered. Returns how many points were sent. */
+static size_t round_of(struct plan *plan, struct dt_tile **tile, const double *box)
+{
+    unsigned tiles = plan->tiles;
     int64_t offset[TILES][TILES + 1];
     struct dt_ids vertex[TILES] = {0};
     size_t sent = 0;
@@ -114,16 +128,20 @@ static size_t round_of(struct dt_tile **tile, unsigned tiles, const double *box)
         sent += vertex[k].n;
     }
     for (unsigned k = 0; k < tiles; k++)
-        for (unsigned to = 0; to < tiles && vertex[k].n > 0; to++)
-            deliver(tile[k], tile[to], vertex[k].v + offset[k][to],
-                    (size_t)(offset[k][to + 1] - offset[k][to]));
+        for (unsigned to = 0; to < tiles && vertex[k].n > 0; to++) {
+            const uint32_t *first = vertex[k].v + offset[k][to];
+            size_t n = (size_t)(offset[k][to + 1] - offset[k][to]);
+            note(plan, tile[k], to, first, n);
+            deliver(tile[k], tile[to], first, n);
+        }
     for (unsigned k = 0; k < tiles; k++)
         free(vertex[k].v);
     return sent;
 }
 
-static void run_rounds(struct dt_tile **tile, unsigned tiles)
+static void run_rounds(struct plan *plan, struct dt_tile **tile)
 {
+    unsigned tiles = plan->tiles;
     double box[4 * TILES];
     size_t sent, rounds = 0;
     for (unsigned k = 0; k < 4 * tiles; k++)
@@ -131,7 +149,7 @@ static void run_rounds(struct dt_tile **tile, unsigned tiles)
     for (unsigned k = 0; k < tiles; k++)
         dt_tile_box(tile[k], box + 4 * (size_t)k);
     do {
-        sent = round_of(tile, tiles, box);
+        sent = round_of(plan, tile, box);
     } while (sent > 0 && rounds++ < MOST);
     CHECK(sent == 0);
 }
@@ -169,6 +187,18 @@ static void append_rows(const struct dt_tile *tile, bool wide, struct dt_ids *ou
     free(v);
 }
 
+/* A tile has all neighbours of its own points, also where all points are on one line. */
+static void check_neighbours(const struct plan *plan, const struct brute *b)
+{
+    struct dt_ids edge = {0};
+    brute_table(b, DT_EDGES, false, &edge);
+    for (size_t i = 0; i < edge.n; i += 2) {
+        unsigned one = plan->tile_of[edge.v[i]], other = plan->tile_of[edge.v[i + 1]];
+        CHECK(one == other || (plan->has[one][edge.v[i + 1]] && plan->has[other][edge.v[i]]));
+    }
+    free(edge.v);
+}
+
 static void rows_of_one_set(const struct plan *plan, struct dt_ids *out)
 {
     struct dt *t = set_of(plan->p, plan->n);
@@ -180,14 +210,14 @@ static void rows_of_one_set(const struct plan *plan, struct dt_ids *out)
     dt_free(t);
 }
 
-static void check_tiles(const struct plan *plan, const char *what)
+static void check_tiles(struct plan *plan, const char *what)
 {
     struct dt_tile *tile[TILES];
     struct dt_ids got = {0}, want = {0};
     bool wide = test_below(2) == 0;
     for (unsigned k = 0; k < plan->tiles; k++)
         tile[k] = tile_of_plan(plan, k, wide);
-    run_rounds(tile, plan->tiles);
+    run_rounds(plan, tile);
     for (unsigned k = 0; k < plan->tiles; k++)
         append_rows(tile[k], wide, &got);
     if (got.n > 0)
@@ -195,6 +225,7 @@ static void check_tiles(const struct plan *plan, const char *what)
     if (plan->n <= SMALL) {
         struct brute *b = brute_new(plan->p, NULL, plan->n);
         brute_table(b, DT_TRIANGLES, false, &want);
+        check_neighbours(plan, b);
         brute_free(b);
     } else {
         rows_of_one_set(plan, &want);

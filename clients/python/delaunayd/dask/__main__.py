@@ -100,6 +100,8 @@ def main(words: Optional[List[str]] = None) -> int:
     except (OSError, ValueError, MemoryError, ImportError) as error:
         print("delaunayd.dask: %s" % error, file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        return 130
     return 0
 
 

@@ -50,6 +50,9 @@ def triangulate(
     engine = Engine(client, progress)
     folder = new_folder(spill)
     try:
+        least = reading.least(points)
+        limits.check_memory(engine, min(tile, least), 0)
+        limits.check_disk(folder, least, 0)
         found = reading.chunks_of(points, values, engine, folder)
         total = sum(chunk.n for chunk in found.chunks)
         tiles = max(1, -(-total // tile))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import gzip
 import itertools
 import os
+import zlib
 from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -46,6 +47,8 @@ def chunks_of(points: Any, values: Optional[Any], engine: Engine, folder: str) -
 
 def _of_array(rows: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
     width = _width(rows.shape, "points")
+    if rows.dtype.kind == "c":
+        raise ValueError("points are complex numbers; their coordinates must be columns")
     if values is None:
         z, names = None, _third(width)
     else:
@@ -166,18 +169,42 @@ def _of_files(paths: List[str], values: Optional[Any], engine: Engine, folder: s
     texts = [(path, folder, number) for number, path in enumerate(paths) if not path.lower().endswith(".npy")]
     converted = dict(zip([path for path, _, _ in texts], engine.run("read", convert, texts)))
     found: List[Chunk] = []
-    widths = {}
+    widths = {}  # of files that have rows
     for path in paths:
         source = converted.get(path, path)
-        rows = np.load(source, mmap_mode="r")
-        widths[path] = _width(rows.shape, path)
+        rows = _mapped(source, path)
+        width = _width(rows.shape, path)
+        if len(rows) > 0:
+            widths[path] = width
         found += [
             Chunk(path, start, min(chunks.ROWS, len(rows) - start), path=source, start=start)
             for start in range(0, len(rows), chunks.ROWS)
         ]
     if len(set(widths.values())) > 1:
         raise ValueError("%s has values, and %s has none" % (max(widths, key=widths.__getitem__), min(widths, key=widths.__getitem__)))
-    return Input(found, _third(max(widths.values())))
+    return Input(found, _third(max(widths.values(), default=2)))
+
+
+def _mapped(source: str, path: str) -> Any:
+    """The rows of a .npy file."""
+    try:
+        rows = np.load(source, mmap_mode="r")
+    except ValueError as error:
+        raise ValueError("%s is not a file of numbers: %s" % (path, error)) from None
+    if rows.dtype.kind not in "fiu":
+        raise ValueError("%s has rows of type %s, not numbers" % (path, rows.dtype))
+    return rows
+
+
+def least(points: Any) -> int:
+    """How many points there are at least, before anything is read. Lines of text and laser points have at most 128 bytes."""
+    if isinstance(points, (str, os.PathLike)):
+        points = [points]
+    if isinstance(points, (list, tuple)):
+        paths = [path for path in points if isinstance(path, (str, os.PathLike))]
+        return sum(os.path.getsize(path) // 128 for path in paths if os.path.isfile(path))
+    shape = getattr(points, "shape", (0,))
+    return int(shape[0]) if len(shape) > 0 and isinstance(shape[0], (int, float)) and np.isfinite(shape[0]) else 0
 
 
 def convert(path: str, folder: str, number: int) -> str:
@@ -192,21 +219,25 @@ def convert(path: str, folder: str, number: int) -> str:
             yield rows
 
     # The header needs the number of rows, so its place stays free until they are written.
-    spill.write_behind(raw, counted(), lambda: chunks.npy_header_of((n, width)))
+    try:
+        spill.write_behind(raw, counted(), lambda: chunks.npy_header_of((n, width)))
+    except (UnicodeDecodeError, EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise ValueError("%s, after row %d: %s" % (path, n, error)) from None
     return raw
 
 
 def _text(path: str) -> Iterator[Floats]:
-    """Rows x,y or x,y,z; the first line may name the columns."""
-    opened: Any = gzip.open(path, "rt") if path.lower().endswith(".gz") else open(path, encoding="utf-8")
-    with opened as file:
-        row, width = 0, 0
+    """Rows x,y or x,y,z; the first line that is not blank may name the columns."""
+    opened: Any = gzip.open if path.lower().endswith(".gz") else open
+    with opened(path, "rt", encoding="utf-8-sig") as file:
+        row, width, begun = 0, 0, False
         while True:
             lines = list(itertools.islice(file, _LINES))
             if not lines:
                 return
-            if row == 0 and not _numbers(lines[0]):
-                lines = lines[1:]
+            lines = [line for line in lines if line.strip()]
+            if lines and not begun:
+                lines, begun = lines[_names(lines[0]) :], True
             rows = _parsed(path, row, lines)
             if len(rows) == 0:
                 continue
@@ -217,6 +248,11 @@ def _text(path: str) -> Iterator[Floats]:
             row += len(rows)
 
 
+def _names(line: str) -> bool:
+    """Whether no word of the line is a number."""
+    return not any(map(_numbers, line.split(",")))
+
+
 def _numbers(line: str) -> bool:
     try:
         return len([float(word) for word in line.split(",")]) > 0
@@ -225,7 +261,6 @@ def _numbers(line: str) -> bool:
 
 
 def _parsed(path: str, row: int, lines: List[str]) -> Floats:
-    lines = [line for line in lines if line.strip()]
     if not lines:
         return np.empty((0, 2))
     try:
