@@ -289,6 +289,27 @@ static uint32_t side_of(const struct dt_refiner *r, uint32_t h, struct dt_point 
     return holds(r, g, q) ? g : DT_NONE;
 }
 
+/* Sets *at to a part of the length of the edge of h. If lengths are limited, long edges must be divided, so the next double in each
+ * direction is tried, too: rounding moves some places on a straight outline across the next edge. Returns the half edge on whose side
+ * *at is; DT_NONE: the edge cannot be divided there. */
+static uint32_t place_on(const struct dt_refiner *r, uint32_t h, double part, struct dt_point *at)
+{
+    enum { TRIES = 5 };
+    static const double dx[TRIES] = {0, 1, -1, 0, 0}, dy[TRIES] = {0, 0, 0, 1, -1};
+    const struct dt_mesh *m = &r->t->mesh;
+    struct dt_point p = places(r)[dt_origin(m, h)], q = places(r)[dt_dest(m, h)];
+    const struct dt_point middle = {p.x + part * (q.x - p.x), p.y + part * (q.y - p.y)};
+    const int tries = r->wanted.length < HUGE_VAL ? TRIES : 1;
+    uint32_t side = DT_NONE;
+    for (int k = 0; k < tries && side == DT_NONE; k++) {
+        at->x = dx[k] == 0 ? middle.x : nextafter(middle.x, dx[k] * HUGE_VAL);
+        at->y = dy[k] == 0 ? middle.y : nextafter(middle.y, dy[k] * HUGE_VAL);
+        if (round_place(at) && is_free_place(r, *at))
+            side = side_of(r, h, *at);
+    }
+    return side;
+}
+
 static enum dt_status note_halved(struct dt_refiner *r, uint32_t a, uint32_t b, uint32_t middle)
 {
     if (r->n_halved == r->halved_cap) {
@@ -339,12 +360,11 @@ static enum dt_status divide(struct dt_refiner *r, uint32_t h, bool *done)
     struct dt_mesh *m = &r->t->mesh;
     uint32_t a = dt_origin(m, h), b = dt_dest(m, h);
     struct dt_point p = places(r)[a], q = places(r)[b];
-    double part = dividing_part(r, h);
-    struct dt_point at = {p.x + part * (q.x - p.x), p.y + part * (q.y - p.y)};
+    struct dt_point at;
     *done = false;
-    if (r->keep || is_full(r) || !round_place(&at) || !is_free_place(r, at))
+    if (r->keep || is_full(r))
         return DT_OK;
-    uint32_t side = side_of(r, h, at);
+    uint32_t side = place_on(r, h, dividing_part(r, h), &at);
     if (side == DT_NONE)
         return DT_OK;
     bool exact = dt_orient2d(p, q, at) == 0;
@@ -374,15 +394,33 @@ static bool is_there(const struct dt_refiner *r, const struct dt_part *p)
 
 /* ---- a triangle ---- */
 
-/* The centre of its circle, or its off-centre. */
+/* How far from the shortest edge the new point may be, in lengths of that edge; 0: at any distance. A triangle with edges that are too long,
+ * but no small angle, gets its point where both sides of the triangle over its shortest edge are almost as long as the limit allows, also if that edge is longer. Beside
+ * edges that are kept it gets the centre, which is less often behind them.
+ * (Nearer or farther points become more: 0.94 to 0.98 of the limit are best.) */
+static double reach_of(const struct dt_refiner *r, const struct dt_shape *s, unsigned breaks)
+{
+    const struct dt_wanted *w = &r->wanted;
+    const double part = 0.96;
+    double side = part * w->length;
+    if ((breaks & DT_SHARP) != 0)
+        return w->off;
+    if (r->keep || (breaks & DT_LONG) == 0 || !(4 * side * side > s->pq))
+        return 0;
+    double reach = sqrt(side * side / s->pq - 0.25);
+    return w->off > 0 && w->off < reach ? w->off : reach;
+}
+
+/* The centre of its circle, or a point nearer to its shortest edge. */
 static struct dt_point centre_of(const struct dt_refiner *r, const struct dt_shape *s,
                                  unsigned breaks)
 {
     double dx = s->q.x - s->p.x, dy = s->q.y - s->p.y;
     double ex = s->r.x - s->p.x, ey = s->r.y - s->p.y, half = 0.5 / s->cross;
     double x = (ey * s->pq - dy * s->rp) * half, y = (dx * s->rp - ex * s->pq) * half;
-    if ((breaks & DT_SHARP) != 0) {
-        double ox = 0.5 * dx - r->wanted.off * dy, oy = 0.5 * dy + r->wanted.off * dx;
+    const double reach = reach_of(r, s, breaks);
+    if (reach > 0) {
+        double ox = 0.5 * dx - reach * dy, oy = 0.5 * dy + reach * dx;
         if (!(s->cross > 0) || ox * ox + oy * oy < x * x + y * y) {
             x = ox;
             y = oy;

@@ -10,6 +10,8 @@
  * a power of two: so points there lie on circles around it (concentric shells), and do not encroach upon each other's
  * edges. A triangle between two such points across the small angle stays as it is.
  *
+ * A triangle with an edge that is too long gets its point nearer, too: where the sides over its shortest edge are 0.96 of the limit.
+ *
  * Triangles with the shortest edges come first [Shewchuk, Triangle 1.6].
  *
  * The refiner works on a set of its own, which has been built in one way, and where vertices are numbered by arrival. So all that it
