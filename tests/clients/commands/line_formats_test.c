@@ -180,6 +180,21 @@ TEST(rings_that_touch_and_nest_are_written_as_polygons)
     cli_finish();
 }
 
+/* Ids with a gap are not places, and a number is neither. */
+TEST(numbers_of_lines_are_not_taken_for_points)
+{
+    cli_begin();
+    cli_run_well("add t 0 0 4 0 0 4 9 9");
+    cli_run_well("del t 0");
+    cli_run_well("triangulate t");
+    cli_run_well("constrain t OF 1 1 2");
+    cli_run_well("constrain t OF 70000 2 3");
+    export_as("csv", "-f wkt --lines",
+              "WKT,kind,number\n\"LINESTRING (4 0, 0 4)\",line,1\n"
+              "\"LINESTRING (0 4, 9 9)\",line,70000\n");
+    cli_finish();
+}
+
 TEST(lines_are_refused_in_formats_that_have_none)
 {
     int status;
