@@ -13,7 +13,7 @@ trap 'rm -rf "$found"' EXIT
 
 # The rooms of a folder, from the bottom up: a file may include files of its own room and of rooms before it.
 declare -A rooms=(
-    [core]='exact control memory fields points mesh constraints hints set divide shelling query cells triangle contours surface edit meshing thinning arrays tiles'
+    [core]='exact control memory fields points mesh constraints hints set divide shelling query cells triangle contours surface edit refining thinning arrays tiles'
     [clients]='lib reading points lines grids files meshes surfaces pictures cli commands'
     [server]='system ops sets changes disk jobs bodies rows replies clients command watch follow redis repair session'
 )

@@ -5,8 +5,8 @@
  * what counts; of the table, along all edges, where those between two triangles cancel out. */
 #include "core/exact/sum.h"
 #include "core/mesh/fixed.h"
-#include "core/meshing/angles.h"
 #include "core/query/query.h"
+#include "core/refining/angles.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
 

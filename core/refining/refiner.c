@@ -2,7 +2,7 @@
  *
  * Two lists say what is to be done: edges that a vertex encroaches upon, which come first, and triangles. Both are found
  * when a triangle comes to be, by `examine`. */
-#include "core/meshing/refiner.h"
+#include "core/refining/refiner.h"
 
 #include <stdlib.h>
 
@@ -10,7 +10,7 @@
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
-#include "core/meshing/way.h"
+#include "core/refining/way.h"
 
 enum { STEP_POINTS = 16 }; /* that a step adds at most */
 #define SHELL_NEAR 0x1p-10 /* two distances from a vertex are those of one shell: relative */

@@ -1,7 +1,7 @@
 /* angles_test.c - least and largest angles, in degrees. */
 #include <math.h>
 
-#include "core/meshing/angles.h"
+#include "core/refining/angles.h"
 #include "tests/test.h"
 
 static double degrees(double hi)

@@ -1,5 +1,5 @@
 /* queue.c - see queue.h. */
-#include "core/meshing/queue.h"
+#include "core/refining/queue.h"
 
 #include <string.h>
 

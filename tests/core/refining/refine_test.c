@@ -6,7 +6,7 @@
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
-#include "core/meshing/angles.h"
+#include "core/refining/angles.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 

@@ -1,5 +1,5 @@
 /* quality.c - see quality.h. */
-#include "core/meshing/quality.h"
+#include "core/refining/quality.h"
 
 #include "core/exact/bignum.h"
 #include "core/exact/double2.h"

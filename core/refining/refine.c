@@ -10,9 +10,9 @@
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/mesh/fixed.h"
-#include "core/meshing/angles.h"
-#include "core/meshing/refiner.h"
 #include "core/query/query.h"
+#include "core/refining/angles.h"
+#include "core/refining/refiner.h"
 
 enum { POINT_BYTES = 640 }; /* what a new point takes, with what arrays grow by */
 

@@ -1,5 +1,5 @@
 /* way.c - see way.h. */
-#include "core/meshing/way.h"
+#include "core/refining/way.h"
 
 #include "core/exact/predicates.h"
 #include "core/mesh/fixed.h"

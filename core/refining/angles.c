@@ -1,5 +1,5 @@
 /* angles.c - see angles.h. */
-#include "core/meshing/angles.h"
+#include "core/refining/angles.h"
 
 #include "core/exact/bignum.h"
 

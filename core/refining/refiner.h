@@ -20,8 +20,8 @@
 #define DT_REFINER_H
 
 #include "core/constraints/mend.h"
-#include "core/meshing/quality.h"
-#include "core/meshing/queue.h"
+#include "core/refining/quality.h"
+#include "core/refining/queue.h"
 #include "core/set/set.h"
 
 /* A half edge, as long as it leads from a to b. */

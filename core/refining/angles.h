@@ -10,7 +10,7 @@
 #define DT_ANGLES_H
 
 #include "core/exact/double2.h"
-#include "core/meshing/quality.h"
+#include "core/refining/quality.h"
 
 /* Start with {0}. */
 struct dt_angles {

@@ -1,7 +1,7 @@
 /* quality_test.c - whether triangles are as wanted, beside integers; and angles in degrees. */
 #include <math.h>
 
-#include "core/meshing/quality.h"
+#include "core/refining/quality.h"
 #include "tests/test.h"
 
 static long below(long n)
