@@ -175,8 +175,7 @@ TEST_TIMEOUT(simplify_without_memory_is_refused, 60)
 TEST_TIMEOUT(a_simplified_set_survives_a_kill, 60)
 {
     struct directory dir = directory_new();
-    const char *const data[] = {"--data", dir.path, NULL};
-    struct daemon d = daemon_start(data);
+    struct daemon d = directory_daemon(&dir, NULL);
     int fd = load_values(&d, 1);
     char digest[2][80];
     static const char *const asked[] = {"DIGEST large\n", "DIGEST small\n"};
@@ -190,7 +189,7 @@ TEST_TIMEOUT(a_simplified_set_survives_a_kill, 60)
         CHECK(strncmp(digest[i], "OK 0 digest=", 12) == 0);
     }
     daemon_stop(&d, SIGKILL);
-    d = daemon_start(data);
+    d = directory_daemon(&dir, NULL);
     fd = daemon_connect(&d);
     for (int i = 0; i < 2; i++) {
         say(fd, asked[i]);
