@@ -131,7 +131,7 @@ static enum dt_status build(struct dt *t, const struct input *in, const struct d
     return s == DT_OK ? dt_prepare(t, opt) : s;
 }
 
-/* What a call makes, and of what. */
+/* The arguments of a call, and the arrays that it makes. */
 struct making {
     struct dt_arrays *a;
     const struct input *in;

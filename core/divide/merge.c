@@ -134,8 +134,8 @@ INLINE void look_from(const struct dt_merging *w, bool left, struct side *s, siz
     look_at(w, s, w->half[left ? ghost : ghost + 1], knit_twin(w, ghost));
 }
 
-/* Deletes the edge of a side beyond its ghost: l-u of L beyond lc = (u, l, none), or its mirror image, the edge r-v of R beyond
- * rc = (r, v, none). `left` is known when compiled. */
+/* Deletes the edge of a side beyond its ghost. On the left this is l-u of L beyond lc = (u, l, none). On the right it is the mirror
+ * image: r-v of R beyond rc = (r, v, none). `left` is known when compiled. */
 INLINE void delete_edge(const struct dt_merging *w, bool left, struct side *s)
 {
     size_t g = s->ghost,

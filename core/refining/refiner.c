@@ -291,7 +291,7 @@ static uint32_t side_of(const struct dt_refiner *r, uint32_t h, struct dt_point 
 
 /* Sets *at to a part of the length of the edge of h. If lengths are limited, long edges must be divided, so the next double in each
  * direction is tried, too: rounding moves some places on a straight outline across the next edge. Returns the half edge on whose side
- * *at is; DT_NONE: the edge cannot be divided there. */
+ * *at is; DT_NONE: no such place is on the edge. */
 static uint32_t place_on(const struct dt_refiner *r, uint32_t h, double part, struct dt_point *at)
 {
     enum { TRIES = 5 };
@@ -394,10 +394,10 @@ static bool is_there(const struct dt_refiner *r, const struct dt_part *p)
 
 /* ---- a triangle ---- */
 
-/* How far from the shortest edge the new point may be, in lengths of that edge; 0: at any distance. A triangle with edges that are too long,
- * but no small angle, gets its point where both sides of the triangle over its shortest edge are almost as long as the limit allows, also if that edge is longer. Beside
- * edges that are kept it gets the centre, which is less often behind them.
- * (Nearer or farther points become more: 0.94 to 0.98 of the limit are best.) */
+/* The greatest distance of the new point from the shortest edge, in lengths of that edge; 0: any distance. A triangle with edges that
+ * are too long, but no small angle, gets its point where both new sides over its shortest edge are almost as long as the limit. This
+ * also holds if the shortest edge is longer. Beside edges that are kept it gets the centre, which is less often behind them.
+ * (At 0.94 to 0.98 of the limit the fewest points are added.) */
 static double reach_of(const struct dt_refiner *r, const struct dt_shape *s, unsigned breaks)
 {
     const struct dt_wanted *w = &r->wanted;

@@ -36,9 +36,9 @@
  * Laplace's shares, in units of DT_U, for n rim edges. Let S = |b.x e.x| + |b.y e.y|, and F = (|a.x e.y| + |a.y e.x|) / |D|.
  *
  * 1. b.e is off by 4 units of S, and D by 4 units of F |D|. The reciprocal and the product add 2 units.
- * 2. So cot B is off by (6 + 4 F) S / |D|, and cot A likewise.
- * 3. The terms with values are rounded by 4 units more. The sums, two edges side by side, add at most n + 2 units of all terms, and as
- *    many for the shares.
+ * 2. So cot B and cot A are off by (6 + 4 F) S / |D| each.
+ * 3. The terms with values are rounded by 4 units more. The sums, two edges side by side, add at most n + 2 units of all terms, and
+ *    n + 2 units of the shares.
  * 4. Together that is less than 2 n + 30 units of the S / |D|, and 4.1 units of the F S / |D|. */
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"

@@ -58,7 +58,7 @@ void dt_coarse_find(const struct dt_coarse *c, struct dt_coarse_points *p);
  * left out. Adds to c->most and c->count. */
 void dt_coarse_measure(struct dt_coarse *c, struct dt_coarse_points *p);
 
-/* How far the worst point of a sector is off, and how many points it has. */
+/* The distance of the worst point of a sector from the surface, and the number of its points. */
 static inline float dt_coarse_most(const struct dt_coarse *c, uint32_t sector)
 {
     const dt_floats m = c->most[sector];

@@ -241,8 +241,8 @@ static void raise_least(struct choice *d, const struct dt_sample *q, uint32_t po
     d->least = fmax(d->least, dt_plane_off_range(&d->c, q).least);
 }
 
-/* Whether doubles show that a point cannot be the worst one: it is off by less than another one, or at most as far as the worst one so
- * far, and its place is not less. Beside the bound, `decide` may return the next double. */
+/* Whether doubles show that a point cannot be the worst one. Either it is off by less than another one, or it is off at most as far
+ * as the worst one so far, and its place is not less. Beside the bound, `decide` may return the next double. */
 static bool is_less_off(const struct choice *d, const struct dt_sample *q, uint32_t point)
 {
     double most = dt_plane_off_range(&d->c, q).most;

@@ -9,8 +9,9 @@
  * While all points that are kept are on one line there are ghosts only (mesh.h): the one whose corners ascend is the facet of
  * the points between them.
  *
- * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool, one after the other. A list that is replaced leaves a gap; a full pool is copied without gaps, and
- * is full again when half of it, or a little more, are gaps: so as much of it as can be stays in the caches. */
+ * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool, one after the other. A list that is
+ * replaced leaves a gap. A full pool is copied without gaps, and is full again when about half of it are gaps. So it stays small, and
+ * more of it is in the caches. */
 #ifndef DT_FACETS_H
 #define DT_FACETS_H
 

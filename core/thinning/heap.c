@@ -23,7 +23,7 @@ void dt_heap_clear(struct dt_heap *h)
     *h = (struct dt_heap){0};
 }
 
-/* Whether a point comes before another one: it is off more, or as much and has the lesser place. */
+/* Whether a point comes before another one: it is off more, or equally far and has the lesser place. */
 static bool precedes(const struct dt_sample *s, const struct dt_heaped *a,
                      const struct dt_heaped *b)
 {
@@ -52,7 +52,7 @@ static void sift_down(struct dt_heap *h, const struct dt_sample *s, size_t at, s
     h->v[at] = e;
 }
 
-/* Puts an entry that precedes the last one of `next` in its place there. Returns whether there was no room for the last one, which
+/* Puts an entry that precedes the last one of `next` into `next`, in order. Returns whether there was no room for the last one, which
  * *e becomes. */
 static bool put_next(struct dt_heap *h, const struct dt_sample *s, struct dt_heaped *e)
 {

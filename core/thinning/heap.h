@@ -1,11 +1,11 @@
-/* heap.h - which facet has the worst point of all: the next few facets in order, a binary heap [Knuth, TAOCP 3, sec. 5.2.3] of those
- * that are off by less, and behind it, in no order, the others.
+/* heap.h - finds the facet that has the worst point of all. The next few facets are in order. A binary heap [Knuth, TAOCP 3, sec.
+ * 5.2.3] has those that are off by less, and the others lie behind it, in no order.
  *
  *     next:  the first ones, the worst one first
  *     v:     | heap, off >= limit | pile, off < limit | free |
  *
  * Most entries are of facets that are replaced before they could be the worst one. In the pile such entries cost nothing. An
- * empty heap takes about an eighth of the pile. What the insertion of the next ones will read can be fetched ahead. */
+ * empty heap takes about an eighth of the pile. The data that the next insertions will read can be fetched ahead. */
 #ifndef DT_HEAP_H
 #define DT_HEAP_H
 

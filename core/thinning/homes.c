@@ -59,7 +59,7 @@ static enum dt_status find_homes(const struct dt_facets *f, const bool *kept, st
     return dt_stop_status(stop);
 }
 
-/* What is done with items: all are counted; blocks are appended to lists, then points. */
+/* The three passes over items: all are counted; blocks are appended to lists, then points. */
 enum settling { COUNT, BLOCKS, POINTS };
 
 static void settle_in(struct dt_facets *f, struct dt_facet *facet, uint32_t item, enum settling how)

@@ -49,8 +49,9 @@ bool dt_plane_exceeds(const struct dt_corners *c, const struct dt_sample *q, dou
 /* How far q is off: the nearest double, for corners that have values. */
 double dt_plane_nearest_off(const struct dt_corners *c, const struct dt_sample *q);
 
-/* Bounds of how far q is off, rounded to the nearest double, for corners that have values. The lower and the upper one differ by 2^-44 of the largest value at the corners and
- * at q, or less; in triangles whose area is below 2^-60 of the square of a side they may differ by more. Cost: some 100 operations. */
+/* Bounds of how far q is off, rounded to the nearest double, for corners that have values. They differ by at most 2^-44 of the largest
+ * value at the corners and at q. In triangles whose area is below 2^-60 of the square of a side they may differ by more. Cost: some
+ * 100 operations. */
 struct dt_off_range {
     double least, most;
 };

@@ -25,8 +25,8 @@ let totals = null; // STAT of the set
 let fitNext = false; // the view is to show all of the next mesh
 const handlers = {};
 
-/** onSet(set) is called when another mesh is shown, null: none; onChange() is called when the set has changed. onDropped(set) is called
- * when it was dropped while it was shown; onStat(keys) is called when its counts are known, the keys of STAT. */
+/** onSet(set) is called when another mesh is shown; null: none. onChange() is called when the set has changed, and onDropped(set) when the
+ * set that is shown was dropped. onStat(keys) is called when the counts of the set are known. `keys` are those of STAT. */
 export function on(calls) {
   Object.assign(handlers, calls);
 }

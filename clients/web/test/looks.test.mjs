@@ -1,4 +1,4 @@
-// How the first view looks, by regions of screenshots: on a desk and on a phone, light and dark.
+// Tests compare screenshots of the first view by regions: on a desk and on a phone, light and dark.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { serveFolder } from './folder.mjs';

@@ -1,8 +1,8 @@
-// What a screenshot shows in regions: the mean colour, and how much the colours differ.
+// The mean colour and the contrast of regions of a screenshot.
 import { PNG } from 'pngjs';
 
-/** The pixels of a page as they are on the screen. regionOf([x, y, width, height]) returns of a region the mean of red, green and blue,
- * the standard deviation of the brightness, and the contrast between the darkest and the brightest pixel; all from 0 to 255. */
+/** The pixels of a page as they are on the screen. regionOf([x, y, width, height]) returns the mean of red, green and blue, and the
+ * standard deviation of the brightness. `contrast` is the difference between the darkest and the brightest pixel. All are 0 to 255. */
 export async function screenshotOf(page) {
   const { width, data } = PNG.sync.read(Buffer.from(await page.screenshot()));
   const regionOf = ([x0, y0, across, down]) => {

@@ -88,8 +88,8 @@ TEST_TIMEOUT(no_point_of_many_is_off_by_more_than_the_error, 60)
 
 /* ---- where only exact arithmetic decides ---- */
 
-/* On a line up to one unit in the last place: values of magnitudes from 1e-200 to 1e303, where the surface cuts off one point after the
- * other beside the largest ones; or just 0 and 1e303, where many points are off by the same. */
+/* Points on a line but for one unit in the last place. Their values have magnitudes from 1e-200 to 1e303: the surface cuts off one point
+ * after the other beside the largest ones. With `steps` they are 0 and 1e303, and many points are off by the same. */
 static struct dt_thinning *flat_peaks(uint32_t n, bool steps)
 {
     struct dt_thinning *t = waves(n, false);
