@@ -3,6 +3,7 @@
 import os
 import signal
 import tempfile
+import time
 import unittest
 from unittest import mock
 
@@ -12,6 +13,7 @@ try:
     from distributed import Client, LocalCluster
 
     from delaunayd.dask import triangulate
+    from delaunayd.dask.engine import Engine
 
     from .sets import families
     from .test_dask import in_order, of_process
@@ -55,6 +57,17 @@ class OnACluster(unittest.TestCase):
         with self.assertRaisesRegex(MemoryError, "use tile="):
             triangulate(points[:7000], tile=1 << 20, client=Small(self.client))
 
+    def test_what_one_task_needs_is_removed_while_another_runs(self):
+        def done_when_gone(path):
+            while path is not None and os.path.exists(path):
+                time.sleep(0.01)
+            return path
+
+        with tempfile.NamedTemporaryFile(delete=False) as file:
+            calls = [(None,), (file.name,)]
+        found = Engine(self.client, False).run("build", done_when_gone, calls, lambda i: os.remove(file.name) if i == 0 else None)
+        self.assertEqual(found, [None, file.name])
+
     def test_a_worker_that_is_killed_changes_nothing(self):
         points = np.random.default_rng(1).random((300000, 2))
         victims = [info["pid"] for info in self.client.run(lambda: {"pid": os.getpid()}).values()]
@@ -65,7 +78,7 @@ class OnACluster(unittest.TestCase):
                 os.kill(victims[len(killed)], signal.SIGKILL)
                 killed.append(prefix)
 
-        tin = triangulate(points, tile=20000, client=Deadly(self.client, kill_in_the_middle))
+        tin = triangulate(points, tile=20000, client=Deadly(self.client, kill_in_the_middle), keep=False)
         self.assertEqual(killed, ["delaunayd-build", "delaunayd-round"])
         self.check(tin, points)
 
@@ -97,7 +110,7 @@ class Deadly:
         futures = self._client.map(function, *columns, key=key, **options)
         if self._names and key[0].startswith(self._names[0]):
             while not any(future.done() for future in futures):
-                pass
+                time.sleep(0.001)
             self._strike(self._names.pop(0))
         return futures
 

@@ -28,23 +28,41 @@ class Engine:
         self.client = client if client is not None else default_client()
         self._progress = progress
 
-    def run(self, name: str, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]]) -> List[Any]:
+    def run(
+        self, name: str, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]], ended: Optional[Callable[[int], None]] = None
+    ) -> List[Any]:
         """The results of function(*call) for each call. Tasks are named delaunayd-NAME. The first error is raised, and what has not
-        begun is cancelled."""
+        begun is cancelled. ended(i) is called when the result of call i is here, so that its task is never run again."""
         if len(calls) == 0:
             return []
         mark = uuid.uuid4().hex[:8]
         keys = ["delaunayd-%s-%s-%d" % (name, mark, i) for i in range(len(calls))]
-        return self._by_client(function, calls, keys) if self.client is not None else self._by_dask(function, calls, keys)
+        if self.client is not None:
+            return self._by_client(function, calls, keys, ended)
+        results = self._by_dask(function, calls, keys)
+        if ended is not None:
+            for i in range(len(calls)):
+                ended(i)
+        return results
 
-    def _by_client(self, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]], keys: List[str]) -> List[Any]:
+    def _by_client(
+        self, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]], keys: List[str], ended: Optional[Callable[[int], None]]
+    ) -> List[Any]:
         assert self.client is not None
         futures = self.client.map(function, *zip(*calls), key=keys, pure=False)
         try:
             if self._progress:
                 module("distributed", "the bar").progress(futures, notebook=False)
-            results: List[Any] = self.client.gather(futures)
-            return results
+            if ended is None:
+                results: List[Any] = self.client.gather(futures)
+                return results
+            found: List[Any] = [None] * len(calls)
+            numbers = {key: i for i, key in enumerate(keys)}
+            for future, result in module("distributed", "tasks").as_completed(futures, loop=self.client.loop, with_results=True):
+                found[numbers[future.key]] = result
+                future.release()
+                ended(numbers[future.key])
+            return found
         except BaseException:
             self.client.cancel(futures)
             raise

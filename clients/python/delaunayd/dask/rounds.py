@@ -72,12 +72,15 @@ class Course:
     def run(self) -> Outcome:
         """Everything after the split."""
         calls = [(self._job, tile, state.chunks) for tile, state in self.tiles.items()]
-        sent = self._engine.run("build", tasks.build, calls)
+
+        def ended(i: int) -> None:
+            _, tile, chunks = calls[i]
+            spill.remove(*(spill.path_of(self._job.folder, "piece", chunk, tile) for chunk in chunks))
+
+        sent = self._engine.run("build", tasks.build, calls, None if self._keep else ended)
         for one in sent:
             state = self.tiles[one.tile]
             state.done, state.coincident, state.ends = one.done, one.coincident, one.ends
-            if not self._keep:
-                spill.remove(*(spill.path_of(self._job.folder, "piece", chunk, one.tile) for chunk in state.chunks))
         turn = 1
         while True:
             mail = self._note(sent)
