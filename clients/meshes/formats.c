@@ -25,7 +25,8 @@ static void put(struct row *r, const char *text)
 void formats_put_number(FILE *out, double v)
 {
     char text[PROTO_NUMBER_MAX];
-    fwrite(text, 1, proto_write_double(text, v), out);
+    size_t n = proto_write_double(text, v);
+    fwrite(text, 1, n, out);
 }
 
 static void put_id(struct row *r, size_t v, char after)
