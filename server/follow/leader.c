@@ -192,7 +192,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
     f->peer = *peer;
     f->memory = server_reservation(s, BUDGET_CLIENTS);
     f->since_ms = clock_ms();
-    f->durable = l->durable = durable_status(s)->durable;
+    f->durable = durable_status(s)->durable; /* leader_turn_end tells the others */
     durable_keep_log(s);
     if (!sender_start(f)) {
         free(f);

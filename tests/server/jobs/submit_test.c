@@ -20,6 +20,8 @@
 #include <poll.h>
 #include <semaphore.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 struct bench {
     struct local l;
@@ -201,6 +203,45 @@ TEST(change_after_a_promotion_waits_for_followers_at_once)
     CHECK(follower_promote(s) == NULL);
     CHECK(waits_for_followers(&b));
     local_stop(&b.l);
+    directory_remove(&b.dir);
+}
+
+/* ---- followers of one leader ---- */
+
+static void note_least(const struct sender *f, void *ctx)
+{
+    uint64_t *least = ctx;
+    *least = f->durable < *least ? f->durable : *least;
+}
+
+/* Returns the socket of the follower. */
+static int connect_follower(struct server *s)
+{
+    struct sock_peer peer = {.kind = SOCK_UNIX};
+    struct position from = {.lsn = 0};
+    int fd[2];
+    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fd) == 0);
+    CHECK(leader_add(s, fd[0], &peer, &from));
+    return fd[1];
+}
+
+/* The disk has a change, and another follower connects before the turn ends. */
+TEST(change_of_the_turn_in_which_a_follower_connects_is_sent_to_the_others)
+{
+    struct bench b;
+    uint64_t least = UINT64_MAX;
+    begin_leading(&b);
+    struct server *s = &b.l.server;
+    int first = connect_follower(s);
+    leader_turn_end(s);
+    CHECK(!waits_for_followers(&b));
+    int second = connect_follower(s);
+    leader_turn_end(s);
+    leader_each(s, note_least, &least);
+    CHECK(least == durable_status(s)->durable);
+    local_stop(&b.l);
+    close(first);
+    close(second);
     directory_remove(&b.dir);
 }
 
