@@ -66,16 +66,22 @@ static bool are_on_shell(const struct dt_refiner *r, uint32_t p, uint32_t q)
 
 /* ---- what is to be done ---- */
 
+/* Makes room for one more than n items of `size` bytes in an array of memory.h, whose pointer `array` points to. */
+static enum dt_status reserve_one(void *array, size_t n, size_t *cap, size_t size)
+{
+    if (n < *cap)
+        return DT_OK;
+    size_t room = dt_array_room(*cap, n + 1, SIZE_MAX / size);
+    if (!dt_array_resize(NULL, array, n, room, size))
+        return DT_NOMEM;
+    *cap = room;
+    return DT_OK;
+}
+
 static enum dt_status append_part(struct dt_part_list *l, struct dt_part part)
 {
-    if (l->n == l->cap) {
-        size_t cap = dt_array_room(l->cap, l->n + 1, SIZE_MAX / sizeof *l->v);
-        struct dt_part *v = dt_array_grow(l->v, l->n, cap, sizeof *v);
-        if (v == NULL)
-            return DT_NOMEM;
-        l->v = v;
-        l->cap = cap;
-    }
+    if (reserve_one(&l->v, l->n, &l->cap, sizeof *l->v) != DT_OK)
+        return DT_NOMEM;
     l->v[l->n++] = part;
     return DT_OK;
 }
@@ -184,15 +190,7 @@ static enum dt_status make_room(struct dt_refiner *r)
 {
     size_t n = r->t->points.end - r->given;
     enum dt_status status = dt_points_reserve(&r->t->points, 1, NULL);
-    if (status == DT_OK && n == r->edge_cap) {
-        size_t cap = dt_array_room(r->edge_cap, n + 1, SIZE_MAX / sizeof *r->edge);
-        struct dt_part *edge = dt_array_grow(r->edge, n, cap, sizeof *edge);
-        if (edge == NULL)
-            return DT_NOMEM;
-        r->edge = edge;
-        r->edge_cap = cap;
-    }
-    return status;
+    return status != DT_OK ? status : reserve_one(&r->edge, n, &r->edge_cap, sizeof *r->edge);
 }
 
 static uint32_t enter(struct dt_refiner *r, struct dt_point q, struct dt_part edge)
@@ -312,14 +310,8 @@ static uint32_t place_on(const struct dt_refiner *r, uint32_t h, double part, st
 
 static enum dt_status note_halved(struct dt_refiner *r, uint32_t a, uint32_t b, uint32_t middle)
 {
-    if (r->n_halved == r->halved_cap) {
-        size_t cap = dt_array_room(r->halved_cap, r->n_halved + 1, SIZE_MAX / sizeof *r->halved);
-        struct dt_halved *v = dt_array_grow(r->halved, r->n_halved, cap, sizeof *v);
-        if (v == NULL)
-            return DT_NOMEM;
-        r->halved = v;
-        r->halved_cap = cap;
-    }
+    if (reserve_one(&r->halved, r->n_halved, &r->halved_cap, sizeof *r->halved) != DT_OK)
+        return DT_NOMEM;
     r->halved[r->n_halved++] = (struct dt_halved){a < b ? a : b, a < b ? b : a, middle};
     return DT_OK;
 }
