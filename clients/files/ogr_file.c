@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 #include "clients/reading/program.h"
 
@@ -14,13 +13,7 @@ const char ogr_hint[] =
 bool ogr_is_name(const char *path)
 {
     static const char *const endings[] = {".shp", ".gpkg", ".fgb"};
-    size_t n = strlen(path);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t len = strlen(endings[i]);
-        if (n > len && strcasecmp(path + n - len, endings[i]) == 0)
-            return true;
-    }
-    return false;
+    return program_reads(path, endings, sizeof endings / sizeof endings[0]);
 }
 
 bool ogr_start(const char *path, pid_t *pid, int *out, char *why, size_t room)

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include "clients/grids/vrt_frame.h"
@@ -15,13 +14,7 @@ bool raster_is_name(const char *name)
 {
     static const char *const endings[] = {".tif", ".tiff", ".dem", ".hgt", ".img",
                                           ".vrt", ".bil",  ".flt", ".grd"};
-    size_t n = strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t len = strlen(endings[i]);
-        if (n > len && strcasecmp(name + n - len, endings[i]) == 0)
-            return true;
-    }
-    return false;
+    return program_reads(name, endings, sizeof endings / sizeof endings[0]);
 }
 
 bool raster_begins(const char *head, size_t n)
