@@ -215,7 +215,7 @@ rules() {
     [ -z "$build" ] || generated
 }
 
-# What uses one processor runs beside what uses two, which has pauses at its end.
+# Checks that use one processor run beside those that use two; the latter leave a processor free at their end.
 { rules; format; types; } >"$found/rules" &
 { check; tidy; } >"$found/tools"
 wait

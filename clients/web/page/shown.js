@@ -25,8 +25,8 @@ let totals = null; // STAT of the set
 let fitNext = false; // the view is to show all of the next mesh
 const handlers = {};
 
-/** onSet(set) is called when another mesh is shown; null: none. onChange() is called when the set has changed, and onDropped(set) when the
- * set that is shown was dropped. onStat(keys) is called when the counts of the set are known. `keys` are those of STAT. */
+/** Sets the functions that are called: onSet(set) when another mesh is shown, or null when none is. onChange() when the set has changed.
+ * onDropped(set) when the set that is shown was dropped. onStat(keys) when its counts are known, with the keys of STAT. */
 export function on(calls) {
   Object.assign(handlers, calls);
 }

@@ -88,7 +88,7 @@ TEST_TIMEOUT(no_point_of_many_is_off_by_more_than_the_error, 60)
 
 /* ---- where only exact arithmetic decides ---- */
 
-/* Points on a line but for one unit in the last place. Their values have magnitudes from 1e-200 to 1e303: the surface cuts off one point
+/* Points within one unit in the last place of a line. Their values have magnitudes from 1e-200 to 1e303: the surface cuts off one point
  * after the other beside the largest ones. With `steps` they are 0 and 1e303, and many points are off by the same. */
 static struct dt_thinning *flat_peaks(uint32_t n, bool steps)
 {

@@ -32,7 +32,8 @@ class Engine:
         self, name: str, function: Callable[..., Any], calls: Sequence[Tuple[Any, ...]], ended: Optional[Callable[[int], None]] = None
     ) -> List[Any]:
         """The results of function(*call) for each call. Tasks are named delaunayd-NAME. The first error is raised, and what has not
-        begun is cancelled. ended(i) is called when the result of call i is here, so that its task is never run again."""
+        begun is cancelled. ended(i) is called when the result of call i is here, so that its task is never run again.
+        Without a client of distributed, and beside its bar, this is when all calls have ended."""
         if len(calls) == 0:
             return []
         mark = uuid.uuid4().hex[:8]
