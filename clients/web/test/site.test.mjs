@@ -8,16 +8,18 @@ import { serveFolder } from './folder.mjs';
 import { drag, onPage, start, stop, visit, waitFor } from './stage.mjs';
 
 const { SITE } = process.env; // what `make site` has built
-let server, at;
+let server, at, folder;
 
 before(async () => {
   await start();
+  folder = mkdtempSync(join(tmpdir(), 'site-'));
   server = await serveFolder(SITE);
   at = server.port;
 });
 after(async () => {
   server.close();
   await stop();
+  rmSync(folder, { recursive: true }); // not earlier: a page reads a file some time after it was chosen
 });
 
 /** The mesh equals that of a new page with the same points: rings sent by edits say the same as a triangulation of everything. */
@@ -117,7 +119,6 @@ test('the terrain and the cities are one click away', async () => {
 });
 
 test('lines of a file become constraints, which a point cannot be dragged across: that is shown as refused', async () => {
-  const folder = mkdtempSync(join(tmpdir(), 'site-'));
   const page = await visit('', { at });
   await waitFor(page, () => window.app.mesh.points === 485);
   const feature = (type, coordinates) => ({ type: 'Feature', properties: {}, geometry: { type, coordinates } });
@@ -125,7 +126,6 @@ test('lines of a file become constraints, which a point cannot be dragged across
   const features = [corners, feature('LineString', [[1, 2], [2, 2], [3, 2]]), feature('LineString', [[1, 1], [3, 1]])];
   writeFileSync(join(folder, 'fence.geojson'), JSON.stringify({ type: 'FeatureCollection', features }));
   await (await page.$('#file')).uploadFile(join(folder, 'fence.geojson'));
-  rmSync(folder, { recursive: true });
   await waitFor(page, () => window.app.mesh.points === 9 && window.app.overlay.lines.constraints.length === 3);
   await waitFor(page, () => /no Voronoi cells/.test(document.getElementById('message').textContent));
   const drag = async (from, to) => {
