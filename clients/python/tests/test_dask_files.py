@@ -335,7 +335,8 @@ class CommandLine(unittest.TestCase):
             os.mkfifo(pipe)
             command = [sys.executable, "-m", "delaunayd.dask", pipe, "--out", folder + "/out", "--workers", "1", "--quiet", "--tile", "1000"]
             env = {**os.environ, "PYTHONPATH": HERE}
-            process = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            heeds = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background job ignores it
+            process = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=heeds)
             writer = None
             while writer is None and process.poll() is None:
                 try:
