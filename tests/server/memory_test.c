@@ -81,8 +81,9 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
     }
     check_peak(&d, 115 * MB);
     CHECK(daemon_info(&d, "memory_peak") < 105 * MB);
-    for (int tries = 0; daemon_info(&d, "memory_used") >= 70 * MB; tries++, pause_ms(10))
-        CHECK(tries < 500); /* workers free the versions that have been replaced */
+    for (unsigned tries = 0; daemon_info(&d, "memory_used") >= 70 * MB; tries++, pause_ms(10))
+        CHECK(tries <
+              500 * test_slowness()); /* workers free the versions that have been replaced */
 }
 
 /* Numbers of 2,500 bits need ten times the memory, but no point of a circle needs such numbers. */
@@ -159,8 +160,8 @@ static pid_t load_and_drop(const struct daemon *d, int rounds, uint32_t n)
 static void await_standstill(const struct daemon *d)
 {
     uint64_t before = 0, now;
-    for (int still = 0, tries = 0; still < 20; tries++, pause_ms(20)) {
-        CHECK(tries < 1000);
+    for (unsigned still = 0, tries = 0; still < 20; tries++, pause_ms(20)) {
+        CHECK(tries < 1000 * test_slowness());
         now = daemon_info(d, "commands");
         still = now == before + 2 ? still + 1 : 0; /* INFO and QUIT are ours */
         before = now;
@@ -171,8 +172,8 @@ static void await_standstill(const struct daemon *d)
  * more is carried out. Returns how many bytes it has. */
 static size_t await_queue(const struct daemon *d, size_t bytes)
 {
-    for (int tries = 0; daemon_info(d, "memory_log") <= bytes; tries++, pause_ms(20))
-        CHECK(tries < 1500);
+    for (unsigned tries = 0; daemon_info(d, "memory_log") <= bytes; tries++, pause_ms(20))
+        CHECK(tries < 1500 * test_slowness());
     await_standstill(d);
     return daemon_info(d, "memory_log");
 }

@@ -50,7 +50,7 @@ static pid_t start(const struct place *p, int out, int err)
 static int await_socket(const struct place *p)
 {
     int fd = -1;
-    for (int i = 0; i < 500 && (fd = connect_unix(p->socket)) < 0; i++)
+    for (unsigned i = 0; i < 500 * test_slowness() && (fd = connect_unix(p->socket)) < 0; i++)
         pause_ms(10);
     CHECK_MSG(fd >= 0, "the daemon does not listen");
     return fd;

@@ -106,8 +106,8 @@ TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 120)
     check_memory(&p, other, LIMIT);
     for (int i = 1; i < clients; i++)
         close(fd[i]);
-    for (int tries = 0; info_of(other, "clients") > 2; tries++, pause_ms(10))
-        CHECK(tries < 500);
+    for (unsigned tries = 0; info_of(other, "clients") > 2; tries++, pause_ms(10))
+        CHECK(tries < 500 * test_slowness());
     size_t n = 0; /* the remaining requests are answered as usual */
     char line[100];
     shutdown(fd[0], SHUT_WR);
@@ -141,7 +141,8 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
 {
     enum { CLIENTS = 400, BYTES = 60 * 1000, LIMIT = 8 << 20 };
     struct place p = begin("8m");
-    int other = daemon_connect(&p.d), fd[CLIENTS], refused = 0, tries = 0;
+    int other = daemon_connect(&p.d), fd[CLIENTS], refused = 0;
+    unsigned tries = 0;
     bool gone[CLIENTS] = {false};
     say(other, "ADD small 0 0 1 0 0 1\nTRIANGULATE small\n");
     hear_line(other), hear_line(other);
@@ -152,7 +153,7 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
     }
     check_memory(&p, other, LIMIT);
     for (; refused <= CLIENTS / 4; tries++, pause_ms(10)) {
-        CHECK_MSG(tries < 1000, "%d refused", refused);
+        CHECK_MSG(tries < 1000 * test_slowness(), "%d refused", refused);
         for (int i = 0; i < CLIENTS; i++) {
             bool now = !gone[i] && is_refused(fd[i]);
             gone[i] |= now;
@@ -164,7 +165,7 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
     for (tries = 0; info_of(other, "clients") > 1; tries++, pause_ms(10))
-        CHECK(tries < 500);
+        CHECK(tries < 500 * test_slowness());
     request[BYTES - 1] = 0;
     converse(&p.d, request, "ERR NUMBER GET is not an id\n"); /* there is room again */
     free(request);
@@ -247,8 +248,8 @@ TEST_TIMEOUT(results_of_searches_that_are_read_slowly_are_counted_and_bounded, 1
     check_memory(&p, other, LIMIT);
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
-    for (int tries = 0; info_of(other, "memory_replies") > before; tries++, pause_ms(10))
-        CHECK(tries < 500);
+    for (unsigned tries = 0; info_of(other, "memory_replies") > before; tries++, pause_ms(10))
+        CHECK(tries < 500 * test_slowness());
     say(other, "NEAREST t 0.5 0.5 200000\n");
     CHECK_STR(hear_line(other), "OK 200000");
     leave(&p);
@@ -279,8 +280,8 @@ TEST_TIMEOUT(many_readers_of_whole_sets_who_stall_stay_within_the_budget, 120)
     check_memory(&p, other, LIMIT);
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
-    for (int tries = 0; info_of(other, "memory_replies") > 0; tries++, pause_ms(10))
-        CHECK(tries < 500);
+    for (unsigned tries = 0; info_of(other, "memory_replies") > 0; tries++, pause_ms(10))
+        CHECK(tries < 500 * test_slowness());
     say(other, "LISTS t\n");
     CHECK(strncmp(hear_line(other), "OK 100000 ", 10) == 0);
     leave(&p);

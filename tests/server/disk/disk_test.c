@@ -49,7 +49,7 @@ static void hear_reply(int fd, char *line, size_t size)
 /* Repeats the request until it is not refused, for a few seconds. */
 static enum fate ask(const struct daemon *d, int *fd, const char *request, char *reply, size_t size)
 {
-    for (int tries = 0; tries < 400; tries++, pause_ms(10)) {
+    for (unsigned tries = 0; tries < 400 * test_slowness(); tries++, pause_ms(10)) {
         bool sent = send_all(*fd, request);
         reply[0] = '\0';
         if (sent)
@@ -379,8 +379,8 @@ TEST(full_disk_takes_no_change_that_needs_space)
 static int await_unix(const char *path)
 {
     int fd;
-    for (int tries = 0; (fd = connect_unix(path)) < 0; tries++) {
-        CHECK(tries < 1000);
+    for (unsigned tries = 0; (fd = connect_unix(path)) < 0; tries++) {
+        CHECK(tries < 1000 * test_slowness());
         pause_ms(2);
     }
     return fd;

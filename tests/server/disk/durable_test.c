@@ -115,7 +115,7 @@ TEST(log_is_compacted_when_it_has_become_long)
         say(fd, "ADD t 1 2\nDEL t 0\nDROP t\n");
     for (int i = 0; i < 1200; i++)
         hear_line(fd);
-    for (int i = 0; i < 300 && daemon_info(&d, "log_bytes") > 20000; i++)
+    for (unsigned i = 0; i < 300 * test_slowness() && daemon_info(&d, "log_bytes") > 20000; i++)
         pause_ms(10);
     CHECK(daemon_info(&d, "log_bytes") < 20000 && daemon_info(&d, "snapshots") > 0);
     daemon_stop(&d, SIGKILL);

@@ -167,7 +167,7 @@ TEST(follower_without_a_position_gets_a_snapshot_first)
     begin(&t, 3);
     connect_from(&t, 0, 0);
     expect_answer(&t, "no");
-    for (int i = 0; i < 1000 && t.sender->wants_snapshot == 0; i++)
+    for (unsigned i = 0; i < 1000 * test_slowness() && t.sender->wants_snapshot == 0; i++)
         pause_ms(1);
     CHECK(t.sender->wants_snapshot == 1 && t.sender->state == SENDER_SNAPSHOT);
     end(&t);

@@ -131,7 +131,7 @@ TEST_TIMEOUT(role_of_a_follower_is_written_again_with_everything_else, 60)
     carry_out(&d, "FOLLOW 127.0.0.1 1\n");
     while (directory_file(&dir, "", 0, path))
         CHECK(unlink(path) == 0);
-    for (int i = 0; i < 100 && !directory_file(&dir, "role", 0, path); i++)
+    for (unsigned i = 0; i < 100 * test_slowness() && !directory_file(&dir, "role", 0, path); i++)
         pause_ms(50);
     CHECK(directory_file(&dir, "role", 0, path) && daemon_stop(&d, SIGTERM) == 0);
     directory_remove(&dir);
