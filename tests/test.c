@@ -196,6 +196,21 @@ static unsigned usual_jobs(void)
     return cpus < 1 ? 2 : cpus > 4 ? 8 : 2 * (unsigned)cpus;
 }
 
+/* Ends all tests, with the processes that they have started. */
+static void stop(int signal_number)
+{
+    for (unsigned i = 0; i < jobs; i++)
+        if (running[i].test != NULL && running[i].pid > 0)
+            kill(-running[i].pid, SIGKILL);
+    _exit(128 + signal_number);
+}
+
+static void on_stop(void (*handler)(int))
+{
+    signal(SIGINT, handler);
+    signal(SIGTERM, handler);
+}
+
 static void start(struct run *r, const struct test *t)
 {
     *r = (struct run){.test = t, .start = now(), .output = tmpfile()};
@@ -207,6 +222,7 @@ static void start(struct run *r, const struct test *t)
         exit(2);
     }
     if (r->pid == 0) {
+        on_stop(SIG_DFL);
         setpgid(0, 0);
         dup2(fileno(r->output), 1);
         dup2(fileno(r->output), 2);
@@ -333,6 +349,7 @@ int main(int argc, char **argv)
     setvbuf(stdout, NULL, _IOLBF, 0);
     if (lists)
         return list(words);
+    on_stop(stop);
     run_all(words);
     if (!any)
         failed += useless_words(words);
