@@ -13,7 +13,7 @@ const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
 const QUIET = ['disable-quic', 'no-first-run', 'disable-background-networking', 'disable-component-update', 'disable-sync'];
 const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-swiftshader'];
 
-const PATIENCE_MS = 180000; // that a test waits: ten pages beside each other on two cores take minutes
+const PATIENCE_MS = 60000; // that a test waits: several times what a page takes when the machine has other work
 
 let daemon, gateway;
 export let port, pagePort, browser;
@@ -27,7 +27,7 @@ export async function start({ options = [] } = {}) {
   browser = await puppeteer.launch({
     executablePath: BROWSER,
     args: ['no-sandbox', 'disable-dev-shm-usage', ...QUIET, ...SOFTWARE_WEBGL].map((word) => `--${word}`),
-    protocolTimeout: 300000,
+    protocolTimeout: 2 * PATIENCE_MS,
   });
 }
 
