@@ -22,10 +22,11 @@ die() {
     exit 1
 }
 
+# A daemon may accept a connection and never answer.
 ask() { # URL WORD...
     local url=$1
     shift
-    "$delaunay" -u "$url" "$@"
+    timeout "$wait_s" "$delaunay" -u "$url" "$@"
 }
 
 fact() { # URL KEY: the value of a line of INFO replication
