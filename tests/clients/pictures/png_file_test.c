@@ -55,20 +55,32 @@ static unsigned next_bits(struct bits *b, unsigned n)
 }
 
 struct code {
-    unsigned char length[320];
+    unsigned char length[320]; /* of each symbol's code; 0: it has none */
     size_t n;
+    unsigned short symbol[320]; /* those that have a code, in the order of the codes */
+    unsigned count[16];         /* of codes, by length */
 };
 
-/* Compares with each code, one after the other. */
+static void sort_code(struct code *c)
+{
+    size_t k = 0;
+    for (unsigned length = 1; length <= 15; length++)
+        for (size_t i = 0; i < c->n; i++)
+            if (c->length[i] == length) {
+                c->symbol[k++] = (unsigned short)i;
+                c->count[length]++;
+            }
+}
+
 static unsigned next_symbol(struct bits *b, const struct code *c)
 {
-    unsigned seen = 0, first = 0;
+    unsigned seen = 0, first = 0, before = 0; /* codes that are shorter */
     for (unsigned length = 1; length <= 15; length++) {
         seen = seen << 1 | next_bits(b, 1);
-        for (unsigned i = 0; i < c->n; i++)
-            if (c->length[i] == length && first++ == seen)
-                return i;
-        first <<= 1;
+        if (seen - first < c->count[length])
+            return c->symbol[before + seen - first];
+        before += c->count[length];
+        first = (first + c->count[length]) << 1;
     }
     CHECK_MSG(false, "no such code");
     return 0;
@@ -132,9 +144,12 @@ static size_t inflate(const unsigned char *z, size_t n, unsigned char *raw, size
         for (unsigned i = 0; i < some; i++)
             lengths.length[order[i]] = (unsigned char)next_bits(&b, 3);
         unsigned char both[320];
+        sort_code(&lengths);
         read_lengths(&b, &lengths, both, literal.n + distance.n);
         memcpy(literal.length, both, literal.n);
         memcpy(distance.length, both + literal.n, distance.n);
+        sort_code(&literal);
+        sort_code(&distance);
         have = read_block(&b, &literal, &distance, raw, have, room);
     }
     uint32_t sum_a = 1, sum_b = 0;

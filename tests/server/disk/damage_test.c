@@ -126,11 +126,11 @@ TEST(log_cut_within_its_header_is_refused)
     free_sample(&s);
 }
 
-/* Every bit: only bytes that no record reports as synced may be treated as a torn end. */
+/* Every bit, or with a sanitizer one or two of each byte: only bytes that no record reports as synced may be treated as a torn end. */
 static void flip_everything(int sig, uint64_t provable)
 {
     struct sample s = make_sample(sig);
-    for (size_t i = 0; i < 8 * s.n; i++) {
+    for (size_t i = 0; i < 8 * s.n; i += test_is_sanitized() ? 7 : 1) {
         s.bytes[i / 8] ^= (char)(1 << i % 8);
         file_write(s.path, s.bytes, s.n);
         s.bytes[i / 8] ^= (char)(1 << i % 8);
