@@ -116,10 +116,11 @@ static void sizes(void)
     printf("\n");
 }
 
-/* ---- families: a table of time, then one of memory ---- */
+/* ---- families ---- */
 
-static void time_row(const struct contender *c)
+static void family_row(const struct contender *c)
 {
+    bool large = c->build.n >= 100000; /* below this, other memory of the process dominates */
     printf("| %s |", c->build.family->name);
     cell(ns(&c[ONE]));
     cell(ns(&c[TWO]));
@@ -129,14 +130,6 @@ static void time_row(const struct contender *c)
     ratio(ns(&c[ONE]), ns(&c[BARE]));
     ratio(ns(&c[TWO]), ns(&c[BARE]));
     ratio(ns(&c[ONE]), ns(&c[TWO]));
-    printf("\n");
-    fflush(stdout);
-}
-
-static void memory_row(const struct contender *c)
-{
-    bool large = c->build.n >= 100000; /* below this, other memory of the process dominates */
-    printf("| %s |", c->build.family->name);
     cell(ns(&c[FRESH]));
     cell(ns(&c[BARE_FRESH]));
     ratio(ns(&c[FRESH]), ns(&c[BARE_FRESH]));
@@ -144,6 +137,7 @@ static void memory_row(const struct contender *c)
     cell(large ? c[FRESH].best.peak_bytes : 0);
     cell(large ? c[BARE_FRESH].best.peak_bytes : 0);
     printf("\n");
+    fflush(stdout);
 }
 
 static void families_table(size_t n)
@@ -152,25 +146,21 @@ static void families_table(size_t n)
         "uniform",          "gaussian",   "clusters",       "kuzmin",    "lattice",
         "lattice_shuffled", "duplicates", "near_collinear", "thin_line", "circle"};
     enum { FAMILIES = sizeof names / sizeof names[0] };
-    struct contender row[FAMILIES][CONTENDERS];
-    printf("Families, %zu points, ns per point.\n\n"
+    printf("Families, %zu points, ns per point; fresh: one thread in fresh memory. Bytes per point "
+           "that a triangulated set holds with its grid for searches, and that a build needs at "
+           "its peak.\n\n"
            "| family | 1 thread | 2 threads | grid for searches | CGAL | CGAL, ids and list | "
-           "1 thread / CGAL | 2 threads / CGAL | 1 thread / 2 threads |\n"
-           "|---|---|---|---|---|---|---|---|---|\n",
+           "1 thread / CGAL | 2 threads / CGAL | 1 thread / 2 threads | fresh | CGAL fresh | "
+           "fresh / CGAL fresh | set | peak | CGAL peak |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
            n);
     for (size_t i = 0; i < FAMILIES; i++) {
-        enter(row[i], family_named(names[i]), n);
-        row[i][PAPER].rounds = 0;
-        measure_alternately(row[i], CONTENDERS);
-        time_row(row[i]);
+        struct contender row[CONTENDERS];
+        enter(row, family_named(names[i]), n);
+        row[PAPER].rounds = 0;
+        measure_alternately(row, CONTENDERS);
+        family_row(row);
     }
-    printf("\nThe same in fresh memory, one thread, ns per point; bytes per point that a "
-           "triangulated set holds with its grid for searches, and that a build needs at its "
-           "peak.\n\n"
-           "| family | fresh | CGAL fresh | fresh / CGAL fresh | set | peak | CGAL peak |\n"
-           "|---|---|---|---|---|---|---|\n");
-    for (size_t i = 0; i < FAMILIES; i++)
-        memory_row(row[i]);
     printf("\n");
 }
 

@@ -2,7 +2,7 @@
 BEGIN { FS = " *[|] *"; bars = 0; top = 0 }
 
 /^Families/ { inside = $0 ~ " " n " points" }
-/^The same/ { inside = 0 }
+/^$/ && bars { inside = 0 }
 
 inside && NF > 9 && $3 ~ /^[0-9.]+$/ {
     name[bars] = $2
