@@ -83,7 +83,7 @@ bool server_init(struct server *s, struct config *config)
     s->command_count = command_count;
     s->info = info_section;
     s->pages = dt_pages_new(config->max_memory);
-    budget_init(&s->budget, &config->max_memory, s->pages);
+    budget_init(&s->budget, config->max_memory, s->pages);
     registry_init(&s->sets);
     registry_begin_life_in_memory(&s->sets); /* with --data until that has been read */
     s->sets.budget = &s->budget;

@@ -121,7 +121,7 @@ static inline size_t conn_sendable(const struct conn *c)
 static inline bool conn_is_short(const struct conn *c)
 {
     const struct budget *b = c->memory.budget;
-    return b != NULL && !budget_fits(b, BUDGET_CLIENTS, CONN_OUT_LIMIT + *b->limit / 64);
+    return b != NULL && !budget_fits(b, BUDGET_CLIENTS, CONN_OUT_LIMIT + b->limit / 64);
 }
 
 /* Whether the owner should produce no more output for now; `data` is called when `out` has drained. */

@@ -95,6 +95,7 @@ static void set(struct server *s, const struct request *q, struct answer *a)
     }
     report(s, a, &next);
     *s->config = next;
+    s->budget.limit = next.max_memory; /* workers read this one */
     durable_settings_changed(s);
     notice_set_level(next.log_level);
     server_memory_freed(s); /* a higher limit is like freed memory */

@@ -36,6 +36,7 @@ struct durable {
     /* reading */
     struct recovery recovery;
     pthread_t reader;
+    enum log_policy policy; /* a copy: the thread reads no settings, which CONFIG SET writes */
     atomic_bool read; /* the thread is done */
     bool gap;         /* the log has lost changes that a snapshot has */
     bool keeps;       /* log stays for followers */
@@ -129,7 +130,7 @@ static void *read_directory(void *arg)
         /* Changes that the log has lost have other records: nothing continues from their digest. */
         d->gap = r->ahead > r->last;
         uint64_t digest = r->ahead > r->last ? 0 : r->digest;
-        d->log = log_new(&d->dir, s->config->fsync, r->last + 1, digest, d->event);
+        d->log = log_new(&d->dir, d->policy, r->last + 1, digest, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;
         else
@@ -150,6 +151,7 @@ bool durable_start(struct server *s)
         return false;
     }
     d->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    d->policy = s->config->fsync;
     recovery_init(&d->recovery, &d->dir);
     d->recovery.replay.sets.pages = s->pages;
     s->durable = d;
@@ -345,7 +347,7 @@ bool durable_replace(struct server *s, struct recovery *r, const struct lineage 
                strerror(errno));
         return false;
     }
-    d->log = log_new(&d->dir, s->config->fsync, r->last + 1, r->digest, d->event);
+    d->log = log_new(&d->dir, d->policy, r->last + 1, r->digest, d->event);
     if (d->log == NULL)
         return false;
     begin_saver(s, r);

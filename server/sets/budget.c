@@ -9,7 +9,7 @@
 
 enum { ANSWERS_SHARE = 16 }; /* this fraction of the limit is for replies and clients alone */
 
-void budget_init(struct budget *b, const size_t *limit, struct dt_pages *pages)
+void budget_init(struct budget *b, size_t limit, struct dt_pages *pages)
 {
     *b = (struct budget){.limit = limit, .pages = pages};
 }
@@ -22,14 +22,14 @@ static bool is_for_answers(enum budget_kind kind)
 /* The rest of the share of replies and clients. */
 static size_t answers_left(const struct budget *b)
 {
-    size_t share = *b->limit / ANSWERS_SHARE;
+    size_t share = b->limit / ANSWERS_SHARE;
     size_t taken = budget_of(b, BUDGET_REPLIES) + budget_of(b, BUDGET_CLIENTS);
     return share > taken ? share - taken : 0;
 }
 
 static bool fits(const struct budget *b, enum budget_kind kind, size_t used, size_t more)
 {
-    size_t limit = *b->limit, left = answers_left(b);
+    size_t limit = b->limit, left = answers_left(b);
     size_t room = limit > used ? limit - used : 0;
     if (is_for_answers(kind))
         return more <= room || more <= left;
@@ -43,7 +43,8 @@ bool budget_fits(const struct budget *b, enum budget_kind kind, size_t more)
 
 bool budget_could_fit(const struct budget *b, size_t more)
 {
-    size_t limit = *b->limit - *b->limit / ANSWERS_SHARE, sets = budget_of(b, BUDGET_SETS);
+    size_t limit = b->limit, sets = budget_of(b, BUDGET_SETS);
+    limit -= limit / ANSWERS_SHARE;
     return sets < limit && more <= limit - sets;
 }
 
@@ -63,10 +64,10 @@ static void give_up_kept(const struct budget *b)
     dt_pages_summary(b->pages, &now);
     if (now.kept == 0)
         return;
-    size_t used = budget_used(b), large = now.held - now.kept;
+    size_t used = budget_used(b), large = now.held - now.kept, limit = b->limit;
     size_t all = now.kept + (used > large ? used : large);
-    if (all > *b->limit)
-        (void)dt_pages_trim(b->pages, all - *b->limit);
+    if (all > limit)
+        (void)dt_pages_trim(b->pages, all - limit);
 }
 
 static void grow(struct reservation *r, size_t more)
@@ -134,7 +135,7 @@ void reservation_trim_heap(const struct reservation *r)
 {
     if (r->bytes == 0)
         return;
-    size_t resident = machine_resident(), limit = *r->budget->limit;
+    size_t resident = machine_resident(), limit = r->budget->limit;
     if (resident > limit || r->bytes > limit - resident)
         budget_trim_heap();
 }

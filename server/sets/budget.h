@@ -37,7 +37,7 @@ enum budget_kind {
 };
 
 struct budget {
-    const size_t *limit;    /* borrows: it may change */
+    atomic_size_t limit;    /* any thread may set it */
     struct dt_pages *pages; /* borrows: the page cache; NULL: there is none */
     atomic_size_t used, peak;
     atomic_size_t of[BUDGET_KINDS]; /* their sum is `used` */
@@ -51,7 +51,7 @@ struct reservation {
     size_t bytes;
 };
 
-void budget_init(struct budget *b, const size_t *limit, struct dt_pages *pages);
+void budget_init(struct budget *b, size_t limit, struct dt_pages *pages);
 
 static inline size_t budget_used(const struct budget *b)
 {

@@ -27,6 +27,12 @@ void local_stop(struct local *l)
     buf_free(&l->out);
 }
 
+void local_limit(struct local *l, size_t bytes)
+{
+    l->config.max_memory = bytes;
+    l->server.budget.limit = bytes;
+}
+
 struct delivery {
     struct server *server;
     struct answer *answer;

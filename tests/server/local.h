@@ -16,6 +16,9 @@ struct local {
 void local_start(struct local *l, unsigned threads);
 void local_stop(struct local *l);
 
+/* Sets --max-memory. */
+void local_limit(struct local *l, size_t bytes);
+
 /* Carries out request lines, the bodies of loads among them, and waits for each reply. Returns the
  * replies, which live until the next call. */
 const char *local_ask(struct local *l, const char *lines);

@@ -244,10 +244,10 @@ TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
     struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
     size_t all = l.config.max_memory;
-    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS) + 1;
+    local_limit(&l, budget_of(&l.server.budget, BUDGET_SETS) + 1);
     CHECK(strncmp(local_ask(&l, more), "ERR ", 4) == 0);
     CHECK_STR(local_ask(&l, "MOVE t 0 9 9"), "OK 0\n"); /* in place */
-    l.config.max_memory = all;
+    local_limit(&l, all);
     version_end_view(&l.server.sets, v, view);
     version_unpin(&l.server.sets, v);
     CHECK(strncmp(local_ask(&l, more), "OK 0", 4) == 0);
@@ -267,9 +267,9 @@ TEST(set_that_is_read_is_not_copied_beside_what_an_edit_takes)
     local_ask(&l, "TRIANGULATE t");
     struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
-    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS);
+    local_limit(&l, budget_of(&l.server.budget, BUDGET_SETS));
     for (int i = 0; i < 200 && !busy; i++) {
-        l.config.max_memory += 256 * 1024;
+        local_limit(&l, l.config.max_memory + 256 * 1024);
         const char *reply = local_ask(&l, more);
         CHECK(strncmp(reply, "ERR ", 4) == 0);
         busy = strncmp(reply, "ERR BUSY the set is being read", 30) == 0;

@@ -73,6 +73,39 @@ TEST(long_jobs_that_wait_for_a_worker_are_limited_and_short_ones_are_not)
     local_stop(&l);
 }
 
+static void reserve_until_released(struct job *j)
+{
+    begun = true;
+    for (size_t bytes = 1000; !released; bytes = 3000 - bytes)
+        (void)job_reserve(j, bytes);
+}
+
+/* For the thread sanitizer. */
+TEST(limit_of_memory_is_set_while_a_worker_reserves_some)
+{
+    struct pollfd none = {.fd = -1};
+    struct local l;
+    local_start(&l, 1);
+    local_ask(&l, "ADD t 1 1\n");
+    struct buf out = {0};
+    struct answer a = {.out = &out};
+    struct job *j = job_new(sizeof *j, reserve_until_released, finished);
+    CHECK(j != NULL);
+    j->memory = server_reservation(&l.server, BUDGET_BUILDS);
+    job_read(&l.server, &a, j, local_set(&l, "t")->current, JOB_SHORT);
+    while (!begun)
+        poll(&none, 1, 1);
+    for (int i = 0; i < 100; i++)
+        CHECK_STR(
+            local_ask(&l, i % 2 == 0 ? "CONFIG SET max-memory 1m\n" : "CONFIG SET max-memory 1g\n"),
+            "OK 0\n");
+    CHECK(l.server.budget.limit == (size_t)1 << 30);
+    released = true;
+    local_collect_all(&l);
+    CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 0);
+    local_stop(&l);
+}
+
 TEST(edit_that_fails_gives_the_set_no_new_version)
 {
     struct local l;

@@ -138,7 +138,7 @@ TEST_TIMEOUT(pages_are_prefaulted_while_points_arrive, 60)
     char *load = load_of("t");
     for (int room = 1; room >= 0; room--) {
         local_start(&l, 1);
-        l.config.max_memory = room ? l.config.max_memory : 12 << 20;
+        local_limit(&l, room ? l.config.max_memory : 12 << 20);
         server_limit_pages(&l.server);
         bool loaded = strstr(local_ask(&l, load), "added=200000") != NULL;
         finish_jobs(&l);
@@ -176,13 +176,13 @@ TEST_TIMEOUT(kept_and_used_pages_together_stay_below_max_memory, 60)
     size_t used = budget_of(&l.server.budget, BUDGET_SETS);
     local_ask(&l, "TRIANGULATE t\n");
     CHECK(facts(&l).kept > 0);
-    l.config.max_memory = facts(&l).held - facts(&l).kept + (5 << 20);
+    local_limit(&l, facts(&l).held - facts(&l).kept + (5 << 20));
     tick(&l, 1); /* more than that is kept */
     CHECK(facts(&l).held <= l.config.max_memory && facts(&l).kept > 0);
     CHECK(strstr(local_ask(&l, "ADD t 1 1\n"), "ERR") == NULL);
     local_ask(&l, "DROP t\n");
     CHECK(facts(&l).held <= l.config.max_memory && facts(&l).kept > used);
-    l.config.max_memory = 3 << 20;
+    local_limit(&l, 3 << 20);
     CHECK(strstr(local_ask(&l, load), "ERR NOMEM") != NULL);
     tick(&l, 1);
     CHECK(facts(&l).held <= 2 << 20);

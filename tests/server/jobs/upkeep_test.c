@@ -99,7 +99,7 @@ TEST(searches_work_without_a_grid_when_memory_is_out)
     local_ask(&l, "ADD t 0.5 0.5\nTRIANGULATE t\n");
     struct dataset *set = local_set(&l, "t");
     size_t plenty = l.config.max_memory;
-    l.config.max_memory = budget_of(&l.server.budget, BUDGET_SETS);
+    local_limit(&l, budget_of(&l.server.budget, BUDGET_SETS));
     CHECK(!set->current->sum.searchable);
     for (int i = 0; i < 3; i++)
         CHECK_STR(local_ask(&l, "NEAREST t 0.5 0.5\n"), "OK 1\n10500 0.5 0.5 0\n");
@@ -108,7 +108,7 @@ TEST(searches_work_without_a_grid_when_memory_is_out)
     CHECK_STR(local_ask(&l, "DEL t 0\n"),
               "OK 0 deleted=1\n"); /* changes that free memory are never refused */
     CHECK(set->current->sum.searchable && budget_of(&l.server.budget, BUDGET_BUILDS) == 0);
-    l.config.max_memory = plenty;
+    local_limit(&l, plenty);
     CHECK(strncmp(local_ask(&l, "ADD t 0.6 0.6\n"), "OK 0 ", 5) == 0);
     local_stop(&l);
 }

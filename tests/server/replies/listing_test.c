@@ -134,9 +134,9 @@ TEST(listing_that_does_not_fit_into_memory_is_refused)
     struct local l;
     local_start(&l, 0);
     create_sets(&l, 5000);
-    l.config.max_memory = 1;
+    local_limit(&l, 1);
     CHECK(strncmp(local_ask(&l, "SETS\n"), "ERR NOMEM ", 10) == 0);
-    l.config.max_memory = SIZE_MAX;
+    local_limit(&l, SIZE_MAX);
     check_sets(local_ask(&l, "SETS\n"), 5000);
     local_stop(&l);
 }

@@ -2,13 +2,11 @@
 #include "server/rows/room.h"
 #include "tests/test.h"
 
-static size_t limit;
 static struct budget budget;
 
 static struct reservation begin(size_t bytes)
 {
-    limit = bytes;
-    budget_init(&budget, &limit, NULL);
+    budget_init(&budget, bytes, NULL);
     return (struct reservation){.budget = &budget, .kind = BUDGET_REPLIES};
 }
 

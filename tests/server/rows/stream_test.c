@@ -317,12 +317,12 @@ static void load_wheel(struct local *l, int rim)
 static bool read_within(struct local *l, const char *request, size_t memory)
 {
     size_t used = budget_used(&l->server.budget), all = l->config.max_memory;
-    l->config.max_memory = used + memory;
+    local_limit(l, used + memory);
     l->server.budget.peak = used;
     l->closed = false;
     const char *reply = local_ask(l, request);
     CHECK_MSG(l->server.budget.peak <= used + memory, "%s", request);
-    l->config.max_memory = all;
+    local_limit(l, all);
     return strncmp(reply, "OK ", 3) == 0 && !l->closed;
 }
 

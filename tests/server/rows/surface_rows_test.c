@@ -277,7 +277,7 @@ TEST(marks_of_cells_are_counted)
     local_collect_all(&l);
     CHECK_MSG(budget_used(&l.server.budget) == used, "%zu %zu", budget_used(&l.server.budget),
               used);
-    l.config.max_memory = used + BITS / 2;
+    local_limit(&l, used + BITS / 2);
     CHECK(strncmp(local_ask(&l, "RASTER t z 0 0 100 100 4096 4096 CLIP f BINARY\n"), "ERR BUSY",
                   8) == 0);
     CHECK(budget_used(&l.server.budget) == used);
@@ -398,10 +398,10 @@ TEST(raster_without_memory_for_a_copy_is_broken)
     stream_refill(&l.server, &a);
     local_collect_all(&l);
     local_ask(&l, "MOVE t 7 50.5 50.25\n");
-    l.config.max_memory = budget_used(&l.server.budget);
+    local_limit(&l, budget_used(&l.server.budget));
     finish(&l, &a);
     CHECK(a.broken);
-    l.config.max_memory = SIZE_MAX;
+    local_limit(&l, SIZE_MAX);
     local_ask(&l, "DROP t\n");
     local_collect_all(&l);
     CHECK(budget_used(&l.server.budget) == 0);
@@ -441,10 +441,10 @@ TEST(raster_of_wide_rows_takes_no_more_than_it_has_reserved)
     struct local l;
     start_surface(&l, 2);
     size_t used = budget_used(&l.server.budget);
-    l.config.max_memory = used + TEXT + VALUES - 100000;
+    local_limit(&l, used + TEXT + VALUES - 100000);
     CHECK(strncmp(local_ask(&l, "RASTER t z 0 0 100 100 65536 100\n"), "ERR BUSY", 8) == 0);
     CHECK(budget_of(&l.server.budget, BUDGET_REPLIES) == 0);
-    l.config.max_memory = used + TEXT + VALUES + 100000;
+    local_limit(&l, used + TEXT + VALUES + 100000);
     struct answer a = local_begin(&l, "RASTER t z 0 0 100 100 65536 100");
     size_t sent = 0;
     for (int i = 0; i < 100 && a.next == ANSWER_STREAM; i++) {

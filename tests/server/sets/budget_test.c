@@ -7,13 +7,11 @@
 #include <pthread.h>
 #include <stdint.h>
 
-static size_t limit;
 static struct budget budget;
 
 static struct reservation begin(enum budget_kind kind, size_t bytes)
 {
-    limit = bytes;
-    budget_init(&budget, &limit, NULL);
+    budget_init(&budget, bytes, NULL);
     return (struct reservation){.budget = &budget, .kind = kind};
 }
 
@@ -72,7 +70,7 @@ TEST(sums_do_not_overflow)
     CHECK(!budget_fits(&budget, BUDGET_LOADS, SIZE_MAX) && !reservation_resize(&load, SIZE_MAX));
     CHECK(!budget_could_fit(&budget, SIZE_MAX) && !budget_fits(&budget, BUDGET_CLIENTS, SIZE_MAX));
     CHECK(budget_fits(&budget, BUDGET_LOADS, SIZE_MAX / 4) && load.bytes == 0);
-    limit = 0;
+    budget.limit = 0;
     CHECK(!budget_fits(&budget, BUDGET_LOADS, 1) && !budget_fits(&budget, BUDGET_REPLIES, 1));
     CHECK(!budget_could_fit(&budget, 1));
 }
@@ -95,7 +93,7 @@ static void *reserve_and_release(void *arg)
     struct reservation r = {.budget = &budget, .kind = *(const enum budget_kind *)arg};
     for (int i = 0; i < ROUNDS; i++) {
         (void)reservation_resize(&r, r.bytes + 100);
-        CHECK(budget_used(&budget) <= limit);
+        CHECK(budget_used(&budget) <= budget.limit);
         if (r.bytes > 400 || i % 3 == 0)
             reservation_set(&r, 0);
     }

@@ -172,9 +172,8 @@ static void add_memory(struct dataset *set, void *ctx)
 TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
 {
     for (int same = 0; same < 2; same++) {
-        static const size_t limit = SIZE_MAX;
         struct budget budget;
-        budget_init(&budget, &limit, NULL);
+        budget_init(&budget, SIZE_MAX, NULL);
         registry_init(&sets);
         registry_init(&others);
         sets.budget = &budget;
