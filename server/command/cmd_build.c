@@ -4,6 +4,7 @@
  * changed since. */
 #include "server/command/command.h"
 
+#include "server/command/options.h"
 #include "server/jobs/job.h"
 #include "server/jobs/submit.h"
 #include "server/ops/cost.h"
@@ -115,19 +116,6 @@ static bool waited_for(struct server *s, const struct answer *a, const struct da
     return waited;
 }
 
-static bool read_method(struct answer *a, const struct request *q, enum dt_method *method)
-{
-    const struct word *name = q->n == 4 && word_is(&q->word[2], "METHOD") ? &q->word[3] : NULL;
-    *method = DT_AUTO;
-    if (q->n == 2 || (name != NULL && word_is(name, "AUTO")))
-        return true;
-    *method = name != NULL && word_is(name, "DIVIDE") ? DT_DIVIDE : DT_SHELLING;
-    if (name != NULL && (*method == DT_DIVIDE || word_is(name, "SHELLING")))
-        return true;
-    answer_usage(a);
-    return false;
-}
-
 void triangulate(struct server *s, struct answer *a, struct dataset *set, enum dt_method method,
                  bool rebuild)
 {
@@ -167,9 +155,11 @@ void triangulate(struct server *s, struct answer *a, struct dataset *set, enum d
 void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
                      struct answer *a)
 {
+    static const char *const names[] = {"AUTO", "SHELLING", "DIVIDE", NULL};
+    static const struct option option = {"METHOD", OPTION_CHOICE, .names = names};
     const struct dataset_result *r = &set->triangulation;
-    enum dt_method method;
-    if (!read_method(a, q, &method))
+    enum dt_method method = DT_AUTO;
+    if (!options_read(a, q, 2, set, &option, 1, ~0u, &method))
         return;
     bool same = q->n == 2 || (r->rebuilt && r->method == method);
     if (same && waited_for(s, a, set, r))

@@ -1,105 +1,70 @@
 /* cmd_mesh.c - REFINE: the request becomes a drawing that is planned as a split is (changes/drawing.h). */
 #include "server/command/command.h"
 
+#include "server/command/options.h"
 #include "server/rows/surface_rows.h"
 
 enum { ANGLE_UNASKED = 25, POINTS_EACH = 16 }; /* without limits; and that may be added for each */
 
-enum { HAS_ANGLE = 1, HAS_AREA = 2, HAS_LENGTH = 4, HAS_INSIDE = 8, HAS_KEEP = 16, HAS_LIMIT = 32 };
-
-/* A limit, which is more than 0. */
-static bool read_limit(struct answer *a, const struct word *w, double *v)
+static bool check_limit(struct answer *a, const struct word *w, const void *value)
 {
-    if (!read_length(a, w, "limit", v))
-        return false;
-    if (*v == 0)
+    bool good = *(const double *)value > 0;
+    (void)w;
+    if (!good)
         answer_err(a, ERR_RANGE, "a limit is more than 0");
-    return *v > 0;
+    return good;
 }
 
-static bool read_angle(struct answer *a, const struct word *w, double *v)
+static bool check_angle(struct answer *a, const struct word *w, const void *value)
 {
-    if (!read_limit(a, w, v))
+    if (!check_limit(a, w, value))
         return false;
-    if (*v >= 60)
+    bool good = *(const double *)value < 60;
+    if (!good)
         answer_err(a, ERR_RANGE, "no triangle has all angles above 60 degrees; this is %.*s",
                    QUOTED(w));
-    return *v < 60;
+    return good;
 }
 
-/* The option that the word is, as its bit; 0: none, or without its argument. */
-static unsigned option_at(const struct request *q, size_t at)
-{
-    static const char *const name[] = {"ANGLE", "AREA", "LENGTH", "INSIDE", "KEEP", "LIMIT"};
-    for (unsigned i = 0; i < 6; i++) {
-        unsigned bit = 1u << i;
-        bool takes_one = (bit & (HAS_INSIDE | HAS_KEEP)) == 0;
-        if (word_is(&q->word[at], name[i]) && (!takes_one || at + 1 < q->n))
-            return bit;
-    }
-    return 0;
-}
-
-/* Reads the option; *at moves behind it. */
-static bool read_option(struct answer *a, const struct request *q, unsigned option, size_t *at,
-                        struct dt_quality *out)
-{
-    const struct word *value = &q->word[*at + 1];
+struct refinement {
+    double angle, area, length;
     struct inside inside;
-    uint32_t most = 0;
-    bool good = true;
-    *at += (option & (HAS_INSIDE | HAS_KEEP)) == 0 ? 2 : 1;
-    switch (option) {
-    case HAS_ANGLE:
-        return read_angle(a, value, &out->angle);
-    case HAS_AREA:
-        return read_limit(a, value, &out->area);
-    case HAS_LENGTH:
-        return read_limit(a, value, &out->length);
-    case HAS_INSIDE:
-        good = read_inside(a, q, at, &inside);
-        out->number = inside.number;
-        return good;
-    case HAS_KEEP:
-        out->keep = true;
-        return true;
-    default:
-        good = read_count(a, value, "a number of points", &most);
-        out->most = most;
-        return good;
-    }
-}
+    bool keep;
+    uint32_t most;
+};
 
-static bool read_quality(struct answer *a, const struct request *q, struct dt_quality *out)
-{
-    unsigned seen = 0;
-    for (size_t at = 2; at < q->n;) {
-        unsigned option = option_at(q, at);
-        if (option == 0 || (seen & option) != 0) {
-            answer_usage(a);
-            return false;
-        }
-        seen |= option;
-        if (!read_option(a, q, option, &at, out))
-            return false;
-    }
-    if ((seen & (HAS_ANGLE | HAS_AREA | HAS_LENGTH)) == 0)
-        out->angle = ANGLE_UNASKED;
-    return true;
-}
+#define AT(FIELD) .offset = offsetof(struct refinement, FIELD)
+
+static const struct option options[] = {
+    {"ANGLE", OPTION_LENGTH, AT(angle), .what = "limit", .check = check_angle},
+    {"AREA", OPTION_LENGTH, AT(area), .what = "limit", .check = check_limit},
+    {"LENGTH", OPTION_LENGTH, AT(length), .what = "limit", .check = check_limit},
+    {"INSIDE", OPTION_INSIDE, AT(inside)},
+    {"KEEP", OPTION_FLAG, AT(keep)},
+    {"LIMIT", OPTION_COUNT, AT(most), .what = "a number of points"},
+};
 
 bool read_refinement(struct server *s, const struct dataset *set, const struct request *q,
                      struct answer *a, struct change *c)
 {
+    struct refinement r = {.inside.number = DT_NONE,
+                           .most = POINTS_EACH * set->current->sum.points};
     (void)s;
     c->drawing = drawing_new();
-    if (c->drawing == NULL) {
+    if (c->drawing == NULL)
         answer_out_of_memory(a);
+    if (c->drawing == NULL ||
+        !options_read(a, q, 2, set, options, sizeof options / sizeof *options, ~0u, &r))
         return false;
-    }
+    if (r.angle == 0 && r.area == 0 && r.length == 0)
+        r.angle = ANGLE_UNASKED;
     c->first = CHANGE_ANY;
     c->drawing->refines = c->drawing->splits = true;
-    c->drawing->quality.number = DT_NONE;
-    c->drawing->quality.most = (size_t)POINTS_EACH * set->current->sum.points;
-    return read_quality(a, q, &c->drawing->quality);
+    c->drawing->quality = (struct dt_quality){.angle = r.angle,
+                                              .area = r.area,
+                                              .length = r.length,
+                                              .number = r.inside.number,
+                                              .keep = r.keep,
+                                              .most = r.most};
+    return true;
 }

@@ -3,6 +3,7 @@
 
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
+#include "server/command/options.h"
 #include "server/jobs/skip.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
@@ -13,21 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool read_method(const struct word *w, enum dt_interpolation *how)
-{
-    static const char *const name[] = {[DT_LINEAR] = "linear",
-                                       [DT_NATURAL] = "natural",
-                                       [DT_LAPLACE] = "laplace",
-                                       [DT_CLOSEST] = "nearest",
-                                       [DT_SMOOTH] = "smooth"};
-    for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
-        if (word_is(w, name[i])) {
-            *how = (enum dt_interpolation)i;
-            return true;
-        }
-    }
-    return false;
-}
+static const char *const methods[] = {
+    [DT_LINEAR] = "linear",   [DT_NATURAL] = "natural", [DT_LAPLACE] = "laplace",
+    [DT_CLOSEST] = "nearest", [DT_SMOOTH] = "smooth",   NULL};
 
 /* Whether values can be found by this method; else the ERR line has been written. */
 static bool check_method(struct answer *a, const struct version *v, enum dt_interpolation how)
@@ -76,10 +65,11 @@ static bool is_ready(struct server *s, struct answer *a, struct dataset *set, st
 
 void cmd_weights(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
+    static const struct option method = {"METHOD", OPTION_CHOICE, .names = methods};
     struct query query = {.kind = QUERY_WEIGHTS, .how = DT_LINEAR};
-    bool method =
-        q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
-    if (q->n > 4 && (!method || query.how >= DT_CLOSEST))
+    if (!options_read(a, q, 4, set, &method, 1, ~0u, &query.how))
+        return;
+    if (query.how >= DT_CLOSEST)
         answer_usage(a);
     else if (check_method(a, set->current, query.how) && read_place(a, q, &query.place))
         query_answer(s, a, set, &query);
@@ -87,137 +77,59 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
 
 /* ---- arguments ---- */
 
-enum option {
-    OPTION_METHOD = 1,
-    OPTION_MAXEDGE = 2,
-    OPTION_BINARY = 4,
-    OPTION_EVERY = 8,
-    OPTION_BASE = 16,
-    OPTION_INSIDE = 32,
-    OPTION_OUTSIDE = 64,
-    OPTION_CLIP = 128,
-    OPTION_BANDS = 256,
-    OPTION_AS = 512,
-    OPTION_MISSING = 1024
-};
+enum { METHOD, MAXEDGE, BINARY, EVERY, BASE, INSIDE, OUTSIDE, CLIP, BANDS, AS, MISSING, OPTIONS };
 
-/* The options of values at places. */
+/* The options of values at places, of rasters, and of contours. */
 enum {
-    LINEAR_OPTIONS = OPTION_MAXEDGE | OPTION_INSIDE | OPTION_MISSING,
-    VALUE_OPTIONS = LINEAR_OPTIONS | OPTION_METHOD | OPTION_OUTSIDE
+    LINEAR_OPTIONS = 1 << MAXEDGE | 1 << INSIDE | 1 << MISSING,
+    VALUE_OPTIONS = LINEAR_OPTIONS | 1 << METHOD | 1 << OUTSIDE,
+    RASTER_OPTIONS = VALUE_OPTIONS | 1 << AS | 1 << BINARY | 1 << CLIP,
+    LEVEL_OPTIONS = LINEAR_OPTIONS | 1 << BANDS,
+    EVERY_OPTIONS = LEVEL_OPTIONS | 1 << EVERY | 1 << BASE
 };
 
-static enum option option_of(const struct word *w)
+static const char *const slopes[] = {"slope", "aspect", NULL};
+static const char *const outside[] = {"nan", "nearest", NULL};
+static const char *const missing[] = {"nan", "skip", NULL};
+
+static bool check_step(struct answer *a, const struct word *w, const void *value)
 {
-    static const struct {
-        const char *name;
-        enum option option;
-    } options[] = {
-        {"METHOD", OPTION_METHOD},   {"MAXEDGE", OPTION_MAXEDGE}, {"BINARY", OPTION_BINARY},
-        {"EVERY", OPTION_EVERY},     {"BASE", OPTION_BASE},       {"INSIDE", OPTION_INSIDE},
-        {"OUTSIDE", OPTION_OUTSIDE}, {"CLIP", OPTION_CLIP},       {"BANDS", OPTION_BANDS},
-        {"AS", OPTION_AS},           {"MISSING", OPTION_MISSING}};
-    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        if (word_is(w, options[i].name))
-            return options[i].option;
-    return 0;
+    bool good = *(const double *)value > 0;
+    (void)w;
+    if (!good)
+        answer_err(a, ERR_RANGE, "a step is greater than 0");
+    return good;
 }
+
+#define AT(FIELD) .offset = offsetof(struct surface, FIELD)
+
+static const struct option options[OPTIONS] = {
+    [METHOD] = {"METHOD", OPTION_CHOICE, AT(how), .names = methods},
+    [MAXEDGE] = {"MAXEDGE", OPTION_LENGTH, AT(max_edge), .what = "length"},
+    [BINARY] = {"BINARY", OPTION_FLAG, AT(binary)},
+    [EVERY] = {"EVERY", OPTION_FINITE, AT(step), .what = "step", .check = check_step},
+    [BASE] = {"BASE", OPTION_FINITE, AT(base), .what = "base"},
+    [INSIDE] = {"INSIDE", OPTION_INSIDE, AT(inside)},
+    [OUTSIDE] = {"OUTSIDE", OPTION_EITHER, AT(beyond), .names = outside},
+    [CLIP] = {"CLIP", OPTION_WORD, AT(other)},
+    [BANDS] = {"BANDS", OPTION_FLAG, AT(bands)},
+    [AS] = {"AS", OPTION_CHOICE, AT(quantity), .names = slopes, .first = DT_SLOPE},
+    [MISSING] = {"MISSING", OPTION_EITHER, AT(skip), .names = missing},
+};
 
 /* The word at which the options begin, behind the field and numbers. */
 static size_t first_option(const struct request *q)
 {
     size_t at = 3;
-    while (at < q->n && option_of(&q->word[at]) == 0)
+    while (at < q->n && option_find(options, OPTIONS, &q->word[at]) == OPTIONS)
         at++;
     return at;
 }
 
-static bool read_finite(struct answer *a, const struct word *w, const char *what, double *v)
-{
-    if (!read_number(a, w, v))
-        return false;
-    *v += 0.0; /* -0 becomes 0 */
-    if (isinf(*v))
-        answer_err(a, ERR_RANGE, "a %s is finite", what);
-    return !isinf(*v);
-}
-
-static bool read_step(struct answer *a, const struct word *w, double *v)
-{
-    if (!read_finite(a, w, "step", v))
-        return false;
-    if (*v <= 0)
-        answer_err(a, ERR_RANGE, "a step is greater than 0");
-    return *v > 0;
-}
-
-/* The value of MISSING. */
-static bool read_missing(const struct word *w, bool *skip)
-{
-    *skip = word_is(w, "skip");
-    return *skip || word_is(w, "nan");
-}
-
-/* The value of an option. */
-static bool read_option(struct answer *a, enum option option, const struct word *w,
-                        struct surface *out)
-{
-    bool known = true;
-    switch (option) {
-    case OPTION_METHOD:
-        known = read_method(w, &out->how);
-        break;
-    case OPTION_AS:
-        out->quantity = word_is(w, "aspect") ? DT_ASPECT : DT_SLOPE;
-        known = word_is(w, "aspect") || word_is(w, "slope");
-        break;
-    case OPTION_OUTSIDE:
-        out->beyond = word_is(w, "nearest");
-        known = out->beyond || word_is(w, "nan");
-        break;
-    case OPTION_MISSING:
-        known = read_missing(w, &out->skip);
-        break;
-    case OPTION_CLIP:
-        out->other = w;
-        break;
-    case OPTION_MAXEDGE:
-        return read_length(a, w, "length", &out->max_edge);
-    case OPTION_EVERY:
-        return read_step(a, w, &out->step);
-    case OPTION_BASE:
-        return read_finite(a, w, "base", &out->base);
-    case OPTION_BINARY:
-    case OPTION_BANDS:
-    case OPTION_INSIDE:
-        break;
-    }
-    if (!known)
-        answer_usage(a);
-    return known;
-}
-
-/* Reads the options among `allowed` from the word `at` on, in any order; no other word may follow. */
 static bool read_options(struct answer *a, const struct request *q, size_t at, unsigned allowed,
                          struct surface *out)
 {
-    while (at < q->n) {
-        enum option option = option_of(&q->word[at++]);
-        bool alone = option == OPTION_BINARY || option == OPTION_BANDS || option == OPTION_INSIDE;
-        if ((option & allowed) == 0 || (!alone && at == q->n)) {
-            answer_usage(a);
-            return false;
-        }
-        allowed &= ~(unsigned)option;
-        if (option == OPTION_BINARY)
-            out->binary = true;
-        else if (option == OPTION_BANDS)
-            out->bands = true;
-        else if (option == OPTION_INSIDE ? !read_inside(a, q, &at, &out->inside)
-                                         : !read_option(a, option, &q->word[at++], out))
-            return false;
-    }
-    return true;
+    return options_read(a, q, at, NULL, options, OPTIONS, allowed, out);
 }
 
 /* Finds the fields of the names `a,b,c`; the first of them alone gives the surface its name. */
@@ -333,7 +245,7 @@ void cmd_profile(struct server *s, struct dataset *set, const struct request *q,
     enum { TWO_PLACES = 4 }; /* words */
     struct surface surface;
     struct surface_source from;
-    if (read_at_places(s, set, q, a, SURFACE_PROFILE, LINEAR_OPTIONS | OPTION_BINARY, TWO_PLACES,
+    if (read_at_places(s, set, q, a, SURFACE_PROFILE, LINEAR_OPTIONS | 1 << BINARY, TWO_PLACES,
                        &surface, &from))
         profile_answer(s, a, &from, &surface);
 }
@@ -388,9 +300,8 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
     struct surface_source from;
     if (!begin(a, set, q, SURFACE_RASTER, &surface) ||
         !read_raster(a, q, surface.n_fields, &surface.raster) ||
-        !read_options(a, q, 9, VALUE_OPTIONS | OPTION_AS | OPTION_BINARY | OPTION_CLIP, &surface) ||
-        !check_quantity(a, &surface) || !is_ready(s, a, set, &surface, &from) ||
-        !find_clip(s, a, &surface))
+        !read_options(a, q, 9, RASTER_OPTIONS, &surface) || !check_quantity(a, &surface) ||
+        !is_ready(s, a, set, &surface, &from) || !find_clip(s, a, &surface))
         return;
     if (surface.clip != NULL)
         clip_answer(s, a, from.version, &surface);
@@ -446,11 +357,9 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
     struct surface surface;
     struct surface_source from;
     size_t end = first_option(q);
-    bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
+    bool every = end < q->n && word_is(&q->word[end], "EVERY");
     if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
-        !read_options(a, q, end,
-                      LINEAR_OPTIONS | OPTION_BANDS | (every ? OPTION_EVERY | OPTION_BASE : 0),
-                      &surface))
+        !read_options(a, q, end, every ? EVERY_OPTIONS : LEVEL_OPTIONS, &surface))
         return;
     if ((end == 3) != every)
         answer_usage(a);
@@ -464,49 +373,28 @@ void cmd_contour(struct server *s, struct dataset *set, const struct request *q,
 
 /* ---- VOLUME ---- */
 
-/* Reads the option whose word is at *at, and moves *at behind it. False: the ERR line has been written. */
-static bool read_volume_option(struct answer *a, const struct dataset *set, const struct request *q,
-                               size_t *at, struct volume *out)
-{
-    enum { BOX = 4 };
-    const struct word *w = &q->word[*at];
-    size_t values = q->n - ++*at;
-    bool based = out->based;
-    if (!based && values >= 1 && word_is(w, "LEVEL")) {
-        out->based = true;
-        return read_finite(a, &q->word[(*at)++], "level", &out->level);
-    }
-    if (!based && values >= 1 && word_is(w, "MINUS")) {
-        out->based = true;
-        return (out->minus = find_field(a, set, &q->word[(*at)++])) != NULL;
-    }
-    if (!out->skip && values >= 1 && word_is(w, "MISSING") &&
-        read_missing(&q->word[*at], &out->skip)) {
-        ++*at;
-        return true;
-    }
-    if (!out->inside.asked && word_is(w, "INSIDE"))
-        return read_inside(a, q, at, &out->inside);
-    if (!out->clipped && values >= BOX && word_is(w, "BOX")) {
-        out->clipped = true;
-        *at += BOX;
-        return read_box(a, w + 1, &out->lo, &out->hi);
-    }
-    answer_usage(a);
-    return false;
-}
+enum { LEVEL, MINUS };
+
+#define IN(FIELD) .offset = offsetof(struct volume, FIELD)
+
+static const struct option volume_options[] = {
+    [LEVEL] = {"LEVEL", OPTION_FINITE, IN(level), .what = "level", .bars = 1 << MINUS},
+    [MINUS] = {"MINUS", OPTION_FIELD, IN(minus), .bars = 1 << LEVEL},
+    {"MISSING", OPTION_EITHER, IN(skip), .names = missing},
+    {"INSIDE", OPTION_INSIDE, IN(inside)},
+    {"BOX", OPTION_BOX, IN(box)},
+};
 
 void cmd_volume(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    struct volume volume = {.field = find_field(a, set, &q->word[2])};
+    struct volume volume = {.field = find_field(a, set, &q->word[2]), .box[0].x = -HUGE_VAL};
     struct surface_source from;
-    bool good = volume.field != NULL;
-    for (size_t at = 3; good && at < q->n;)
-        good = read_volume_option(a, set, q, &at, &volume);
-    if (good && volume.skip && volume.minus != NULL) {
-        refuse_skip(a);
+    if (volume.field == NULL ||
+        !options_read(a, q, 3, set, volume_options, sizeof volume_options / sizeof *volume_options,
+                      ~0u, &volume))
         return;
-    }
-    if (good && find_source(s, a, set, volume.field, volume.skip, volume.inside, &from))
+    if (volume.skip && volume.minus != NULL)
+        refuse_skip(a);
+    else if (find_source(s, a, set, volume.field, volume.skip, volume.inside, &from))
         volume_answer(s, a, &from, &volume);
 }

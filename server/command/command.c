@@ -11,6 +11,7 @@
 #include "server/ops/limits.h"
 #include "server/rows/stream.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -374,6 +375,16 @@ bool read_number(struct answer *a, const struct word *w, double *v)
     if (!good)
         answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
     return good;
+}
+
+bool read_finite(struct answer *a, const struct word *w, const char *what, double *v)
+{
+    if (!read_number(a, w, v))
+        return false;
+    *v += 0.0; /* -0 becomes 0 */
+    if (isinf(*v))
+        answer_err(a, ERR_RANGE, "a %s is finite", what);
+    return !isinf(*v);
 }
 
 bool read_coordinate(struct answer *a, const struct word *w, double *v)

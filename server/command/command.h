@@ -118,6 +118,8 @@ bool check_write_role(struct answer *a);
 /* ---- reading arguments; false: the ERR line has been written ---- */
 
 bool read_number(struct answer *a, const struct word *w, double *v);
+/* A finite number, of which -0 becomes 0; `what` names it in the error. */
+bool read_finite(struct answer *a, const struct word *w, const char *what, double *v);
 bool read_coordinate(struct answer *a, const struct word *w, double *v);
 /* The same for a length, which is not negative; `what` names it in the error. */
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v);

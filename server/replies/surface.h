@@ -79,11 +79,9 @@ void clip_answer(struct server *s, struct answer *a, struct version *v, struct s
 struct volume {
     const struct dt_field *field, *minus; /* of the set now; minus: NULL for the level */
     double level;
-    bool based;           /* the level or the other field has been read */
-    struct inside inside; /* regions_ready */
-    bool skip;            /* MISSING skip */
-    bool clipped;
-    struct dt_point lo, hi; /* of the box, if clipped */
+    struct inside inside;   /* regions_ready */
+    bool skip;              /* MISSING skip */
+    struct dt_point box[2]; /* its lower left and upper right corner; -HUGE_VAL: everywhere */
 };
 
 /* Answers with the volumes above and below, and the area of the surface: `OK 0 above= below= area=`. All of one state of

@@ -1,11 +1,12 @@
 /* volume.c - see surface.h. */
 #include "server/replies/surface.h"
 
-#include <string.h>
-
 #include "core/delaunay_surface.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+
+#include <math.h>
+#include <string.h>
 
 struct volume_job {
     struct job job;
@@ -30,8 +31,8 @@ static enum dt_status add_up(struct volume_job *j)
     if (field == NULL || (minus == NULL && j->minus[0] != 0))
         return DT_NOFIELD;
     enum dt_status s = dt_volume_begin(t, j->view, field, minus, j->volume.level, &v);
-    if (s == DT_OK && j->volume.clipped)
-        dt_volume_clip(v, j->volume.lo, j->volume.hi);
+    if (s == DT_OK && !isinf(j->volume.box[0].x))
+        dt_volume_clip(v, j->volume.box[0], j->volume.box[1]);
     if (s == DT_OK && j->volume.inside.asked)
         s = dt_volume_inside(v, t, j->volume.inside.number);
     if (s == DT_OK)
