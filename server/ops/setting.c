@@ -3,6 +3,7 @@
 
 #include "core/delaunay.h"
 #include "proto/number.h"
+#include "server/ops/glob.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -159,39 +160,10 @@ const char *setting_text(const struct setting *of, const struct config *c, char 
 
 /* ---- patterns ---- */
 
-static char lower(char c)
-{
-    return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-}
-
-/* After a mismatch only the last `*` is extended by a character; earlier ones need not be. */
-bool setting_matches(const char *name, const char *pattern, size_t len)
-{
-    const char *retry = NULL;
-    size_t at = 0, star = len;
-    while (*name != '\0') {
-        if (at < len && pattern[at] == '*') {
-            star = at++;
-            retry = name;
-        } else if (at < len && (pattern[at] == '?' || lower(pattern[at]) == lower(*name))) {
-            at++;
-            name++;
-        } else if (star < len) {
-            at = star + 1;
-            name = ++retry;
-        } else {
-            return false;
-        }
-    }
-    while (at < len && pattern[at] == '*')
-        at++;
-    return at == len;
-}
-
 static bool matches_any(const char *name, const struct word *pattern, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        if (setting_matches(name, pattern[i].text, pattern[i].len))
+        if (glob_matches(pattern[i].text, pattern[i].len, name, strlen(name), GLOB_CASELESS))
             return true;
     return false;
 }

@@ -41,11 +41,7 @@ bool setting_read(const struct setting *of, struct config *c, const char *value)
 enum { SETTING_TEXT_ROOM = 24 };
 const char *setting_text(const struct setting *of, const struct config *c, char *buf);
 
-/* The name of the setting that one of n patterns matches: its own, or else Redis's; NULL: none. */
+/* The name of the setting that one of n patterns (glob.h, without case) matches: its own, or else Redis's; NULL: none. */
 const char *setting_asked(const struct setting *of, const struct word *pattern, size_t n);
-
-/* Whether the name matches the pattern, in which `*` matches any characters and `?` one character;
- * case-insensitive. Cost: O(the product of the lengths). */
-bool setting_matches(const char *name, const char *pattern, size_t len);
 
 #endif

@@ -5,7 +5,7 @@
 #include "proto/resp.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/expire.h"
-#include "server/redis/glob.h"
+#include "server/ops/glob.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -145,7 +145,7 @@ static void add_name(struct dataset *set, void *ctx)
 {
     struct listing_rows *rows = ctx;
     if (expire_is_due(set) ||
-        !glob_matches(rows->pattern, rows->pattern_len, set->name, set->name_len))
+        !glob_matches(rows->pattern, rows->pattern_len, set->name, set->name_len, GLOB_CASED))
         return;
     resp_bulk(&rows->text, set->name, set->name_len);
     rows->n++;

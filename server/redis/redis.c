@@ -98,8 +98,10 @@ static void command(struct server *s, const struct request *q, struct answer *a)
 /* Redis tools ask for settings that do not exist here, and only print their values: these are empty. */
 static bool is_foreign(const struct word *name)
 {
-    return setting_find(name->text, name->len) == NULL &&
-           memchr(name->text, '*', name->len) == NULL && memchr(name->text, '?', name->len) == NULL;
+    bool pattern = false;
+    for (size_t i = 0; i < name->len; i++)
+        pattern = pattern || strchr("*?[", name->text[i]) != NULL;
+    return !pattern && setting_find(name->text, name->len) == NULL;
 }
 
 /* The matching settings: names and values. */

@@ -1,12 +1,12 @@
 /* glob_test.c - patterns of names. */
-#include "server/redis/glob.h"
+#include "server/ops/glob.h"
 #include "tests/test.h"
 
 #include <string.h>
 
 static bool matches(const char *pattern, const char *name)
 {
-    return glob_matches(pattern, strlen(pattern), name, strlen(name));
+    return glob_matches(pattern, strlen(pattern), name, strlen(name), GLOB_CASED);
 }
 
 TEST(glob_stars_match_any_characters)
@@ -39,6 +39,13 @@ TEST(glob_backslash_makes_a_character_literal)
     CHECK(!matches("Road", "road"));
 }
 
+TEST(glob_without_case_takes_capitals_for_letters)
+{
+    CHECK(glob_matches("R?A[D-F]", 7, "road", 4, GLOB_CASELESS));
+    CHECK(glob_matches("\\road", 5, "ROAD", 4, GLOB_CASELESS));
+    CHECK(!glob_matches("roa", 3, "ROAD", 4, GLOB_CASELESS));
+}
+
 /* Without recursion, unlike Redis's stringmatchlen, so the time is bounded. */
 TEST(glob_many_stars_are_matched_quickly)
 {
@@ -46,8 +53,8 @@ TEST(glob_many_stars_are_matched_quickly)
     memset(name, 'a', sizeof name);
     for (size_t i = 0; i < sizeof pattern; i++)
         pattern[i] = i % 2 == 0 ? '*' : 'a';
-    CHECK(!glob_matches(pattern, sizeof pattern, name, sizeof name));
+    CHECK(!glob_matches(pattern, sizeof pattern, name, sizeof name, GLOB_CASED));
     pattern[127] = 'b';
-    CHECK(!glob_matches(pattern, 128, name, sizeof name));
-    CHECK(glob_matches(pattern, 127, name, sizeof name));
+    CHECK(!glob_matches(pattern, 128, name, sizeof name, GLOB_CASED));
+    CHECK(glob_matches(pattern, 127, name, sizeof name, GLOB_CASED));
 }
