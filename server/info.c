@@ -84,30 +84,6 @@ static void add_sets(const struct server *s, struct facts *f)
     facts_add(f, "max_points", s->config->max_points);
 }
 
-static void add_durability(const struct server *s, struct facts *f)
-{
-    struct durable_facts disk;
-    durable_facts(s, &disk);
-    facts_add_text(f, "durability", disk.state);
-    facts_add_text(f, "data_directory", disk.directory);
-    facts_add(f, "loaded_percent", disk.loaded_percent);
-    facts_add(f, "log_lsn", disk.lsn);
-    facts_add(f, "log_durable_lsn", disk.durable_lsn);
-    facts_add(f, "log_synced_lsn", disk.synced_lsn);
-    facts_add(f, "log_bytes", disk.log_bytes);
-    facts_add(f, "log_syncs", disk.log_syncs);
-    facts_add(f, "log_failures", disk.log_failures);
-    facts_add(f, "snapshot_lsn", disk.snapshot_lsn);
-    facts_add(f, "snapshot_bytes", disk.snapshot_bytes);
-    facts_add(f, "snapshots", disk.snapshots);
-    facts_add(f, "snapshot_running", disk.snapshot_running);
-    facts_add(f, "snapshot_failures", disk.snapshot_failures);
-    facts_add(f, "snapshot_retry_s", disk.snapshot_retry_s);
-    facts_add(f, "backups", disk.backups);
-    facts_add(f, "backup_lsn", disk.backup_lsn);
-    facts_add(f, "backup_timestamp_s", disk.backup_s);
-}
-
 /* Appends quantiles in microseconds: `,<prefix>p50_us=` and so on. */
 static void add_quantiles(char *text, size_t size, const char *prefix, const struct histogram *h)
 {
@@ -144,7 +120,7 @@ static const struct section {
     void (*add)(const struct server *s, struct facts *f);
 } sections[] = {
     {"SERVER", add_server},        {"CLIENTS", add_clients},   {"MEMORY", add_memory},
-    {"STATS", add_stats},          {"SETS", add_sets},         {"DURABILITY", add_durability},
+    {"STATS", add_stats},          {"SETS", add_sets},         {"DURABILITY", durable_facts},
     {"REPLICATION", follow_facts}, {"COMMANDS", add_commands},
 };
 

@@ -149,14 +149,13 @@ static void remove_ended(struct server *s)
 static void save_for_followers(struct server *s)
 {
     const struct list *all = &s->leader->followers;
-    struct durable_facts facts;
+    const struct saver *v = durable_saver(s);
     uint64_t lsn;
     if (list_is_empty(all))
         return;
-    durable_facts(s, &facts);
     for (struct sender *f = list_first(all); f != NULL; f = list_next(all, f)) {
         uint64_t wants = f->wants_snapshot;
-        bool there = facts.snapshots > 0 && facts.snapshot_lsn + 1 >= wants;
+        bool there = v->snapshots > 0 && v->snapshot_lsn + 1 >= wants;
         if (wants != 0 && !there && f->durable + 1 >= wants) {
             durable_begin_snapshot(s, &lsn); /* or one is being written already */
             return;

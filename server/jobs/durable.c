@@ -3,7 +3,6 @@
 #include "server/jobs/durable.h"
 
 #include "server/disk/aside.h"
-#include "server/disk/saver.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/system/random.h"
@@ -37,10 +36,10 @@ struct durable {
     struct recovery recovery;
     pthread_t reader;
     enum log_policy policy; /* a copy: the thread reads no settings, which CONFIG SET writes */
-    atomic_bool read; /* the thread is done */
-    bool gap;         /* the log has lost changes that a snapshot has */
-    bool keeps;       /* log stays for followers */
-    struct log *log;  /* owns; NULL before STAGE_READ */
+    atomic_bool read;       /* the thread is done */
+    bool gap;               /* the log has lost changes that a snapshot has */
+    bool keeps;             /* log stays for followers */
+    struct log *log;        /* owns; NULL before STAGE_READ */
     struct saver saver;
     uint64_t backups, backup_lsn; /* how many; what the last one has, and when it was complete */
     time_t backup_time;
@@ -487,36 +486,50 @@ static const char *directory_state(const struct saver *v)
     return error == ENOENT ? "gone" : error == ESTALE ? "replaced" : "good";
 }
 
-void durable_facts(const struct server *s, struct durable_facts *f)
+const struct saver *durable_saver(const struct server *s)
+{
+    static const struct saver none;
+    return s->durable != NULL ? &s->durable->saver : &none;
+}
+
+static const char *state_of(const struct server *s, const struct saver *v)
 {
     static const char *const state[] = {"good", "full", "readonly"};
-    const struct durable *d = s->durable;
-    *f = (struct durable_facts){.state = "off", .directory = "off", .loaded_percent = 100};
-    if (d == NULL)
-        return;
-    f->state = "loading";
-    f->directory = "good";
-    f->loaded_percent = recovery_percent(&s->durable->recovery);
-    if (!is_running(d))
-        return;
-    f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* sets are still being triangulated */
-    const struct saver *v = &d->saver;
-    f->state =
-        durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state] : "loading";
-    f->directory = directory_state(v);
-    f->lsn = log_last(d->log);
-    f->durable_lsn = v->status.durable;
-    f->synced_lsn = v->status.synced;
-    f->log_bytes = saver_log_bytes(v);
-    f->log_syncs = v->status.syncs;
-    f->log_failures = v->status.failures;
-    f->snapshot_lsn = v->snapshot_lsn;
-    f->snapshot_bytes = v->snapshot_bytes;
-    f->snapshots = v->snapshots;
-    f->snapshot_running = v->snapshot != NULL;
-    f->snapshot_failures = saver_failures(v);
-    f->snapshot_retry_s = (uint64_t)(saver_retry_ms(v, clock_ms()) + 999) / 1000;
-    f->backups = d->backups;
-    f->backup_lsn = d->backup_lsn;
-    f->backup_s = (uint64_t)d->backup_time;
+    if (s->durable == NULL)
+        return "off";
+    return durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state]
+                                                                 : "loading";
+}
+
+/* 99: sets are still being triangulated. */
+static unsigned loaded_percent(const struct server *s)
+{
+    if (durable_is_complete(s))
+        return 100;
+    return is_running(s->durable) ? 99 : recovery_percent(&s->durable->recovery);
+}
+
+void durable_facts(const struct server *s, struct facts *f)
+{
+    static const struct durable none;
+    const struct durable *d = s->durable != NULL ? s->durable : &none;
+    const struct saver *v = durable_saver(s);
+    facts_add_text(f, "durability", state_of(s, v));
+    facts_add_text(f, "data_directory", s->durable == NULL ? "off" : directory_state(v));
+    facts_add(f, "loaded_percent", loaded_percent(s));
+    facts_add(f, "log_lsn", durable_last_lsn(s));
+    facts_add(f, "log_durable_lsn", v->status.durable);
+    facts_add(f, "log_synced_lsn", v->status.synced);
+    facts_add(f, "log_bytes", saver_log_bytes(v));
+    facts_add(f, "log_syncs", v->status.syncs);
+    facts_add(f, "log_failures", v->status.failures);
+    facts_add(f, "snapshot_lsn", v->snapshot_lsn);
+    facts_add(f, "snapshot_bytes", v->snapshot_bytes);
+    facts_add(f, "snapshots", v->snapshots);
+    facts_add(f, "snapshot_running", v->snapshot != NULL);
+    facts_add(f, "snapshot_failures", saver_failures(v));
+    facts_add(f, "snapshot_retry_s", (uint64_t)(saver_retry_ms(v, clock_ms()) + 999) / 1000);
+    facts_add(f, "backups", d->backups);
+    facts_add(f, "backup_lsn", d->backup_lsn);
+    facts_add(f, "backup_timestamp_s", (uint64_t)d->backup_time);
 }

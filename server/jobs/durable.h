@@ -8,7 +8,9 @@
 #include "server/disk/backup.h"
 #include "server/disk/log.h"
 #include "server/disk/recover.h"
+#include "server/disk/saver.h"
 #include "server/jobs/server.h"
+#include "server/ops/facts.h"
 
 /* Locks the directory and begins to read it. False: the reason is on standard error. */
 bool durable_start(struct server *s);
@@ -111,18 +113,10 @@ struct log *durable_log_of(const struct server *s, const struct dataset *set);
  * records move to the log. Any thread may call while nobody else reads or edits the set. */
 void durable_append(struct log *log, const struct dataset *set, struct change *c);
 
-/* For INFO. */
-struct durable_facts {
-    const char *state;     /* off, loading, good, full, readonly */
-    const char *directory; /* off, good, gone, replaced */
-    uint64_t loaded_percent;
-    uint64_t lsn, durable_lsn, synced_lsn;
-    uint64_t log_bytes, log_syncs, log_failures;
-    uint64_t snapshot_lsn, snapshot_bytes, snapshots;
-    bool snapshot_running;
-    uint64_t snapshot_failures, snapshot_retry_s;
-    uint64_t backups, backup_lsn, backup_s; /* the last one: seconds since 1970 */
-};
-void durable_facts(const struct server *s, struct durable_facts *f);
+/* When snapshots are written, and how the log does; all zero without --data, and while the directory is being read. */
+const struct saver *durable_saver(const struct server *s);
+
+/* Appends the section DURABILITY of INFO. */
+void durable_facts(const struct server *s, struct facts *f);
 
 #endif

@@ -62,13 +62,12 @@ static void add_memory(struct server *s, struct buf *out)
 
 static void add_persistence(struct server *s, struct buf *out)
 {
-    struct durable_facts disk;
-    durable_facts(s, &disk);
-    add(out, "loading", disk.loaded_percent < 100);
-    add(out, "rdb_bgsave_in_progress", disk.snapshot_running);
-    add_text(out, "rdb_last_bgsave_status", disk.snapshot_failures == 0 ? "ok" : "err");
+    const struct saver *v = durable_saver(s);
+    add(out, "loading", !durable_is_complete(s));
+    add(out, "rdb_bgsave_in_progress", v->snapshot != NULL);
+    add_text(out, "rdb_last_bgsave_status", saver_failures(v) == 0 ? "ok" : "err");
     add(out, "aof_enabled", s->config->data != NULL);
-    add_text(out, "aof_last_write_status", strcmp(disk.state, "readonly") == 0 ? "err" : "ok");
+    add_text(out, "aof_last_write_status", v->status.state == LOG_FAILED ? "err" : "ok");
 }
 
 static void add_stats(struct server *s, struct buf *out)

@@ -63,11 +63,9 @@ static void drop_t(struct waiter *w)
 
 static void await_snapshot(struct bench *b)
 {
-    struct durable_facts facts;
-    do {
+    do
         await_durable_event(b);
-        durable_facts(&b->l.server, &facts);
-    } while (facts.snapshots == 0);
+    while (durable_saver(&b->l.server)->snapshots == 0);
 }
 
 /* Recovers what a restart would find, after the server has stopped. */
@@ -115,7 +113,6 @@ TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
 TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep)
 {
     struct bench b;
-    struct durable_facts facts;
     struct pollfd event = {.events = POLLIN};
     uint64_t lsn;
     char path[128];
@@ -130,10 +127,9 @@ TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep
     local_ask(&b.l, "CONFIG SET keep-log 1\n");
     CHECK(durable_begin_snapshot(&b.l.server, &lsn) == DURABLE_BEGUN);
     event.fd = durable_event(&b.l.server);
-    do {
+    do
         CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b.l.server));
-        durable_facts(&b.l.server, &facts);
-    } while (facts.snapshots == 1);
+    while (durable_saver(&b.l.server)->snapshots == 1);
     CHECK(!directory_file(&b.dir, "log.", 1, path));
     local_stop(&b.l);
     directory_remove(&b.dir);
@@ -444,21 +440,18 @@ TEST(triangulation_is_logged_once)
 
 TEST(full_disk_accepts_only_changes_that_free_space)
 {
-    struct durable_facts facts;
     struct bench b;
     begin(&b, 0);
     local_ask(&b.l, "ADD t 1 1  2 2\nADD u 3 3\n");
-    do {
+    do
         await_durable_event(&b);
-        durable_facts(&b.l.server, &facts);
-    } while (facts.durable_lsn < 2);
+    while (durable_saver(&b.l.server)->status.durable < 2);
     calls_watch(b.dir.path);
     calls_limit_space(0);
     local_ask(&b.l, "ADD t 4 4\n");
-    do {
+    do
         await_durable_event(&b);
-        durable_facts(&b.l.server, &facts);
-    } while (strcmp(facts.state, "good") == 0);
+    while (durable_saver(&b.l.server)->status.state == LOG_GOOD);
     static const char refusal[] = "ERR READONLY changes cannot be saved: No space left on device; "
                                   "DEL and DROP are possible\n";
     CHECK_STR(local_ask(&b.l, "ADD t 5 5\n"), refusal);
