@@ -222,10 +222,8 @@ static void run_digest(struct job *job)
     struct digest_job *j = (struct digest_job *)job;
     struct digest *d = &j->digest;
     for (bool done = false; job->status == DT_OK && !done;) {
-        job->status = digest_read(d, job->dt, &done);
+        job->status = job_pause(job, digest_read(d, job->dt, &done));
         atomic_store(&job->progress, digest_progress(d));
-        if (job->status == DT_OK)
-            job->status = job_pause(job);
     }
 }
 
@@ -233,7 +231,7 @@ static void end_digest(struct server *s, struct job *job, struct answer *a)
 {
     struct digest_job *j = (struct digest_job *)job;
     char digits[17];
-    job_end_view(s, job, j->digest.view);
+    (void)s;
     if (!job_succeeded(job, a))
         return;
     snprintf(digits, sizeof digits, "%016" PRIx64, j->digest.value);
@@ -256,5 +254,6 @@ void cmd_digest(struct server *s, struct dataset *set, const struct request *q, 
         return;
     }
     j->job.what = "reading";
+    j->job.view = j->digest.view;
     job_read(s, a, &j->job, v, cost_at_once(COST_SWEEP, numbers) ? JOB_LIGHT : JOB_LONG);
 }

@@ -26,7 +26,6 @@ enum {
 struct cells_job {
     struct job job;
     struct rows rows;       /* owns its ids */
-    struct dt_view *view;   /* owns, until it moves to the rows: the moment; NULL: now */
     struct dt_point lo, hi; /* the box */
     bool boxed;             /* these are those of the request */
     uint64_t corners;       /* with BINARY: of all cells */
@@ -45,9 +44,8 @@ static enum dt_status find_box(struct cells_job *j)
     struct dt_bounds bounds = {0};
     enum dt_status status = DT_OK;
     for (bool done = false; !done && status == DT_OK;) {
-        status = dt_bounds_read(j->job.dt, j->view, &bounds, HULL_LOCKED, &done);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = dt_bounds_read(j->job.dt, j->job.view, &bounds, HULL_LOCKED, &done);
+        status = job_pause(&j->job, status);
     }
     dt_bounds_grow(&bounds, &j->lo, &j->hi);
     return status;
@@ -93,8 +91,7 @@ static enum dt_status count_corners(struct cells_job *j)
         status = count_some(j->job.dt, ids->v != NULL ? &one : &whole, &n, &j->corners);
         done += n;
         atomic_store(&j->job.progress, (unsigned)(done * 100 / (all + 1)));
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
     }
     return status;
 }
@@ -103,7 +100,7 @@ static enum dt_status count_corners(struct cells_job *j)
 static bool make_some(struct cells_job *j, struct dt_cells_made *made, bool *done)
 {
     const struct dt *dt = j->job.dt;
-    return (j->view == NULL || dt_view_is_current(dt, j->view)) &&
+    return (j->job.view == NULL || dt_view_is_current(dt, j->job.view)) &&
            dt_cells_make(dt, made, &j->job.options, CELLS_MADE, done) == DT_OK;
 }
 
@@ -127,7 +124,7 @@ static bool make_cells(struct cells_job *j)
     for (uint64_t n = CELLS_MADE; ok && !done; n += CELLS_MADE) {
         ok = make_some(j, made, &done) &&
              reservation_resize(&j->job.memory, dt_cells_made_memory(made)) &&
-             job_pause(&j->job) == DT_OK;
+             job_pause(&j->job, DT_OK) == DT_OK;
         atomic_store(&j->job.progress, (unsigned)(n < all ? n * 100 / all : 99));
     }
     if (!ok)
@@ -143,14 +140,14 @@ static void run_cells(struct job *job)
     struct rows *rows = &j->rows;
     job->status = j->boxed ? DT_OK : find_box(j);
     if (job->status == DT_OK)
-        job->status = dt_cells_begin(job->dt, j->view, j->lo, j->hi, &rows->cells);
+        job->status = dt_cells_begin(job->dt, job->view, j->lo, j->hi, &rows->cells);
     if (job->status != DT_OK)
         return;
     bool counted = rows->binary && rows->form == ROW_CELL;
     if (is_made(rows) && make_cells(j))
         j->corners = counted ? dt_cells_made_corners(rows->made) : 0;
     else
-        job->status = counted ? count_corners(j) : job_pause(job);
+        job->status = counted ? count_corners(j) : job_pause(job, DT_OK);
 }
 
 /* ---- the reply ---- */
@@ -173,8 +170,8 @@ static void reply_status(const struct cells_job *j, struct answer *a)
 static void reply_cells(struct server *s, struct cells_job *j, struct answer *a)
 {
     j->rows.version = j->job.base;
-    j->rows.view = j->view;
-    j->view = NULL;
+    j->rows.view = j->job.view;
+    j->job.view = NULL;
     reply_status(j, a);
     answer_rows(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
     if (a->next == ANSWER_STREAM)
@@ -186,7 +183,6 @@ static void end_cells(struct server *s, struct job *job, struct answer *a)
     struct cells_job *j = (struct cells_job *)job;
     if (job_succeeded(job, a))
         reply_cells(s, j, a);
-    job_end_view(s, job, j->view);
     dt_cells_made_free(j->rows.made);
     free(j->rows.ids.v);
 }
@@ -282,11 +278,8 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
         return;
     }
     j->rows.heavy = s->workers != NULL && !is_light(j, v);
-    if (j->rows.heavy && (j->view = dt_view_begin(v->dt, true)) == NULL) {
-        job_free(s, &j->job);
-        answer_out_of_memory(a);
+    if (j->rows.heavy && !job_begin_view(s, a, &j->job, v, true))
         return;
-    }
     job_read(s, a, &j->job, v,
              !j->rows.heavy                        ? JOB_LIGHT
              : j->rows.binary || is_made(&j->rows) ? JOB_LONG
@@ -307,7 +300,6 @@ void cmd_areas(struct server *s, struct dataset *set, const struct request *q, s
 
 struct alpha_job {
     struct job job;
-    struct dt_view *view; /* owns; NULL: now */
     double radius;
     bool automatic;    /* the radius is to be found */
     struct dt_ids ids; /* owns: the loops */
@@ -324,8 +316,7 @@ static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
         status = job_reserve(&j->job, dt_alpha_memory(alpha, STARS_LOCKED));
         if (status == DT_OK)
             status = dt_alpha_read(j->job.dt, alpha, STARS_LOCKED, &end);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
         atomic_store(&j->job.progress, (unsigned)(stars * 100 / (sum.points + stars)));
         done = end;
     }
@@ -337,14 +328,11 @@ static enum dt_status find_radius(struct alpha_job *j)
 {
     struct dt_alpha_auto *a;
     bool done = false;
-    enum dt_status status = dt_alpha_auto_begin(j->job.dt, j->view, &a);
+    enum dt_status status = dt_alpha_auto_begin(j->job.dt, j->job.view, &a);
     if (status == DT_OK)
         status = job_reserve(&j->job, dt_alpha_auto_memory(a));
-    while (status == DT_OK && !done) {
-        status = dt_alpha_auto_read(j->job.dt, a, &done);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
-    }
+    while (status == DT_OK && !done)
+        status = job_pause(&j->job, dt_alpha_auto_read(j->job.dt, a, &done));
     job_end_visit(&j->job);
     if (status == DT_OK)
         status = dt_alpha_auto_end(a, &j->job.options, &j->radius);
@@ -359,7 +347,7 @@ static void run_alpha(struct job *job)
     struct dt_alpha *alpha = NULL;
     job->status = j->automatic ? find_radius(j) : DT_OK;
     if (job->status == DT_OK)
-        job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
+        job->status = dt_alpha_begin(job->dt, job->view, j->radius, &alpha);
     if (job->status == DT_OK)
         job->status = read_alpha(j, alpha);
     job_end_visit(job); /* what is left does not need the set */
@@ -373,7 +361,6 @@ static void end_alpha(struct server *s, struct job *job, struct answer *a)
 {
     struct alpha_job *j = (struct alpha_job *)job;
     struct rows rows = {.version = job->base, .form = ROW_LOOP, .width = 1};
-    job_end_view(s, job, j->view);
     if (job_succeeded(job, a)) {
         rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
         reply_ok(a->out, j->loops);
@@ -411,12 +398,9 @@ void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, s
         job_new_reading(s, a, sizeof *j, run_alpha, end_alpha, "computing the boundary", NULL);
     if (j == NULL)
         return;
-    if (!light && (j->view = dt_view_begin(v->dt, true)) == NULL) {
-        answer_out_of_memory(a);
-        job_free(s, &j->job);
-        return;
-    }
     j->radius = radius;
     j->automatic = automatic;
+    if (!light && !job_begin_view(s, a, &j->job, v, true))
+        return;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

@@ -10,36 +10,25 @@
 struct quality_job {
     struct job job;
     struct inside inside; /* regions_ready */
-    struct dt_view *view; /* owns: the moment of the result */
     struct dt_shapes shapes;
 };
-
-/* The worker has the lock on entry and on return. */
-static enum dt_status measure(struct quality_job *j)
-{
-    struct dt_measure *m = NULL;
-    bool done = false;
-    enum dt_status s = dt_measure_begin(j->job.dt, j->view, &m);
-    if (s == DT_OK && j->inside.asked)
-        s = dt_measure_inside(m, j->job.dt, j->inside.number);
-    if (s == DT_OK)
-        s = job_reserve(&j->job, dt_measure_memory(m));
-    while (s == DT_OK && !done) {
-        s = dt_measure_read(j->job.dt, m, &done);
-        if (s == DT_OK)
-            s = job_pause(&j->job);
-    }
-    if (s == DT_OK)
-        dt_measure_end(m, &j->shapes);
-    dt_measure_free(m);
-    return s;
-}
 
 static void run_job(struct job *job)
 {
     struct quality_job *j = (struct quality_job *)job;
-    j->view = dt_view_begin(job->dt, true);
-    job->status = j->view == NULL ? DT_NOMEM : measure(j);
+    struct dt_measure *m = NULL;
+    bool done = false;
+    enum dt_status s = dt_measure_begin(job->dt, job->view, &m);
+    if (s == DT_OK && j->inside.asked)
+        s = dt_measure_inside(m, job->dt, j->inside.number);
+    if (s == DT_OK)
+        s = job_reserve(job, dt_measure_memory(m));
+    while (s == DT_OK && !done)
+        s = job_pause(job, dt_measure_read(job->dt, m, &done));
+    if (s == DT_OK)
+        dt_measure_end(m, &j->shapes);
+    dt_measure_free(m);
+    job->status = s;
 }
 
 static void answer(struct answer *a, const struct dt_shapes *shapes)
@@ -61,7 +50,7 @@ static void answer(struct answer *a, const struct dt_shapes *shapes)
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct quality_job *j = (struct quality_job *)job;
-    job_end_view(s, job, j->view);
+    (void)s;
     if (job_succeeded(job, a))
         answer(a, &j->shapes);
 }
@@ -77,6 +66,7 @@ static void submit(struct server *s, struct answer *a, struct dataset *set, stru
     if (j == NULL)
         return;
     j->inside = inside;
+    j->job.views = true;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }
 

@@ -16,11 +16,7 @@ enum { PIECE = 4096 /* rows, or constraints, that are read at once */ };
 
 struct simplify_job {
     struct job job;
-    const struct dt_field *field; /* borrows, as long as the view */
-    struct name other, ids;
-    double error;
-    uint32_t most;
-    struct dt_view *view;   /* owns: the moment of the result */
+    struct simplify asked;  /* its field: as long as the view */
     struct dt_pages *pages; /* borrows */
     /* The representatives: owns n of each, from dt_pages_grow. */
     uint32_t *id;
@@ -65,14 +61,14 @@ static enum dt_status read_rows(struct simplify_job *j, uint32_t *from, bool *do
     struct dt_row row[PIECE];
     size_t rows;
     const uint32_t first = j->n;
-    enum dt_status status = dt_view_rows(j->job.dt, j->view, from, row, PIECE, &rows);
+    enum dt_status status = dt_view_rows(j->job.dt, j->job.view, from, row, PIECE, &rows);
     for (size_t i = 0; status == DT_OK && i < rows; i++)
         if (row[i].representative == row[i].id) {
             j->id[j->n] = row[i].id;
             j->point[j->n++] = row[i].at;
         }
     if (status == DT_OK)
-        dt_field_values(j->field, j->view, j->id + first, j->n - first, j->value + first);
+        dt_field_values(j->asked.field, j->job.view, j->id + first, j->n - first, j->value + first);
     *done = rows == 0;
     return status;
 }
@@ -81,12 +77,10 @@ static enum dt_status read_points(struct simplify_job *j)
 {
     struct dt_summary sum;
     uint32_t from = 0;
-    dt_view_summary(j->view, &sum);
+    dt_view_summary(j->job.view, &sum);
     enum dt_status status = make_room(j, sum.points);
     for (bool done = false; status == DT_OK && !done;) {
-        status = read_rows(j, &from, &done);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, read_rows(j, &from, &done));
     }
     return status;
 }
@@ -105,7 +99,7 @@ static enum dt_status index_of(const struct simplify_job *j, uint32_t id, uint32
     size_t rows;
     uint32_t from = id;
     if (found == NULL) { /* an alias */
-        enum dt_status status = dt_view_rows(j->job.dt, j->view, &from, &row, 1, &rows);
+        enum dt_status status = dt_view_rows(j->job.dt, j->job.view, &from, &row, 1, &rows);
         if (status != DT_OK)
             return status;
         found = bsearch(&row.representative, j->id, j->n, sizeof id, compare_ids);
@@ -137,13 +131,12 @@ static enum dt_status read_constraints(struct simplify_job *j)
     enum dt_status status = DT_OK;
     for (uint32_t from = 0; status == DT_OK && from != DT_NONE;) {
         size_t first = j->constraints.n;
-        status = dt_constraints_read(j->job.dt, j->view, &from, PIECE, &j->constraints);
+        status = dt_constraints_read(j->job.dt, j->job.view, &from, PIECE, &j->constraints);
         if (status == DT_OK)
             status = index_ends(j, first);
         if (status == DT_OK)
             status = job_reserve(&j->job, memory_of(j, j->cap));
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
     }
     return status;
 }
@@ -163,8 +156,8 @@ static enum dt_status thin_out(struct simplify_job *j)
                                    .n = j->n,
                                    .constraint = j->constraints.v,
                                    .constraints = j->constraints.n,
-                                   .error = j->error,
-                                   .most = j->most,
+                                   .error = j->asked.error,
+                                   .most = j->asked.most,
                                    .reserve = reserve_more,
                                    .ctx = j,
                                    .pages = j->pages};
@@ -182,11 +175,11 @@ static enum dt_status read_values(struct simplify_job *j, const struct dt_field 
         n = j->kept.n - at < PIECE ? j->kept.n - at : PIECE;
         for (uint32_t i = 0; i < n; i++)
             id[i] = j->id[j->kept.kept[at + i]];
-        status = dt_view_rows(j->job.dt, j->view, &from, NULL, 0, &rows); /* fields can be read */
-        if (status == DT_OK) {
-            dt_field_values(field, j->view, id, n, out + at);
-            status = job_pause(&j->job);
-        }
+        status =
+            dt_view_rows(j->job.dt, j->job.view, &from, NULL, 0, &rows); /* fields can be read */
+        if (status == DT_OK)
+            dt_field_values(field, j->job.view, id, n, out + at);
+        status = job_pause(&j->job, status);
     }
     return status;
 }
@@ -194,9 +187,11 @@ static enum dt_status read_values(struct simplify_job *j, const struct dt_field 
 /* How many fields the new set has. */
 static size_t count_columns(struct simplify_job *j)
 {
-    size_t n = j->ids.len > 0;
-    for (const struct dt_field *f = NULL; (f = dt_field_next(j->job.dt, j->view, f)) != NULL; n++)
-        j->doubled = j->doubled || name_equals(&j->ids, dt_field_name(f), strlen(dt_field_name(f)));
+    size_t n = j->asked.ids.len > 0;
+    for (const struct dt_field *f = NULL; (f = dt_field_next(j->job.dt, j->job.view, f)) != NULL;
+         n++)
+        j->doubled =
+            j->doubled || name_equals(&j->asked.ids, dt_field_name(f), strlen(dt_field_name(f)));
     return n;
 }
 
@@ -227,13 +222,13 @@ static enum dt_status read_fields(struct simplify_job *j)
         return DT_TOOBIG;
     enum dt_status status = make_columns(j, columns);
     for (const struct dt_field *f = NULL;
-         status == DT_OK && (f = dt_field_next(j->job.dt, j->view, f)) != NULL; k++) {
+         status == DT_OK && (f = dt_field_next(j->job.dt, j->job.view, f)) != NULL; k++) {
         j->columns->field[k] = name_of(dt_field_name(f), strlen(dt_field_name(f)));
         status = read_values(j, f, j->columns->v + k * n);
     }
-    if (status != DT_OK || j->ids.len == 0)
+    if (status != DT_OK || j->asked.ids.len == 0)
         return status;
-    j->columns->field[k] = j->ids;
+    j->columns->field[k] = j->asked.ids;
     for (uint32_t i = 0; i < n; i++)
         j->columns->v[k * n + i] = j->id[j->kept.kept[i]];
     return DT_OK;
@@ -316,7 +311,7 @@ static bool reserve_change(struct server *s, struct answer *a, struct submission
 
 static void make_set(struct server *s, struct simplify_job *j, struct answer *a)
 {
-    struct word name = name_word(&j->other);
+    struct word name = name_word(&j->asked.other);
     struct submission *x = submission_new(s, a, CHANGE_DRAW, &name);
     if (x == NULL)
         return;
@@ -343,7 +338,7 @@ bool simplify_is_new(struct server *s, struct answer *a, const struct name *othe
 
 static void answer_result(struct server *s, struct simplify_job *j, struct answer *a)
 {
-    bool few = j->job.status == DT_TOOBIG && j->kept.least > j->most;
+    bool few = j->job.status == DT_TOOBIG && j->kept.least > j->asked.most;
     if (few)
         answer_err(a, ERR_RANGE, "%u points must stay: corners of the hull, ends of constraints",
                    j->kept.least);
@@ -351,14 +346,13 @@ static void answer_result(struct server *s, struct simplify_job *j, struct answe
         return;
     if (j->doubled)
         answer_err(a, ERR_EXISTS, "the set has a field of that name for ids");
-    else if (simplify_is_new(s, a, &j->other))
+    else if (simplify_is_new(s, a, &j->asked.other))
         make_set(s, j, a);
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct simplify_job *j = (struct simplify_job *)job;
-    job_end_view(s, job, j->view);
     reservation_set(&job->memory, 0);
     if (a != NULL)
         answer_result(s, j, a);
@@ -378,17 +372,10 @@ void simplify_answer(struct server *s, struct answer *a, struct dataset *set,
         job_new_reading(s, a, sizeof *j, run_job, end_job, "simplifying", NULL);
     if (j == NULL)
         return;
-    if ((j->view = dt_view_begin(v->dt, false)) == NULL) {
-        answer_out_of_memory(a);
-        job_free(s, &j->job);
-        return;
-    }
-    j->field = simplify->field;
-    j->other = simplify->other;
-    j->ids = simplify->ids;
-    j->error = simplify->error;
-    j->most = simplify->most;
+    j->asked = *simplify;
     j->pages = s->pages;
+    if (!job_begin_view(s, a, &j->job, v, false))
+        return;
     size_t work = (size_t)v->sum.points + dt_constraints_count(v->dt);
     job_read(s, a, &j->job, v, cost_at_once(COST_EDIT, 4 * work) ? JOB_LIGHT : JOB_LONG);
 }

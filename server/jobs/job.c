@@ -44,9 +44,18 @@ void *job_new_reading(struct server *s, struct answer *a, size_t size, void (*ru
     return j;
 }
 
+static void end_view(struct server *s, struct job *j)
+{
+    if (j->base != NULL)
+        version_end_view(&s->sets, j->base, j->view);
+    else
+        dt_view_end(j->view);
+}
+
 void job_free(struct server *s, struct job *j)
 {
     j->end(s, j, NULL);
+    end_view(s, j);
     reservation_set(&j->memory, 0);
     free(j);
 }
@@ -94,19 +103,24 @@ void job_visit(const struct job *j)
         gate_visit(&j->base->gate);
 }
 
-enum dt_status job_pause(const struct job *j)
+enum dt_status job_pause(const struct job *j, enum dt_status status)
 {
+    if (status != DT_OK)
+        return status;
     job_end_visit(j);
     job_visit(j);
     return atomic_load(&j->cancel) ? DT_CANCELLED : DT_OK;
 }
 
-void job_end_view(struct server *s, struct job *j, struct dt_view *view)
+bool job_begin_view(struct server *s, struct answer *a, struct job *j, const struct version *v,
+                    bool rings)
 {
-    if (j->base != NULL)
-        version_end_view(&s->sets, j->base, view);
-    else
-        dt_view_end(view);
+    j->view = dt_view_begin(v->dt, rings);
+    if (j->view != NULL)
+        return true;
+    answer_out_of_memory(a);
+    job_free(s, j);
+    return false;
 }
 
 static bool edits_in_place(const struct job *j)
@@ -128,7 +142,12 @@ static void run(struct job *j)
         }
         j->options.disposable = true;
     }
-    j->run(j);
+    if (j->views)
+        j->view = dt_view_begin(j->dt, true);
+    if (j->views && j->view == NULL)
+        j->status = DT_NOMEM;
+    else
+        j->run(j);
     if (j->log != NULL && j->status == DT_OK && edits_in_place(j) && !change_is_void(j->change)) {
         durable_append(j->log, j->set, j->change);
         j->base->lsn = j->change->lsn; /* before others can read what has changed */
@@ -475,6 +494,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (set != NULL)
         publish(s, j);
     j->end(s, j, a);
+    end_view(s, j);
     note_changes(j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);

@@ -44,7 +44,9 @@ struct job {
     struct log *log;
     bool copies;   /* it changes a copy if there is memory, so that the set can be read meanwhile */
     size_t points; /* that it adds, deletes or moves */
-    struct version *base;  /* pinned: the version that it reads or changes; NULL: none */
+    struct version *base; /* pinned: the version that it reads or changes; NULL: none */
+    bool views;           /* its view, of the triangulation, begins when `run` does */
+    struct dt_view *view; /* owns: the moment of base that it reads; NULL: now. Ended after `end` */
     struct version *fresh; /* of a change of a copy: the version to be */
     struct dt *dt;         /* of base, or the copy */
     struct dt_options options;
@@ -106,11 +108,12 @@ enum dt_status job_grow(struct job *j, struct dt_ids *words, size_t n);
 void job_end_visit(const struct job *j);
 void job_visit(const struct job *j);
 
-/* Both, between two pieces. DT_CANCELLED if the job is to end. */
-enum dt_status job_pause(const struct job *j);
+/* Both, after a piece of that status, if it is DT_OK. Returns the status, or DT_CANCELLED if the job is to end. */
+enum dt_status job_pause(const struct job *j, enum dt_status status);
 
-/* Ends a view of the version that the job reads, or would have read; NULL is allowed. */
-void job_end_view(struct server *s, struct job *j, struct dt_view *view);
+/* Begins the job's view, of the version as it is now, before job_read. False: out of memory, which is the answer, and the job is freed. */
+bool job_begin_view(struct server *s, struct answer *a, struct job *j, const struct version *v,
+                    bool rings);
 
 /* The options of a job of the workers, for estimates of its memory. */
 struct dt_options job_options(const struct server *s);

@@ -11,7 +11,6 @@
 struct skip_job {
     struct job job;
     struct valued *copy;          /* borrows; NULL: the build has not begun */
-    struct dt_view *view;         /* owns: the moment of the result */
     const struct dt_field *field; /* borrows, as long as the view */
     struct past past;             /* owns, until it moves to the copy */
 };
@@ -19,14 +18,13 @@ struct skip_job {
 static void run_job(struct job *job)
 {
     struct skip_job *j = (struct skip_job *)job;
-    job->status = past_copy(job->base, j->view, &j->field, 1, true, &job->options,
+    job->status = past_copy(job->base, job->view, &j->field, 1, true, &job->options,
                             job->queued_ns > 0, &job->memory, &j->past);
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct skip_job *j = (struct skip_job *)job;
-    job_end_view(s, job, j->view);
     if (j->copy == NULL)
         return;
     valued_end(&s->sets, j->copy, a != NULL ? job->status : DT_OK, j->past.dt, &j->past.crossed);
@@ -47,8 +45,8 @@ static struct skip_job *new_job(struct server *s, struct answer *a, struct datas
         j->job.what = "leaving out missing values";
         j->job.memory = memory;
         j->field = f;
-        j->view = dt_view_begin(v->dt, false);
-        if (j->view != NULL)
+        j->job.view = dt_view_begin(v->dt, false);
+        if (j->job.view != NULL)
             j->copy = valued_begin(&s->sets, set, f, &j->job.cancel);
     }
     if (j != NULL && j->copy != NULL)

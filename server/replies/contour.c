@@ -15,7 +15,6 @@ enum { TEXT_AT_ONCE = 20000 }; /* numbers that a reactor writes as text */
 struct contour_job {
     struct job job;
     struct surface q;
-    struct dt_view *view;         /* owns: the moment of the result */
     const struct dt_field *field; /* of the view */
     struct dt_ids row;            /* owns: the words of lines or rings */
     size_t rows;
@@ -53,49 +52,31 @@ static enum dt_status make_levels(struct contour_job *j)
 
 /* ---- rows ---- */
 
-/* Makes room for the rows; `words` is their length in all. */
-static enum dt_status reserve_rows(struct contour_job *j, size_t rows, size_t words, size_t taken)
+/* Writes the n rows of lines or, if there are any, of rings. */
+static enum dt_status write_rows(struct contour_job *j, const struct dt_contour_line *line,
+                                 const struct dt_band_ring *ring, size_t n, size_t taken)
 {
+    const size_t head = ring != NULL ? ROW_BAND_WORDS : ROW_LINE_WORDS;
+    size_t words = n * head;
+    for (size_t i = 0; i < n; i++)
+        words += 4 * (ring != NULL ? ring[i].n : line[i].n);
     enum dt_status status = job_reserve(&j->job, taken + words * sizeof *j->row.v);
     if (status != DT_OK)
         return status;
-    j->row = (struct dt_ids){malloc(words * sizeof *j->row.v + 1), words, words};
-    if (j->row.v == NULL)
-        return DT_NOMEM;
-    j->rows = rows;
-    return DT_OK;
-}
-
-static enum dt_status write_lines(struct contour_job *j, const struct dt_contour_line *line,
-                                  size_t lines, size_t taken)
-{
-    size_t words = 0;
-    for (size_t i = 0; i < lines; i++)
-        words += ROW_LINE_WORDS + 4 * line[i].n;
-    enum dt_status status = reserve_rows(j, lines, words, taken);
-    uint32_t *to = j->row.v;
-    for (size_t i = 0; i < lines && status == DT_OK; i++) {
-        row_line_put(to, line[i].level, line[i].closed, (uint32_t)line[i].n);
-        memcpy(to + ROW_LINE_WORDS, line[i].p, line[i].n * sizeof *line[i].p);
-        to += ROW_LINE_WORDS + 4 * line[i].n;
+    uint32_t *to = malloc(words * sizeof *to + 1);
+    j->row = (struct dt_ids){to, words, words};
+    j->rows = n;
+    for (size_t i = 0; to != NULL && i < n; i++) {
+        const struct dt_point *p = ring != NULL ? ring[i].p : line[i].p;
+        const size_t places = ring != NULL ? ring[i].n : line[i].n;
+        if (ring != NULL)
+            row_band_put(to, &ring[i]);
+        else
+            row_line_put(to, line[i].level, line[i].closed, (uint32_t)places);
+        memcpy(to + head, p, places * sizeof *p);
+        to += head + 4 * places;
     }
-    return status;
-}
-
-static enum dt_status write_rings(struct contour_job *j, const struct dt_band_ring *ring,
-                                  size_t rings, size_t taken)
-{
-    size_t words = 0;
-    for (size_t i = 0; i < rings; i++)
-        words += ROW_BAND_WORDS + 4 * ring[i].n;
-    enum dt_status status = reserve_rows(j, rings, words, taken);
-    uint32_t *to = j->row.v;
-    for (size_t i = 0; i < rings && status == DT_OK; i++) {
-        row_band_put(to, &ring[i]);
-        memcpy(to + ROW_BAND_WORDS, ring[i].p, ring[i].n * sizeof *ring[i].p);
-        to += ROW_BAND_WORDS + 4 * ring[i].n;
-    }
-    return status;
+    return to == NULL ? DT_NOMEM : DT_OK;
 }
 
 /* ---- tracing ---- */
@@ -110,10 +91,10 @@ static enum dt_status begin(struct contour_job *j, struct traced *x)
 {
     const struct dt *t = j->job.base->dt;
     const struct surface *q = &j->q;
-    enum dt_status status =
-        q->bands
-            ? dt_bands_begin(t, j->view, j->field, q->level, q->levels, q->max_edge, &x->bands)
-            : dt_contour_begin(t, j->view, j->field, q->level, q->levels, q->max_edge, &x->lines);
+    enum dt_status status = q->bands ? dt_bands_begin(t, j->job.view, j->field, q->level, q->levels,
+                                                      q->max_edge, &x->bands)
+                                     : dt_contour_begin(t, j->job.view, j->field, q->level,
+                                                        q->levels, q->max_edge, &x->lines);
     if (status != DT_OK || !q->inside.asked)
         return status;
     return q->bands ? dt_bands_inside(x->bands, t, q->inside.number)
@@ -132,18 +113,15 @@ static enum dt_status read_piece(const struct dt *t, const struct traced *x, boo
 
 static enum dt_status join(struct contour_job *j, const struct traced *x)
 {
-    const struct dt_contour_line *line;
-    const struct dt_band_ring *ring;
+    const struct dt_contour_line *line = NULL;
+    const struct dt_band_ring *ring = NULL;
     size_t n, taken = memory_of(x);
     enum dt_status status = job_reserve(&j->job, taken);
     if (status != DT_OK)
         return status;
-    if (x->bands != NULL) {
-        status = dt_bands_end(x->bands, &j->job.options, &ring, &n);
-        return status == DT_OK ? write_rings(j, ring, n, taken) : status;
-    }
-    status = dt_contour_end(x->lines, &j->job.options, &line, &n);
-    return status == DT_OK ? write_lines(j, line, n, taken) : status;
+    status = x->bands != NULL ? dt_bands_end(x->bands, &j->job.options, &ring, &n)
+                              : dt_contour_end(x->lines, &j->job.options, &line, &n);
+    return status == DT_OK ? write_rows(j, line, ring, n, taken) : status;
 }
 
 /* The worker is a visitor of the set on entry and on return. */
@@ -158,8 +136,7 @@ static enum dt_status trace(struct contour_job *j)
         status = job_reserve(&j->job, memory_of(&x));
         if (status == DT_OK)
             status = read_piece(j->job.base->dt, &x, &done);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
     }
     job_end_visit(&j->job);
     if (status == DT_OK)
@@ -175,18 +152,13 @@ static enum dt_status trace(struct contour_job *j)
 static void run_job(struct job *job)
 {
     struct contour_job *j = (struct contour_job *)job;
-    j->view = dt_view_begin(job->dt, true);
     j->field = dt_field_find(job->dt, j->q.field, j->q.field_len);
-    if (j->view == NULL || j->field == NULL)
-        job->status = j->view == NULL ? DT_NOMEM : DT_NOFIELD;
-    else
-        job->status = trace(j);
+    job->status = j->field == NULL ? DT_NOFIELD : trace(j);
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct contour_job *j = (struct contour_job *)job;
-    job_end_view(s, job, j->view);
     if (j->too_many_levels && a != NULL)
         answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
     else if (job_succeeded(job, a))
@@ -208,5 +180,6 @@ void contour_answer(struct server *s, struct answer *a, const struct surface_sou
         return;
     }
     j->q = *q;
+    j->job.views = true;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

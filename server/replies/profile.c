@@ -32,8 +32,8 @@ static enum dt_status follow(struct profile_job *j, struct dt_profile *p)
         if (status == DT_OK) {
             memcpy(j->words.v + j->words.n, row, n * sizeof *row);
             j->words.n += n * ROW_WORDS;
-            status = job_pause(&j->job);
         }
+        status = job_pause(&j->job, status);
     }
     return status;
 }

@@ -19,9 +19,10 @@ enum {
 struct query_job {
     struct job job;
     struct query query;
-    uint32_t steps;        /* limit of the search in one visit; 0: none */
-    struct dt_view *view;  /* owns, until it moves to a stream: the moment of the result */
-    struct dt_view *keeps; /* owns: while it is open, edits keep the triangulation */
+    uint32_t steps; /* limit of the search in one visit; 0: none */
+    struct dt_view *
+        view; /* owns, until it moves to a stream: the moment of the result. That of the job is open for longer: so edits
+                           * keep the triangulation */
 };
 
 /* ---- searching ---- */
@@ -290,8 +291,7 @@ static enum dt_status sift(struct query_job *j)
         status = job_reserve(&j->job, more * sizeof(uint32_t));
         if (status == DT_OK)
             status = dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
     }
     q->interior = sift.interior;
     q->words = sift.words;
@@ -310,8 +310,7 @@ static enum dt_status read_constraints(struct query_job *j)
         status = job_reserve(&j->job, (words + words / 2) * sizeof(uint32_t));
         if (status == DT_OK)
             status = constraint_rows_read(v->dt, j->view, number, &from, CONSTRAINT_STEPS, &q->ids);
-        if (status == DT_OK)
-            status = job_pause(&j->job);
+        status = job_pause(&j->job, status);
     }
     q->words = q->ids.n;
     return status;
@@ -379,12 +378,11 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
     struct query_job *j = (struct query_job *)job;
     struct rows rows = rows_of(&j->query, job->base);
     bool found = job_succeeded(job, a);
-    job_end_view(s, job, j->keeps);
     rows.heavy = found && job->queued_ns > 0;
     if (rows.heavy)
         rows.view = j->view;
-    else /* the set has not changed since */
-        job_end_view(s, job, j->view);
+    else if (j->view != NULL) /* the set has not changed since */
+        version_end_view(&s->sets, job->base, j->view);
     if (found)
         answer(s, a, &j->query, &rows);
     free(j->query.ids.v);
@@ -410,11 +408,8 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
         return;
     }
     j->query = *q;
-    if (!sweeps && (j->keeps = dt_view_begin(v->dt, true)) == NULL) {
-        answer_out_of_memory(a);
-        job_free(s, &j->job);
+    if (!sweeps && !job_begin_view(s, a, &j->job, v, true))
         return;
-    }
     j->steps = may_sweep(q) || q->within ? steps_a_visit(v->sum.points) : 0;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : q->kind == QUERY_WEIGHTS ? JOB_SLOW : JOB_SHORT);
 }

@@ -12,7 +12,6 @@ struct volume_job {
     struct job job;
     char field[DT_FIELD_NAME + 1], minus[DT_FIELD_NAME + 1]; /* minus: "" for the level */
     struct volume volume; /* but for its fields, which an edit may replace */
-    struct dt_view *view; /* owns: the moment of the result */
     struct dt_volumes sums;
 };
 
@@ -21,44 +20,34 @@ static const struct dt_field *field_of(const struct volume_job *j, const char *n
     return dt_field_find(j->job.dt, name, strlen(name));
 }
 
-/* The worker has the lock on entry and on return. */
-static enum dt_status add_up(struct volume_job *j)
+static void run_job(struct job *job)
 {
-    const struct dt *t = j->job.dt;
+    struct volume_job *j = (struct volume_job *)job;
+    const struct dt *t = job->dt;
     const struct dt_field *field = field_of(j, j->field), *minus = field_of(j, j->minus);
     struct dt_volume *v = NULL;
     bool done = false;
-    if (field == NULL || (minus == NULL && j->minus[0] != 0))
-        return DT_NOFIELD;
-    enum dt_status s = dt_volume_begin(t, j->view, field, minus, j->volume.level, &v);
+    bool there = field != NULL && (minus != NULL || j->minus[0] == 0);
+    enum dt_status s =
+        there ? dt_volume_begin(t, job->view, field, minus, j->volume.level, &v) : DT_NOFIELD;
     if (s == DT_OK && !isinf(j->volume.box[0].x))
         dt_volume_clip(v, j->volume.box[0], j->volume.box[1]);
     if (s == DT_OK && j->volume.inside.asked)
         s = dt_volume_inside(v, t, j->volume.inside.number);
     if (s == DT_OK)
-        s = job_reserve(&j->job, dt_volume_memory(v));
-    while (s == DT_OK && !done) {
-        s = dt_volume_read(t, v, &done);
-        if (s == DT_OK)
-            s = job_pause(&j->job);
-    }
+        s = job_reserve(job, dt_volume_memory(v));
+    while (s == DT_OK && !done)
+        s = job_pause(job, dt_volume_read(t, v, &done));
     if (s == DT_OK)
         dt_volume_end(v, &j->sums);
     dt_volume_free(v);
-    return s;
-}
-
-static void run_job(struct job *job)
-{
-    struct volume_job *j = (struct volume_job *)job;
-    j->view = dt_view_begin(job->dt, true);
-    job->status = j->view == NULL ? DT_NOMEM : add_up(j);
+    job->status = s;
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct volume_job *j = (struct volume_job *)job;
-    job_end_view(s, job, j->view);
+    (void)s;
     if (!job_succeeded(job, a))
         return;
     reply_ok(a->out, 0);
@@ -82,5 +71,6 @@ void volume_answer(struct server *s, struct answer *a, const struct surface_sour
     if (volume->minus != NULL)
         strcpy(j->minus, dt_field_name(volume->minus));
     j->volume = *volume;
+    j->job.views = true;
     job_read(s, a, &j->job, v, light ? JOB_LIGHT : JOB_LONG);
 }

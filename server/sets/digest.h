@@ -28,7 +28,7 @@ struct digest {
     uint64_t version; /* of the set at the moment */
     uint32_t points;  /* then */
     /* private from here on */
-    struct dt_view *view;         /* owns */
+    struct dt_view *view;         /* the caller's, see digest_begin */
     uint32_t next_id, columns;    /* of the set; its rows are a column, too */
     uint32_t from;                /* the next row */
     uint32_t column;              /* that is being read; 0: rows */
