@@ -258,79 +258,74 @@ void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const dou
     buf_commit(out, (size_t)(to - row));
 }
 
-/* n doubles, not necessarily aligned, with a blank before each. */
-static char *write_doubles(char *to, const void *numbers, size_t n)
+void reply_row_numbers(struct buf *out, const double *v, size_t n)
 {
-    const char *from = numbers;
-    for (size_t i = 0; i < n; i++) {
-        double value;
-        memcpy(&value, from + i * sizeof value, sizeof value);
-        *to++ = ' ';
-        to = write_value(to, value);
+    char *const row = buf_reserve(out, n * DOUBLE_ROOM + 1), *to = row;
+    for (size_t i = 0; row != NULL && i < n; i++) {
+        to = write_value(to, v[i]);
+        *to++ = i + 1 < n ? ' ' : '\n';
+    }
+    if (row != NULL)
+        buf_commit(out, (size_t)(to - row));
+}
+
+/* ---- rows of words ---- */
+
+static size_t words_of(char column, const uint32_t *word)
+{
+    size_t each = column == 'I' ? 1 : column == 'D' ? 4 : 0;
+    return column == 'd' ? 2 : each == 0 ? 1 : 1 + each * *word;
+}
+
+size_t reply_row_words(const char *format, const uint32_t *word)
+{
+    size_t n = 0;
+    for (; *format != '\0'; format++)
+        n += words_of(*format, word + n);
+    return n;
+}
+
+size_t reply_row_room(const char *format, const uint32_t *word)
+{
+    size_t each = strchr(format, 'I') != NULL ? ID_ROOM : DOUBLE_ROOM / 2 + 1;
+    return reply_row_words(format, word) * each + strlen(format) * DOUBLE_ROOM;
+}
+
+static char *write_column(char *to, char column, const uint32_t *word, size_t words)
+{
+    static const char *const text[] = {"line ", "border ", "open", "closed", "outer", "hole"};
+    const size_t ids = column == 'd' ? 0 : column == 'I' ? words : 1;
+    if (column == 'b' || column == 'c' || column == 'h') {
+        const char *name = text[(column == 'b' ? 0 : column == 'c' ? 2 : 4) + (*word & 1)];
+        memcpy(to, name, strlen(name));
+        to += strlen(name);
+        return column == 'b' ? to + proto_write_u32(to, *word >> 1) : to;
+    }
+    for (size_t i = 0; i < ids; i++) {
+        if (i > 0)
+            *to++ = ' ';
+        to += proto_write_u32(to, word[i]);
+    }
+    for (size_t i = ids; i < words; i += 2) {
+        double v;
+        memcpy(&v, word + i, sizeof v);
+        if (i > 0)
+            *to++ = ' ';
+        to = write_value(to, v);
     }
     return to;
 }
 
-void reply_row_constraint(struct buf *out, uint32_t a, uint32_t b, bool border, uint32_t number)
+void reply_row(struct buf *out, const char *format, const uint32_t *word)
 {
-    reply_u64(out, a);
-    buf_append_char(out, ' ');
-    reply_u64(out, b);
-    buf_append_text(out, border ? " border " : " line ");
-    reply_u64(out, number);
-    reply_end(out);
-}
-
-void reply_row_region(struct buf *out, uint32_t number, bool closed, uint32_t triangles,
-                      double area)
-{
-    reply_u64(out, number);
-    buf_append_text(out, closed ? " closed " : " open ");
-    reply_row_value(out, triangles, area);
-}
-
-void reply_row_numbers(struct buf *out, const void *numbers, size_t n)
-{
-    char *row = buf_reserve(out, n * DOUBLE_ROOM + 2);
-    if (row == NULL)
-        return;
-    char *to = write_doubles(row, numbers, n);
-    memmove(row, row + 1, (size_t)(to - row - 1)); /* no blank before the first one */
-    to[-1] = '\n';
-    buf_commit(out, (size_t)(to - row));
-}
-
-void reply_row_line(struct buf *out, double level, bool closed, const void *xy, size_t n)
-{
-    char *row = buf_reserve(out, (2 * n + 1) * DOUBLE_ROOM + 16 + ID_ROOM);
-    if (row == NULL)
-        return;
-    char *to = row + proto_write_double(row, level);
-    memcpy(to, closed ? " closed " : " open ", closed ? 8 : 6);
-    to += closed ? 8 : 6;
-    to += proto_write_u32(to, (uint32_t)n);
-    to = write_doubles(to, xy, 2 * n);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
-}
-
-void reply_row_band(struct buf *out, const double level[2], uint32_t number, bool hole,
-                    const void *xy, size_t n)
-{
-    char *row = buf_reserve(out, (2 * n + 2) * DOUBLE_ROOM + 16 + 2 * ID_ROOM);
-    if (row == NULL)
-        return;
-    char *to = write_value(row, level[0]);
-    *to++ = ' ';
-    to = write_value(to, level[1]);
-    *to++ = ' ';
-    to += proto_write_u32(to, number);
-    memcpy(to, hole ? " hole " : " outer ", hole ? 6 : 7);
-    to += hole ? 6 : 7;
-    to += proto_write_u32(to, (uint32_t)n);
-    to = write_doubles(to, xy, 2 * n);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
+    char *const row = buf_reserve(out, reply_row_room(format, word)), *to = row;
+    for (size_t n; row != NULL && *format != '\0'; format++, word += n) {
+        n = words_of(*format, word);
+        to = write_column(to, *format, word, n);
+        *to++ = format[1] != '\0' ? ' ' : '\n';
+    }
+    if (row != NULL)
+        buf_commit(out, (size_t)(to - row));
 }
 
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance)

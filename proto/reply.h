@@ -77,18 +77,22 @@ void reply_row_value(struct buf *out, uint32_t id, double value);
 void reply_more_value(struct buf *out, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
-void reply_row_constraint(struct buf *out, uint32_t a, uint32_t b, bool border, uint32_t number);
-/* number closed|open triangles area */
-void reply_row_region(struct buf *out, uint32_t number, bool closed, uint32_t triangles,
-                      double area);
-/* n doubles, in memory wherever they are; nan is written as `nan`. */
-void reply_row_numbers(struct buf *out, const void *numbers, size_t n);
-/* level closed|open n x y ...: of 2 n doubles. */
-void reply_row_line(struct buf *out, double level, bool closed, const void *xy, size_t n);
-/* low high number outer|hole n x y ...: the same; a level may be infinite. */
-void reply_row_band(struct buf *out, const double level[2], uint32_t number, bool hole,
-                    const void *xy, size_t n);
+/* n doubles; nan is written as `nan`. */
+void reply_row_numbers(struct buf *out, const double *v, size_t n);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
+
+/* A row of columns that are words in memory; each letter of the format is a column:
+ *
+ *     i  an id or a count
+ *     d  a double, of two words
+ *     c  `open` or `closed`, h `outer` or `hole`: 0 or 1
+ *     b  `line` or `border`, and a number: twice the number, plus 1 for a border
+ *     I  k, and k ids: 1 + k words; only the last column, as is
+ *     D  k, and k places, which are two doubles each: 1 + 4 k words */
+void reply_row(struct buf *out, const char *format, const uint32_t *word);
+/* The words of the row, and the bytes of its text, at most. */
+size_t reply_row_words(const char *format, const uint32_t *word);
+size_t reply_row_room(const char *format, const uint32_t *word);
 
 /* Little-endian words of a binary reply. */
 void reply_word_u32(struct buf *out, uint32_t v);

@@ -360,7 +360,7 @@ static void run_alpha(struct job *job)
 static void end_alpha(struct server *s, struct job *job, struct answer *a)
 {
     struct alpha_job *j = (struct alpha_job *)job;
-    struct rows rows = {.version = job->base, .form = ROW_LOOP, .width = 1};
+    struct rows rows = {.version = job->base, .form = ROW_WORDS, .format = "hI", .width = 1};
     if (job_succeeded(job, a)) {
         rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
         reply_ok(a->out, j->loops);

@@ -193,7 +193,8 @@ void cmd_fget(struct server *s, struct dataset *set, const struct request *q, st
     if (row == NULL)
         return;
     struct dt_ids ids = {row, n * ROW_VALUE_WORDS, n * ROW_VALUE_WORDS};
-    struct rows rows = {.version = set->current, .form = ROW_VALUE, .width = ROW_VALUE_WORDS};
+    struct rows rows = {
+        .version = set->current, .form = ROW_WORDS, .format = ROW_VALUE, .width = ROW_VALUE_WORDS};
     reply_ok(a->out, n);
     reply_end(a->out);
     answer_rows(s, a, &rows, &ids);

@@ -24,7 +24,8 @@ struct contour_job {
 static void answer_rows_of(struct server *s, struct answer *a, struct contour_job *j)
 {
     struct rows rows = {.version = j->job.base,
-                        .form = j->q.bands ? ROW_BAND : ROW_LINE,
+                        .form = ROW_WORDS,
+                        .format = j->q.bands ? ROW_BAND : ROW_LINE,
                         .width = 1,
                         .heavy = j->row.n > 2 * (size_t)TEXT_AT_ONCE};
     struct dt_ids ids = j->row;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS_A_VISIT = 1024, ROW_WORDS = sizeof(struct dt_profile_row) / sizeof(uint32_t) };
+enum { ROWS_A_VISIT = 1024, ROW_LENGTH = sizeof(struct dt_profile_row) / sizeof(uint32_t) };
 
 _Static_assert(sizeof(struct dt_profile_row) == 4 * sizeof(double), "a row is four numbers");
 
@@ -26,12 +26,12 @@ static enum dt_status follow(struct profile_job *j, struct dt_profile *p)
     struct dt_profile_row row[ROWS_A_VISIT];
     enum dt_status status = DT_OK;
     for (size_t n = 1; status == DT_OK && n > 0;) {
-        status = job_grow(&j->job, &j->words, ROWS_A_VISIT * ROW_WORDS);
+        status = job_grow(&j->job, &j->words, ROWS_A_VISIT * ROW_LENGTH);
         if (status == DT_OK)
             status = dt_profile_read(p, row, ROWS_A_VISIT, &n);
         if (status == DT_OK) {
             memcpy(j->words.v + j->words.n, row, n * sizeof *row);
-            j->words.n += n * ROW_WORDS;
+            j->words.n += n * ROW_LENGTH;
         }
         status = job_pause(&j->job, status);
     }
@@ -61,11 +61,12 @@ static void run_job(struct job *job)
 static void answer(struct server *s, struct answer *a, struct profile_job *j)
 {
     struct rows rows = {.version = j->job.base,
-                        .form = ROW_NUMBERS,
-                        .width = ROW_WORDS,
+                        .form = ROW_WORDS,
+                        .format = "dddd",
+                        .width = ROW_LENGTH,
                         .heavy = j->job.queued_ns > 0,
                         .binary = j->q.binary};
-    size_t n = j->words.n / ROW_WORDS;
+    size_t n = j->words.n / ROW_LENGTH;
     reply_ok(a->out, j->q.binary ? 0 : n);
     if (j->q.binary) {
         reply_key_u64(a->out, "rows", n);

@@ -201,18 +201,20 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
     static const struct {
         enum row_form form;
         size_t width;
+        const char *format;
     } of[] = {[QUERY_LISTS] = {ROW_RING, 1},
               [QUERY_TRIANGLES] = {ROW_IDS, 3},
               [QUERY_EDGES] = {ROW_IDS, 2},
               [QUERY_NEAREST] = {ROW_NEIGHBOUR, 1},
               [QUERY_BOX] = {ROW_POINT, 1},
               [QUERY_DISC] = {ROW_POINT, 1},
-              [QUERY_WEIGHTS] = {ROW_VALUE, ROW_VALUE_WORDS},
-              [QUERY_CONSTRAINTS] = {ROW_CONSTRAINT, ROW_CONSTRAINT_WORDS},
+              [QUERY_WEIGHTS] = {ROW_WORDS, ROW_VALUE_WORDS, ROW_VALUE},
+              [QUERY_CONSTRAINTS] = {ROW_WORDS, ROW_CONSTRAINT_WORDS, ROW_CONSTRAINT},
               [QUERY_CONSTRAINED] = {ROW_IDS, 2}};
     struct rows rows = {.version = v,
                         .form = of[q->kind].form,
                         .width = of[q->kind].width,
+                        .format = of[q->kind].format,
                         .from = q->place.at,
                         .cw = q->cw,
                         .binary = q->binary};
@@ -354,11 +356,11 @@ static void run_job(struct job *job)
     struct dt_options opt = job->options;
     opt.steps = j->steps;
     enum row_form form = rows_of(&j->query, job->base).form;
-    if (form == ROW_VALUE) {
+    if (j->query.kind == QUERY_WEIGHTS) {
         job->status = weigh(j);
         return;
     }
-    bool lists = form == ROW_CONSTRAINT && !j->query.ended;
+    bool lists = j->query.kind == QUERY_CONSTRAINTS && !j->query.ended;
     bool reads = !row_is_of_list(form) || j->query.within || lists; /* in pieces, or later */
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS || j->query.within);

@@ -181,14 +181,14 @@ static void run_job(struct job *job)
 
 static void answer(struct server *s, struct answer *a, struct regions_job *j)
 {
-    static const enum row_form form[] = {
-        [REGIONS_ALL] = ROW_REGION, [REGIONS_AT] = ROW_COUNTED, [REGIONS_TABLE] = ROW_IDS};
+    static const char *const format[] = {[REGIONS_ALL] = ROW_REGION, [REGIONS_AT] = "I"};
     if (j->q.kind == REGIONS_LOCATION) {
         write_location(a, &j->q.at, j->region);
         return;
     }
     struct rows rows = {.version = j->job.base,
-                        .form = form[j->q.kind],
+                        .form = j->q.kind == REGIONS_TABLE ? ROW_IDS : ROW_WORDS,
+                        .format = j->q.kind == REGIONS_TABLE ? NULL : format[j->q.kind],
                         .width = width_of(&j->q),
                         .heavy = j->job.queued_ns > 0,
                         .binary = j->q.binary};

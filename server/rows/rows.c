@@ -68,11 +68,6 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
     write_values(r, out, id);
 }
 
-static void write_listed_point(struct rows *r, struct buf *out, const uint32_t *id)
-{
-    write_point(r, out, *id);
-}
-
 static void write_ids(struct rows *r, struct buf *out, const uint32_t *id)
 {
     if (r->binary)
@@ -108,28 +103,11 @@ void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value)
     memcpy(&word[1], &value, sizeof value);
 }
 
-static void write_value(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    (void)r;
-    double value;
-    memcpy(&value, &word[1], sizeof value);
-    reply_row_value(out, word[0], value);
-}
-
 void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places)
 {
     memcpy(word, &level, sizeof level);
     word[2] = closed;
     word[3] = places;
-}
-
-static void write_line(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    double level;
-    if (!make_room(r, out, 1, 2 * (size_t)word[3] + 1, 0))
-        return;
-    memcpy(&level, word, sizeof level);
-    reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
 }
 
 void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring)
@@ -141,15 +119,6 @@ void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring
     word[6] = (uint32_t)ring->n;
 }
 
-static void write_band(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    double level[2];
-    if (!make_room(r, out, 2, 2 * (size_t)word[6] + 2, 0))
-        return;
-    memcpy(level, word, sizeof level);
-    reply_row_band(out, level, word[4], word[5] != 0, word + ROW_BAND_WORDS, word[6]);
-}
-
 void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region)
 {
     word[0] = region->number;
@@ -158,72 +127,36 @@ void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *reg
     memcpy(&word[3], &region->area, sizeof region->area);
 }
 
-static void write_region(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    (void)r;
-    double area;
-    memcpy(&area, &word[3], sizeof area);
-    reply_row_region(out, word[0], word[1] != 0, word[2], area);
-}
-
-/* k, and k ids. */
-static void write_counted(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    if (make_room(r, out, 1 + (size_t)word[0], 0, 0))
-        reply_row_ids(out, word, 1 + (size_t)word[0]);
-}
-
-static void write_loop(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    if (!make_room(r, out, 1 + (size_t)word[1], 0, 0))
-        return;
-    buf_append_text(out, word[0] != 0 ? "hole " : "outer ");
-    reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
-}
-
-static void write_numbers(struct rows *r, struct buf *out, const uint32_t *word)
-{
-    double v[ROW_NUMBERS_MOST];
-    memcpy(v, word, r->width * sizeof *word);
-    if (r->binary)
-        reply_words_u32(out, word, r->width);
-    else
-        reply_row_numbers(out, v, r->width / 2);
-}
-
-static void write_constraint(struct rows *r, struct buf *out, const uint32_t *word)
+static void write_words(struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (r->binary)
-        reply_words_u32(out, word, ROW_CONSTRAINT_WORDS);
-    else
-        reply_row_constraint(out, word[0], word[1], (word[2] & 1) != 0, word[2] >> 1);
+        reply_words_u32(out, word, reply_row_words(r->format, word));
+    else if (room_make(r->memory, out, reply_row_room(r->format, word), 0))
+        reply_row(out, r->format, word);
 }
-
-/* The forms of rows of a list. A row has `head` words, and `each` more for each of those that word `count` of it counts. Forms without
- * a head have `width` words. */
-static const struct list_form {
-    void (*write)(struct rows *r, struct buf *out, const uint32_t *word);
-    size_t head, count, each;
-} list_forms[] = {
-    [ROW_IDS] = {.write = write_ids},
-    [ROW_POINT] = {.write = write_listed_point},
-    [ROW_NEIGHBOUR] = {.write = write_listed_point},
-    [ROW_RING] = {.write = write_ring},
-    [ROW_VALUE] = {.write = write_value},
-    [ROW_LINE] = {write_line, ROW_LINE_WORDS, 3, 4},
-    [ROW_BAND] = {write_band, ROW_BAND_WORDS, 6, 4},
-    [ROW_LOOP] = {write_loop, 2, 1, 1},
-    [ROW_CONSTRAINT] = {.write = write_constraint},
-    [ROW_REGION] = {.write = write_region},
-    [ROW_COUNTED] = {write_counted, 1, 0, 1},
-    [ROW_NUMBERS] = {.write = write_numbers},
-};
 
 /* The words of the list that the row at `at` takes. */
 static size_t list_words(const struct rows *r, size_t at)
 {
-    const struct list_form *f = &list_forms[r->form];
-    return f->head == 0 ? r->width : f->head + f->each * r->ids.v[at + f->count];
+    return r->form == ROW_WORDS ? reply_row_words(r->format, r->ids.v + at) : r->width;
+}
+
+static void write_listed(struct rows *r, struct buf *out, const uint32_t *word)
+{
+    switch (r->form) {
+    case ROW_POINT:
+    case ROW_NEIGHBOUR:
+        write_point(r, out, *word);
+        break;
+    case ROW_RING:
+        write_ring(r, out, word);
+        break;
+    case ROW_WORDS:
+        write_words(r, out, word);
+        break;
+    default:
+        write_ids(r, out, word);
+    }
 }
 
 /* Prefetches the data of the next rows. */
@@ -247,7 +180,7 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
         }
         if (r->at % DT_AHEAD == 0 && r->ids.n > 1)
             fetch_next(r);
-        list_forms[r->form].write(r, out, id);
+        write_listed(r, out, id);
         r->at += list_words(r, r->at);
     }
     r->done = r->at == r->ids.n;
@@ -564,10 +497,8 @@ bool rows_cut(struct rows *r, struct rows *part)
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
     size_t n = row_is_of_cell(r->form) ? PART_CELLS
-               : r->form == ROW_LINE || r->form == ROW_BAND || r->form == ROW_LOOP ||
-                       r->form == ROW_COUNTED
-                   ? PART_NUMBERS
-                   : PART_IDS * r->width;
+               : r->form == ROW_WORDS  ? PART_NUMBERS
+                                       : PART_IDS * r->width;
     for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)
         r->at += list_words(r, r->at);
     part->ids.n = r->at;

@@ -14,50 +14,46 @@
 #include "server/sets/dataset.h"
 
 enum row_form {
-    ROW_IDS,        /* `width` ids from the list */
-    ROW_POINT,      /* id x y */
-    ROW_NEIGHBOUR,  /* id x y distance from `from` */
-    ROW_RING,       /* id and its ring */
-    ROW_VALUE,      /* id and a number: ROW_VALUE_WORDS words of the list */
-    ROW_CELL,       /* id, the number of corners, and x y of each, */
-    ROW_AREA,       /* or the area: of all cells, or those of the list */
-    ROW_SURFACE,    /* values of a surface */
-    ROW_LINE,       /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
-    ROW_BAND,       /* a ring of a band: ROW_BAND_WORDS words, and four for each of its places */
-    ROW_LOOP,       /* hole or outer, k and k ids: of the list 1 or 0, and the same */
-    ROW_CONSTRAINT, /* a b, line or border, and a number: ROW_CONSTRAINT_WORDS words, the last twice the number, plus 1 for a border */
-    ROW_REGION, /* number, closed or open, triangles, and the area: ROW_REGION_WORDS words of the list */
-    ROW_COUNTED,  /* k and k ids: of the list the same */
-    ROW_NUMBERS,  /* doubles: `width` words of the list, two for each */
-    ROW_TRIANGLE, /* binary, of a place: the corners of its triangle, */
-    ROW_NEAREST   /* and the `width` points nearest to it */
+    ROW_IDS,       /* `width` ids from the list */
+    ROW_POINT,     /* id x y */
+    ROW_NEIGHBOUR, /* id x y distance from `from` */
+    ROW_RING,      /* id and its ring */
+    ROW_CELL,      /* id, the number of corners, and x y of each, */
+    ROW_AREA,      /* or the area: of all cells, or those of the list */
+    ROW_SURFACE,   /* values of a surface */
+    ROW_WORDS,     /* words of the list, as a format says (reply_row) */
+    ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
+    ROW_NEAREST    /* and the `width` points nearest to it */
 };
 
-/* A row of ROW_VALUE in a list of words. */
+/* An id and a value. */
+#define ROW_VALUE "id"
 enum { ROW_VALUE_WORDS = 3 };
 void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value);
 
-/* The first words of a row of ROW_LINE: its level, whether it is closed, and how many places follow. */
+/* A line of a contour: its level, whether it is closed, and its places, which follow these words. */
+#define ROW_LINE "dcD"
 enum { ROW_LINE_WORDS = 4 };
 void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places);
 
-/* The first words of a row of ROW_BAND: both levels, the number, whether it is a hole, and how many places follow. */
+/* A ring of a band: both levels, the number, whether it is a hole, and its places, which follow these words. */
+#define ROW_BAND "ddihD"
 enum { ROW_BAND_WORDS = 7 };
 void row_band_put(uint32_t word[ROW_BAND_WORDS], const struct dt_band_ring *ring);
 
+/* A constraint: its ends and what it is. */
+#define ROW_CONSTRAINT "iib"
 enum { ROW_CONSTRAINT_WORDS = 3 };
 
+/* A region: its number, whether it is closed, its triangles and its area. */
+#define ROW_REGION "icid"
 enum { ROW_REGION_WORDS = 5 };
 void row_region_put(uint32_t word[ROW_REGION_WORDS], const struct dt_region *region);
-
-enum { ROW_NUMBERS_MOST = 4 }; /* in a row of ROW_NUMBERS */
 
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_LINE || form == ROW_BAND || form == ROW_LOOP ||
-           form == ROW_CONSTRAINT || form == ROW_REGION || form == ROW_COUNTED ||
-           form == ROW_NUMBERS;
+    return form == ROW_IDS || form == ROW_WORDS;
 }
 
 /* Places that are asked about. */
@@ -95,8 +91,9 @@ struct rows {
     struct dt_cells_made *made; /* owns, a part borrows: all of them, if the cursor reads from it */
     struct surface_rows surface; /* ROW_SURFACE; its set and moment are those of the rows */
     enum row_form form;
-    size_t width; /* words of the list or of the reply in a row */
-    bool cw;      /* ROW_RING */
+    const char *format; /* ROW_WORDS */
+    size_t width;       /* words of the list or of the reply in a row; 1 if they differ */
+    bool cw;            /* ROW_RING */
     const struct dt_field *
         *field; /* DT_POINTS: borrows; fields whose values follow the coordinates, `fields` */
     size_t fields;

@@ -2,6 +2,7 @@
 #include "server/watch/event_text.h"
 
 #include "proto/reply.h"
+#include "server/changes/constraint.h"
 #include "server/replies/resp3.h"
 
 #include <math.h>
@@ -83,16 +84,22 @@ void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_wha
     put_ring(e, dt, id);
 }
 
+static void put_constraint(struct event *e, const char *what, const struct dt_constraint *c)
+{
+    const uint32_t word[] = {c->a, c->b, constraint_what(c->border, c->number)};
+    buf_append_text(&e->rows, what);
+    reply_row(&e->rows, "iib", word);
+    e->n++;
+}
+
 static void put_declared(struct event *e, const struct dt_constraint *c,
                          const struct dt_point at[2])
 {
-    buf_append_text(&e->rows, "constraint ");
-    reply_row_constraint(&e->rows, c->a, c->b, c->border, c->number);
+    put_constraint(e, "constraint ", c);
     for (int i = 0; e->scope->boxed && i < 2 && !e->rows.failed; i++) {
         reply_more_value(&e->rows, at[i].x);
         reply_more_value(&e->rows, at[i].y);
     }
-    e->n++;
 }
 
 void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_constraint *c,
@@ -107,9 +114,7 @@ void event_put_constraint(struct event *e, const struct dt *dt, const struct dt_
     if (declared && scope_has_segment(e->scope, at)) {
         put_declared(e, c, at);
     } else if (known) {
-        buf_append_text(&e->rows, "released ");
-        reply_row_constraint(&e->rows, c->a, c->b, c->border, c->number);
-        e->n++;
+        put_constraint(e, "released ", c);
     }
 }
 
