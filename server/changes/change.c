@@ -126,6 +126,7 @@ static void become_plain(struct change *c)
     c->kind = &change_kinds[added ? CHANGE_CONSTRAIN : CHANGE_RELEASE];
     c->first = 0;
     c->n = added ? v->n_added : v->n_released;
+    dt_pages_release(c->points);
     c->constraints = added ? v->added : v->released;
     *(added ? &v->added : &v->released) = NULL;
 }
@@ -337,22 +338,31 @@ bool change_is_void(const struct change *c)
     return c->kind->items == ITEMS_CONSTRAINTS && c->constrained == 0;
 }
 
+static const struct item_kind {
+    size_t size; /* bytes of an item */
+    bool paged;  /* from dt_pages_grow, else from malloc */
+} item_kinds[] = {
+    [ITEMS_NONE] = {0, true},
+    [ITEMS_POINTS] = {sizeof(struct dt_point), true},
+    [ITEMS_IDS] = {sizeof(uint32_t), false},
+    [ITEMS_PAIRS] = {sizeof(struct record_value), false},
+    [ITEMS_COLUMN] = {sizeof(double), true},
+    [ITEMS_CONSTRAINTS] = {sizeof(struct record_constraint), true},
+    [ITEMS_MOVES] = {sizeof(struct record_move), false},
+    [ITEMS_DRAWING] = {sizeof(struct dt_point), true},
+};
+
 void change_clear(struct change *c)
 {
+    if (c->kind == NULL || item_kinds[c->kind->items].paged)
+        dt_pages_release(c->items);
+    else
+        free(c->items);
     dt_pages_release(c->rows);
-    dt_pages_release(c->points);
-    free(c->ids);
-    free(c->pairs);
-    free(c->moves);
-    dt_pages_release(c->constraints);
     columns_free(c->columns);
     drawing_free(c->drawing);
+    c->items = NULL;
     c->rows = NULL;
-    c->points = NULL;
-    c->ids = NULL;
-    c->pairs = NULL;
-    c->moves = NULL;
-    c->constraints = NULL;
     c->columns = NULL;
     c->drawing = NULL;
 }
@@ -410,27 +420,13 @@ static bool take_column(struct change *c, const struct record *r)
 
 static bool take_items(struct change *c, const struct record *r)
 {
-    size_t room = (size_t)r->n + 1;
-    switch (c->kind->items) {
-    case ITEMS_NONE:
-        return true;
-    case ITEMS_POINTS:
-        return decode(r, c->points = dt_pages_grow(c->pages, NULL, 0, room * sizeof *c->points));
-    case ITEMS_IDS:
-        return decode(r, c->ids = malloc(room * sizeof *c->ids));
-    case ITEMS_PAIRS:
-        return decode(r, c->pairs = malloc(room * sizeof *c->pairs));
-    case ITEMS_COLUMN:
+    const struct item_kind *of = &item_kinds[c->kind->items];
+    const size_t bytes = ((size_t)r->n + 1) * of->size;
+    if (c->kind->items == ITEMS_COLUMN)
         return take_column(c, r);
-    case ITEMS_CONSTRAINTS:
-        return decode(r, c->constraints =
-                             dt_pages_grow(c->pages, NULL, 0, room * sizeof *c->constraints));
-    case ITEMS_MOVES:
-        return decode(r, c->moves = malloc(room * sizeof *c->moves));
-    case ITEMS_DRAWING: /* it has no record of its own */
-        break;
-    }
-    return false;
+    if (bytes > 0)
+        c->items = of->paged ? dt_pages_grow(c->pages, NULL, 0, bytes) : malloc(bytes);
+    return bytes == 0 || decode(r, c->items);
 }
 
 static bool is_possible(const struct change_kind *kind, const struct record *r)
@@ -475,34 +471,14 @@ struct record change_encode(const struct change *c)
                        .name = c->set.text,
                        .name_len = c->set.len,
                        .field = c->field.text,
-                       .field_len = c->field.len};
-    switch (c->kind->items) {
-    case ITEMS_NONE:
-        break;
-    case ITEMS_POINTS:
-        r.items = c->points;
-        break;
-    case ITEMS_IDS:
-        r.items = c->ids;
-        break;
-    case ITEMS_PAIRS:
-        r.items = c->pairs;
-        break;
-    case ITEMS_COLUMN:
+                       .field_len = c->field.len,
+                       .items = c->items};
+    if (c->kind->items == ITEMS_COLUMN) {
         r.first = v->first;
         r.n = v->n;
         r.field = v->field[0].text;
         r.field_len = v->field[0].len;
         r.items = v->v;
-        break;
-    case ITEMS_CONSTRAINTS:
-        r.items = c->constraints;
-        break;
-    case ITEMS_MOVES:
-        r.items = c->moves;
-        break;
-    case ITEMS_DRAWING:
-        break;
     }
     return r;
 }

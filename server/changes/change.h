@@ -60,14 +60,17 @@ struct change {
     uint32_t first, n;
     double a, b;
     double *rows; /* owns, from dt_pages_grow: points, each with its values; pairs; or NULL */
-    struct dt_point *points;               /* owns n, from dt_pages_grow */
-    uint32_t *ids;                         /* owns n */
-    struct record_value *pairs;            /* owns n */
-    struct record_constraint *constraints; /* owns n, from dt_pages_grow */
-    struct record_move *moves;             /* owns n */
-    struct columns *columns;               /* owns */
-    struct drawing *drawing;               /* owns */
-    struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
+    union { /* owns n, as its kind says; ids, pairs and moves from malloc, others from dt_pages_grow */
+        void *items;
+        struct dt_point *points;
+        uint32_t *ids;
+        struct record_value *pairs;
+        struct record_constraint *constraints;
+        struct record_move *moves;
+    };
+    struct columns *columns; /* owns */
+    struct drawing *drawing; /* owns */
+    struct dt_pages *pages;  /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
     uint64_t lsn; /* of its record in the log; 0: it has none, or none yet */
     struct dt_added added;

@@ -70,11 +70,9 @@ static uint64_t append_long(struct log *log, const struct dataset *set, struct c
                        .name_len = set->name_len,
                        .first = column ? dt_next_id(set->current->dt) : c->first,
                        .n = column ? 0 : c->n};
-    void *items = constraints ? (void *)c->constraints : c->points;
     struct drawn *drawn = c->kind->items == ITEMS_DRAWING ? &c->drawing->lists : NULL;
-    uint64_t lsn = log_append_load(log, &r, items, c->columns, drawn);
-    c->points = NULL;
-    c->constraints = NULL;
+    uint64_t lsn = log_append_load(log, &r, c->items, c->columns, drawn);
+    c->items = NULL;
     c->columns = NULL;
     return lsn;
 }
