@@ -160,37 +160,32 @@ void cmd_wait(struct server *s, struct dataset *set, const struct request *q, st
 
 /* ---- INFO ---- */
 
-struct listing_of {
-    struct facts *f;
-    uint64_t last, bytes;
-    unsigned n;
-    int64_t now_ms;
-};
-
-static void count_follower(const struct sender *f, void *ctx)
+static unsigned count_followers(const struct server *s)
 {
-    (void)f;
-    ++*(unsigned *)ctx;
+    unsigned n = 0;
+    for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
+        n++;
+    return n;
 }
 
-static void add_follower(const struct sender *f, void *ctx)
+/* The n-th one; the log here ends at `last`. */
+static void add_follower(struct facts *facts, const struct sender *f, unsigned n, uint64_t last)
 {
     static const char *const state[] = {"starting", "snapshot", "log", "ended"};
-    struct listing_of *l = ctx;
     char key[32], value[240], peer[SOCK_PEER_TEXT];
     uint64_t acked = f->acked, sent = f->sent_bytes, acked_bytes = f->acked_bytes;
-    int64_t silent = f->silent_ms;
+    int64_t silent = f->silent_ms, now = clock_ms();
     int at = f->state;
     sock_peer_text(&f->peer, peer);
-    snprintf(key, sizeof key, "follower_%u", ++l->n);
+    snprintf(key, sizeof key, "follower_%u", n);
     snprintf(value, sizeof value,
              "address=%s,state=%s,lsn=%" PRIu64 ",lag_records=%" PRIu64 ",lag_bytes=%" PRIu64
              ",lag_s=%.3f,silent_s=%.3f",
-             peer, state[at], acked, l->last > acked ? l->last - acked : 0,
+             peer, state[at], acked, last > acked ? last - acked : 0,
              sent > acked_bytes ? sent - acked_bytes : 0,
-             f->behind_ms == 0 ? 0 : (double)(l->now_ms - f->behind_ms) / 1000,
-             silent == 0 ? 0 : (double)(l->now_ms - silent) / 1000);
-    facts_add_text(l->f, key, value);
+             f->behind_ms == 0 ? 0 : (double)(now - f->behind_ms) / 1000,
+             silent == 0 ? 0 : (double)(now - silent) / 1000);
+    facts_add_text(facts, key, value);
 }
 
 void follow_facts(const struct server *s, struct facts *f)
@@ -198,35 +193,32 @@ void follow_facts(const struct server *s, struct facts *f)
     struct follower_facts own;
     const struct datadir *dir = durable_dir(s);
     const struct log_status *log = durable_status(s);
-    struct listing_of l = {.f = f, .now_ms = clock_ms()};
-    char text[HISTORY_TEXT] = "";
-    unsigned followers = 0;
+    char history[HISTORY_TEXT] = "", digest[20] = "", daemon[20];
+    const uint64_t last = durable_last_lsn(s);
+    unsigned n = 0;
     follower_facts(s, &own);
     facts_add_text(f, "role", own.role);
-    if (dir != NULL)
-        history_write(text, &dir->lineage.history);
-    char digest[20] = "";
     if (dir != NULL) {
+        history_write(history, &dir->lineage.history);
         snprintf(digest, sizeof digest, "%016" PRIx64, log->digest);
-        l.last = log_last(durable_log(s));
     }
-    facts_add_text(f, "history", text);
-    facts_add(f, "lsn", l.last);
+    facts_add_text(f, "history", history);
+    facts_add(f, "lsn", last);
     facts_add(f, "durable_lsn", dir == NULL ? 0 : log->durable);
     facts_add_text(f, "log_digest", digest);
     facts_add_text(f, "leader", own.leader);
     facts_add_text(f, "link", own.state);
     facts_add_text(f, "link_error", own.why);
-    facts_add(f, "link_lag_records", own.leader_lsn > l.last ? own.leader_lsn - l.last : 0);
+    facts_add(f, "link_lag_records", own.leader_lsn > last ? own.leader_lsn - last : 0);
     facts_add_text(f, "uninformed_leader", own.former);
-    snprintf(digest, sizeof digest, "%016" PRIx64, own.identity);
-    facts_add_text(f, "daemon", digest);
+    snprintf(daemon, sizeof daemon, "%016" PRIx64, own.identity);
+    facts_add_text(f, "daemon", daemon);
     facts_add(f, "settled", own.settled);
     facts_add(f, "generation", dir == NULL ? 0 : dir->lineage.history.generation);
-    leader_each(s, count_follower, &followers);
-    facts_add(f, "followers", followers);
+    facts_add(f, "followers", count_followers(s));
     facts_add(f, "min_followers", s->config->min_followers);
-    leader_each(s, add_follower, &l);
+    for (const struct sender *one = NULL; (one = leader_next(s, one)) != NULL;)
+        add_follower(f, one, ++n, last);
 }
 
 /* ---- ROLE ---- */
@@ -235,29 +227,9 @@ struct follow_place follow_place(const struct server *s)
 {
     struct follower_facts own;
     follower_facts(s, &own);
-    struct follow_place p = {.receiving = strcmp(own.state, "receiving") == 0};
+    struct follow_place p = {.receiving = strcmp(own.state, "receiving") == 0,
+                             .lsn = durable_last_lsn(s),
+                             .followers = count_followers(s)};
     memcpy(p.leader, own.leader, sizeof p.leader);
-    if (durable_dir(s) != NULL)
-        p.lsn = log_last(durable_log(s));
-    leader_each(s, count_follower, &p.followers);
     return p;
-}
-
-struct visit {
-    void (*visit)(const char *address, uint64_t lsn, void *ctx);
-    void *ctx;
-};
-
-static void visit_follower(const struct sender *f, void *ctx)
-{
-    const struct visit *v = ctx;
-    char peer[SOCK_PEER_TEXT];
-    sock_peer_text(&f->peer, peer);
-    v->visit(peer, f->acked, v->ctx);
-}
-
-void follow_each(const struct server *s,
-                 void (*visit)(const char *address, uint64_t lsn, void *ctx), void *ctx)
-{
-    leader_each(s, visit_follower, &(struct visit){visit, ctx});
 }

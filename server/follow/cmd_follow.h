@@ -20,8 +20,4 @@ struct follow_place {
 };
 struct follow_place follow_place(const struct server *s);
 
-/* Calls visit for each follower, with its address and its last change. */
-void follow_each(const struct server *s,
-                 void (*visit)(const char *address, uint64_t lsn, void *ctx), void *ctx);
-
 #endif

@@ -210,14 +210,12 @@ void leader_dismiss(struct server *s)
         sender_end(f);
 }
 
-void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),
-                 void *ctx)
+const struct sender *leader_next(const struct server *s, const struct sender *f)
 {
     if (s->leader == NULL)
-        return;
+        return NULL;
     const struct list *all = &s->leader->followers;
-    for (const struct sender *f = list_first(all); f != NULL; f = list_next(all, f))
-        visit(f, ctx);
+    return f == NULL ? list_first(all) : list_next(all, f);
 }
 
 static void note_lag(struct leader *l, uint64_t last)

@@ -30,8 +30,7 @@ unsigned leader_count(const struct server *s, uint64_t lsn);
  * at_ms. */
 struct request_queue *leader_queue(struct server *s, int64_t at_ms);
 
-/* Calls visit for each follower. */
-void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),
-                 void *ctx);
+/* The follower after f; f NULL: the first one. NULL: there is none. */
+const struct sender *leader_next(const struct server *s, const struct sender *f);
 
 #endif

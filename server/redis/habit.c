@@ -4,6 +4,7 @@
 #include "proto/number.h"
 #include "proto/resp.h"
 #include "server/follow/cmd_follow.h"
+#include "server/follow/leader.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -64,11 +65,12 @@ static const char *split_address(const char *text, size_t *len)
 }
 
 /* [address, port, lsn], texts all. */
-static void put_follower(const char *address, uint64_t lsn, void *ctx)
+static void put_follower(struct answer *a, const struct sender *f)
 {
-    struct answer *a = ctx;
-    char text[24];
+    char text[24], address[SOCK_PEER_TEXT];
+    uint64_t lsn = f->acked;
     size_t host;
+    sock_peer_text(&f->peer, address);
     const char *port = split_address(address, &host);
     resp_array(a->out, 3);
     resp_bulk(a->out, address, host);
@@ -103,7 +105,8 @@ void redis_role(struct server *s, const struct request *q, struct answer *a)
     redis_bulk_text(a, "master");
     redis_integer(a, (int64_t)p.lsn);
     resp_array(a->out, p.followers);
-    follow_each(s, put_follower, a);
+    for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
+        put_follower(a, f);
 }
 
 /* ---- what is not there ---- */
@@ -128,12 +131,6 @@ void redis_module(struct server *s, const struct request *q, struct answer *a)
         resp_array(a->out, 0);
     else
         redis_usage(a, "MODULE LIST");
-}
-
-void redis_cluster(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_error(a, "ERR This instance has cluster support disabled");
 }
 
 /* Appends a word in quotation marks, cut after `most` bytes. */

@@ -16,9 +16,8 @@ redis_handler redis_info; /* our facts and Redis's, by its names, in its section
 redis_handler redis_dbsize, redis_exists, redis_keys, redis_scan, redis_type, redis_memory;
 redis_handler redis_object, redis_unlink;
 
-/* Whether the words of a DEL are names and not ids: then redis_del refuses it, and names the command that deletes sets. */
+/* Whether the words of a DEL are names and not ids: then it is refused, with the name of the command that deletes sets. */
 bool redis_del_is_misused(const struct request *q);
-redis_handler redis_del;
 
 /* Whether sets may be shown, at the start not yet; if not, the error has been written. */
 bool redis_sees_sets(struct server *s, struct answer *a);
@@ -37,7 +36,7 @@ redis_handler redis_expire, redis_ttl, redis_persist;
  * Some clients send MULTI, the commands and EXEC at once, others wait for each reply, and give up a connection whose MULTI has
  * failed without EXEC or DISCARD. For both a transaction that EXEC aborts is an outcome that Redis has, too. */
 
-redis_handler redis_multi, redis_exec, redis_discard, redis_watch, redis_unwatch;
+redis_handler redis_multi, redis_exec, redis_discard;
 
 /* Whether a request of that name is carried out, not queued, after MULTI. */
 bool redis_ends_multi(const struct word *name);
@@ -48,6 +47,6 @@ redis_handler redis_queue;
 /* ---- small requests that libraries and tools send by habit, and unknown ones: habit.c ---- */
 
 redis_handler redis_time, redis_reset, redis_role, redis_wait, redis_latency, redis_module;
-redis_handler redis_cluster, redis_unknown;
+redis_handler redis_unknown;
 
 #endif

@@ -122,13 +122,6 @@ bool redis_del_is_misused(const struct request *q)
     return !ids && q->n > 1;
 }
 
-void redis_del(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_error(a, "SYNTAX usage: DEL set id [id ...]: DEL deletes points; UNLINK set [set ...] "
-                   "or DROP set deletes sets");
-}
-
 /* ---- names ---- */
 
 static bool good_pattern(struct answer *a, const struct word *pattern)

@@ -246,13 +246,16 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
 
 #define TTL_USAGE "TTL|PTTL|EXPIRETIME|PEXPIRETIME set"
 
+static const char no_cluster[] = "-ERR This instance has cluster support disabled";
+
 static const struct row {
     const char *name;
     redis_handler *handler;
     unsigned least, most; /* words, including the name; most 0: any number */
     const char *usage;    /* the answer if there are others; NULL: the handler checks them */
-    bool sets;            /* it needs redis_sees_sets */
-    bool shares;          /* it reads nothing but the request, so the reactor need not be alone */
+    const char *says; /* the answer, which is always the same, with its mark; NULL: the handler's */
+    bool sets;        /* it needs redis_sees_sets */
+    bool shares;      /* it reads nothing but the request, so the reactor need not be alone */
 } table[] = {
     {"PING", .handler = ping, .shares = true},
     {"HELLO", .handler = hello},
@@ -275,7 +278,8 @@ static const struct row {
     {"OBJECT", .handler = redis_object, .least = 3, .most = 3,
      .usage = "OBJECT ENCODING|REFCOUNT|IDLETIME|FREQ set", .sets = true},
     {"UNLINK", .handler = redis_unlink, .least = 2, .usage = "UNLINK set [set ...]", .sets = true},
-    {"DEL", .handler = redis_del},
+    {"DEL", .says = "-SYNTAX usage: DEL set id [id ...]: DEL deletes points; UNLINK set [set ...] "
+                    "or DROP set deletes sets"},
     {"EXPIRE", .handler = redis_expire},
     {"PEXPIRE", .handler = redis_expire},
     {"EXPIREAT", .handler = redis_expire},
@@ -289,16 +293,16 @@ static const struct row {
     {"MULTI", .handler = redis_multi, .least = 1, .most = 1, .usage = "MULTI"},
     {"EXEC", .handler = redis_exec},
     {"DISCARD", .handler = redis_discard},
-    {"WATCH", .handler = redis_watch},
-    {"UNWATCH", .handler = redis_unwatch},
+    {"WATCH", .says = "-UNKNOWN there are no transactions, so there is no WATCH before them"},
+    {"UNWATCH", .says = "+OK"}, /* nothing is watched */
     {"WAIT", .handler = redis_wait},
     {"TIME", .handler = redis_time},
     {"ROLE", .handler = redis_role},
     {"LATENCY", .handler = redis_latency},
     {"MODULE", .handler = redis_module},
-    {"CLUSTER", .handler = redis_cluster},
-    {"READONLY", .handler = redis_cluster},
-    {"READWRITE", .handler = redis_cluster},
+    {"CLUSTER", .says = no_cluster},
+    {"READONLY", .says = no_cluster},
+    {"READWRITE", .says = no_cluster},
 };
 
 /* Whether the request means our command of this name, not the command of Redis with the same name. */
@@ -344,6 +348,12 @@ static bool is_open(const struct answer *a, redis_handler *handler)
            (a->command != NULL && (a->command->flags & CMD_OPEN) != 0);
 }
 
+static void say(struct answer *a, const char *text)
+{
+    redis_simple(a, text);
+    a->refused = text[0] == '-';
+}
+
 static void answer_row(struct server *s, const struct row *row, const struct request *q,
                        struct answer *a)
 {
@@ -351,6 +361,8 @@ static void answer_row(struct server *s, const struct row *row, const struct req
         redis_error(a, "NOAUTH authenticate first: AUTH token");
     else if (row->usage != NULL && (q->n < row->least || (row->most > 0 && q->n > row->most)))
         redis_usage(a, row->usage);
+    else if (row->says != NULL)
+        say(a, row->says);
     else if (!row->sets || redis_sees_sets(s, a))
         row->handler(s, q, a);
 }

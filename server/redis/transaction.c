@@ -31,18 +31,6 @@ void redis_discard(struct server *s, const struct request *q, struct answer *a)
     a->multi = false;
 }
 
-void redis_watch(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_error(a, "UNKNOWN there are no transactions, so there is no WATCH before them");
-}
-
-void redis_unwatch(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s, (void)q;
-    redis_simple(a, "+OK"); /* nothing is watched */
-}
-
 bool redis_ends_multi(const struct word *name)
 {
     return word_is(name, "EXEC") || word_is(name, "DISCARD") || word_is(name, "QUIT") ||

@@ -204,12 +204,6 @@ TEST(change_after_a_promotion_waits_for_followers_at_once)
 
 /* ---- followers of one leader ---- */
 
-static void note_least(const struct sender *f, void *ctx)
-{
-    uint64_t *least = ctx;
-    *least = f->durable < *least ? f->durable : *least;
-}
-
 /* Returns the socket of the follower. */
 static int connect_follower(struct server *s)
 {
@@ -233,7 +227,8 @@ TEST(change_of_the_turn_in_which_a_follower_connects_is_sent_to_the_others)
     CHECK(!waits_for_followers(&b));
     int second = connect_follower(s);
     leader_turn_end(s);
-    leader_each(s, note_least, &least);
+    for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
+        least = f->durable < least ? f->durable : least;
     CHECK(least == durable_status(s)->durable);
     local_stop(&b.l);
     close(first);
