@@ -10,8 +10,7 @@
  *
  * Blank lines and lines that start with `#` are skipped. The first bad line determines the fault; the rest of the
  * body is then read and dropped, so that the next request is found. */
-#ifndef PROTO_BODY_H
-#define PROTO_BODY_H
+#pragma once
 
 #include "proto/line.h"
 
@@ -114,5 +113,3 @@ bool body_join(struct body *b, const struct body *lines);
 
 /* Sets the fault of the body (for instance BODY_NOMEM), unless it has one, and frees the points. */
 void body_fail(struct body *b, enum body_fault fault);
-
-#endif

@@ -3,8 +3,7 @@
  * A buffer owns its memory and has none while it is new ({0}) or freed, so an idle connection costs nothing. A
  * failed allocation sets `failed` and leaves the content unchanged: writers append without checks, and the
  * owner of the reply checks once at its end. */
-#ifndef PROTO_BUF_H
-#define PROTO_BUF_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -77,5 +76,3 @@ void buf_rewind(struct buf *b, size_t len);
 
 /* Frees the memory; the buffer is new again. */
 void buf_free(struct buf *b);
-
-#endif

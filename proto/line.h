@@ -1,7 +1,6 @@
 /* line.h - splits bytes into lines, which end in LF or CRLF; a line with a NUL byte or with more than LINE_LIMIT bytes
  * is invalid. */
-#ifndef PROTO_LINE_H
-#define PROTO_LINE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ ptrdiff_t line_read(const char *bytes, size_t n, bool last, struct line *out);
 
 /* The error message. */
 const char *line_fault_text(enum line_fault fault);
-
-#endif

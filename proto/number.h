@@ -2,8 +2,7 @@
  *
  * These functions do not allocate and have no state. Reading and writing are exact: proto_read_double reads what
  * proto_write_double has written to the same bits, and no shorter string of digits has that property. */
-#ifndef PROTO_NUMBER_H
-#define PROTO_NUMBER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -57,5 +56,3 @@ size_t proto_write_u32(char *dst, uint32_t v);
 
 /* The same of 64 bits: at most 20 digits, and 20 bytes. */
 size_t proto_write_u64(char *dst, uint64_t v);
-
-#endif

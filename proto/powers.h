@@ -1,7 +1,6 @@
 /* powers.h - powers of ten to 128 bits, and the product of two 64-bit words, for reading and writing decimal
  * numbers. */
-#ifndef PROTO_POWERS_H
-#define PROTO_POWERS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -36,5 +35,3 @@ static inline struct proto_u128 proto_multiply(uint64_t a, uint64_t b)
     return (struct proto_u128){ah * bh + (mid >> 32) + (mid2 >> 32), mid2 << 32 | (uint32_t)low};
 #endif
 }
-
-#endif

@@ -2,8 +2,7 @@
  *
  * These functions do not report errors: when memory runs out, the buffer's `failed` is set (buf.h), and the owner of
  * the reply replaces it. */
-#ifndef PROTO_REPLY_H
-#define PROTO_REPLY_H
+#pragma once
 
 #include "proto/buf.h"
 
@@ -99,5 +98,3 @@ void reply_word_u32(struct buf *out, uint32_t v);
 void reply_words_u32(struct buf *out, const uint32_t *v, size_t n);
 void reply_word_double(struct buf *out, double v);
 void reply_words_double(struct buf *out, const double *v, size_t n);
-
-#endif

@@ -5,8 +5,7 @@
  *         ... part is a status line, a row, raw bytes or a comment; drop `used` bytes ...
  *
  * It needs no knowledge of commands: the status line says what follows. */
-#ifndef PROTO_REPLY_READ_H
-#define PROTO_REPLY_READ_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -54,5 +53,3 @@ bool reply_key_number(const struct reply_part *status, const char *key, uint64_t
 
 /* The number of rows in an OK line. */
 uint64_t reply_rows(const struct reply_part *status);
-
-#endif

@@ -1,6 +1,5 @@
 /* request.h - the words of a request line, separated by spaces or tabs; the first one is the command. */
-#ifndef PROTO_REQUEST_H
-#define PROTO_REQUEST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,5 +48,3 @@ bool line_is_whole_request(const char *text, size_t len);
 
 /* Whether the first line is that of a browser or another HTTP client: it ends in " HTTP/1.x". */
 bool line_is_http(const char *text, size_t len);
-
-#endif

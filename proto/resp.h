@@ -6,8 +6,7 @@
  *
  * Commands do not know this framing. They answer in lines, which resp_reframe converts to RESP. Specification:
  * redis.io/docs/reference/protocol-spec. */
-#ifndef PROTO_RESP_H
-#define PROTO_RESP_H
+#pragma once
 
 #include "proto/buf.h"
 #include "proto/reply_read.h"
@@ -48,5 +47,3 @@ void resp_part(struct buf *out, const struct reply_reader *r, const struct reply
 /* Pieces of replies. */
 void resp_bulk(struct buf *out, const char *text, size_t len);
 void resp_array(struct buf *out, size_t n);
-
-#endif

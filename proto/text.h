@@ -1,6 +1,5 @@
 /* text.h - kinds of characters, in ASCII: the locale has no effect. */
-#ifndef PROTO_TEXT_H
-#define PROTO_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -20,5 +19,3 @@ static inline bool text_is_digit(char c)
 {
     return (unsigned char)(c - '0') < 10;
 }
-
-#endif

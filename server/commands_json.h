@@ -1,10 +1,7 @@
 /* commands_json.h - the table of commands for programs: `delaunayd --commands`. */
-#ifndef SERVER_COMMANDS_JSON_H
-#define SERVER_COMMANDS_JSON_H
+#pragma once
 
 #include <stdio.h>
 
 /* Writes the table as JSON: an array with one object for each command, one on each line. */
 void commands_json_print(FILE *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* lifecycle.h - starts and ends a server, and ends the jobs of its workers. */
-#ifndef SERVER_LIFECYCLE_H
-#define SERVER_LIFECYCLE_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -18,5 +17,3 @@ void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j),
 
 /* Ends a job whose owner does not exist any more. */
 void server_finish_abandoned(struct server *s, struct job *j);
-
-#endif

@@ -1,7 +1,6 @@
 /* crc32c.h - the checksum of all data on disk: CRC-32C (Castagnoli polynomial
  * 0x1EDC6F41, reflected; RFC 3720, appendix B.4). */
-#ifndef PROTO_CRC32C_H
-#define PROTO_CRC32C_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -12,5 +11,3 @@ uint32_t crc32c(uint32_t crc, const void *bytes, size_t n);
 
 /* The same without special instructions, for other processors and for tests. */
 uint32_t crc32c_portable(uint32_t crc, const void *bytes, size_t n);
-
-#endif

@@ -2,8 +2,7 @@
  * chance or by a fault, with a probability of a miss of about 2^-64; it does not protect against bytes that were chosen to
  * collide. The mixing steps and constants are those of xxHash's XXH64 [Collet, xxHash specification, section XXH64],
  * with one accumulator. */
-#ifndef PROTO_HASH_H
-#define PROTO_HASH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -12,5 +11,3 @@
  * calls matters: two pieces have another hash than both together. The same on every processor. Cost: O(n),
  * some gigabytes a second. */
 uint64_t hash_bytes(uint64_t before, const void *bytes, size_t n);
-
-#endif

@@ -4,8 +4,7 @@
  * generation of the history with a random nonce, and remembers the nonce of the generation before as its parent. So two
  * followers that are promoted at the same time have different histories, and of two leaders with the same origin the one
  * with the later generation is newer. Its text: origin, generation and nonce, `4f1c09d2a87be653.2.91a0c37e`. */
-#ifndef PROTO_HISTORY_H
-#define PROTO_HISTORY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,5 +38,3 @@ void history_write(char text[HISTORY_TEXT], const struct history *h);
 
 /* Reads the text; h->parent is 0. */
 bool history_read(const char *text, size_t n, struct history *h);
-
-#endif

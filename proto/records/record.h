@@ -42,8 +42,7 @@
  * Version 4: the header has the history and the digest; before, it had 32 bytes, the last of them the CRC-32C.
  * Version 5: constraints: the types from RECORD_CONSTRAIN on, and RECORD_HAS_CONSTRAINTS. A segment that has none of these is
  * written as version 4 (record_version), so that earlier programs can read it. */
-#ifndef PROTO_RECORD_H
-#define PROTO_RECORD_H
+#pragma once
 
 #include "proto/buf.h"
 #include "proto/records/history.h"
@@ -207,5 +206,3 @@ bool record_is_whole(const char *bytes, size_t n);
 
 /* Decodes n items of a record that was read, from number `first` on: into an array as record_write takes it. */
 void record_items(const struct record *r, uint32_t first, uint32_t n, void *items);
-
-#endif

@@ -1,7 +1,6 @@
 /* load.h - the body of a request: points, or places, that follow its line. They are collected as they
  * arrive; when they are all there, the request is carried out, as any other is. */
-#ifndef SERVER_LOAD_H
-#define SERVER_LOAD_H
+#pragma once
 
 #include "proto/body.h"
 #include "proto/reply.h"
@@ -117,5 +116,3 @@ double *load_copy(const struct load *l);
 size_t load_hand_on_expected(struct server *s, struct load *l);
 
 void load_free(struct server *s, struct load *l);
-
-#endif

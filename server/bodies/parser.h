@@ -8,8 +8,7 @@
  *
  * Text and points of the blocks are in the memory budget. Without memory for a block the parser ends, and the owner goes on
  * with the rest of the text. */
-#ifndef SERVER_PARSER_H
-#define SERVER_PARSER_H
+#pragma once
 
 #include "proto/body.h"
 #include "server/jobs/server.h"
@@ -57,5 +56,3 @@ bool parser_is_done(const struct parser *p);
 
 /* Whether it receives nothing for now, because workers have blocks. */
 bool parser_is_busy(const struct parser *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* assembly.h - joins the records of a LOAD, which are one change: RECORD_LOAD, points, values of fields, constraints,
  * RECORD_LOADED. */
-#ifndef SERVER_ASSEMBLY_H
-#define SERVER_ASSEMBLY_H
+#pragma once
 
 #include "server/changes/change.h"
 
@@ -31,5 +30,3 @@ enum assembled assembly_take(struct assembly *s, const struct record *r, struct 
 
 /* Drops the collected records of a LOAD that is not complete. */
 void assembly_clear(struct assembly *s);
-
-#endif

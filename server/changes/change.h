@@ -6,8 +6,7 @@
  *
  * Each kind of change is a row of a table, `change_kinds`. The records of a LOAD, which are one change, are joined by an assembly
  * (assembly.h). */
-#ifndef SERVER_CHANGE_H
-#define SERVER_CHANGE_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
@@ -150,5 +149,3 @@ struct record change_encode(const struct change *c);
 
 /* Whether one record is not enough, so that the change becomes a LOAD (log_append_load). */
 bool change_is_long(const struct change *c);
-
-#endif

@@ -1,6 +1,5 @@
 /* columns.h - values of fields for ids that follow each other: one column for each field. */
-#ifndef SERVER_COLUMNS_H
-#define SERVER_COLUMNS_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "server/changes/name.h"
@@ -21,5 +20,3 @@ const double *columns_values(const struct columns *c, size_t k);
 
 /* The number of records for the columns; each has at least one. NULL: 0. */
 uint64_t columns_records(const struct columns *c);
-
-#endif

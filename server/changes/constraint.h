@@ -1,6 +1,5 @@
 /* constraint.h - constraints as they are in records, declared and released. */
-#ifndef SERVER_CONSTRAINT_H
-#define SERVER_CONSTRAINT_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
@@ -45,5 +44,3 @@ enum dt_status constraint_release_of(struct dt *dt, bool all, uint32_t what,
  * DT_NONE, chosen ones. */
 size_t constraint_declare_memory(const struct dt *dt, uint32_t n);
 size_t constraint_release_memory(const struct dt *dt, uint32_t n);
-
-#endif

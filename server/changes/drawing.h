@@ -3,8 +3,7 @@
  * A request asks for points, and for constraints between them and others. With `split`, constraints that would cross are replaced
  * by parts with points in common. Afterwards the change describes its effect: all points, with their values, and the constraints
  * that were released and declared. So the log and followers need no geometry. */
-#ifndef SERVER_DRAWING_H
-#define SERVER_DRAWING_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "server/changes/columns.h"
@@ -60,5 +59,3 @@ void drawing_free(struct drawing *d); /* NULL: nothing */
 enum dt_status drawing_edit(struct dt *dt, struct drawing *d, struct drawn_points *p,
                             struct dt_pages *pages, const struct dt_options *opt,
                             uint32_t *missing);
-
-#endif

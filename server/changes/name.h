@@ -1,6 +1,5 @@
 /* name.h - a copy of the name of a set or of a field. */
-#ifndef SERVER_NAME_H
-#define SERVER_NAME_H
+#pragma once
 
 #include "proto/request.h"
 
@@ -29,5 +28,3 @@ static inline bool name_equals(const struct name *n, const char *text, size_t le
 {
     return n->len == len && memcmp(n->text, text, len) == 0;
 }
-
-#endif

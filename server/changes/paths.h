@@ -2,8 +2,7 @@
  *
  * A row is x, y, the values of the fields, and a mark: the number of its line, negative if it begins a path (proto/body.h). A path whose
  * last place is its first is a ring, and the last place is no point. */
-#ifndef SERVER_PATHS_H
-#define SERVER_PATHS_H
+#pragma once
 
 #include "server/changes/change.h"
 
@@ -24,5 +23,3 @@ struct paths_record paths_record_at(const double *rows, size_t n, size_t width, 
 
 /* Makes a change of n points with their values and `records` constraints, as above. */
 bool paths_take_records(struct change *c, double *rows, size_t n, size_t records, uint32_t first);
-
-#endif

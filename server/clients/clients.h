@@ -1,7 +1,6 @@
 /* clients.h - the sessions by id. An id is never used twice, so code that holds one can check whether its
  * session still exists. */
-#ifndef SERVER_CLIENTS_H
-#define SERVER_CLIENTS_H
+#pragma once
 
 #include "server/clients/session_state.h"
 #include "server/system/notice.h"
@@ -37,5 +36,3 @@ void clients_clear(struct clients *c);
 
 /* Writes a message about the session for the operator. */
 void notice_client(const struct session *s, enum notice_level level, const char *what);
-
-#endif

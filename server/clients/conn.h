@@ -11,8 +11,7 @@
  *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
  * Only an error, a hang-up or a failed write means that the client has disconnected. */
-#ifndef SERVER_CONN_H
-#define SERVER_CONN_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/disk/reply_hold.h"
@@ -130,5 +129,3 @@ static inline bool conn_full(const struct conn *c)
     size_t n = buf_len(&c->out);
     return n >= CONN_OUT_LIMIT || (n >= CONN_SMALL && conn_is_short(c));
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* reload.h - reloads the tokens of --auth-file while the daemon runs: SIGHUP, CONFIG RELOAD. */
-#ifndef SERVER_RELOAD_H
-#define SERVER_RELOAD_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -8,5 +7,3 @@
  * is disconnected; the client `asker` only loses its role. False, with the reason on standard error: there is no
  * file, or it is not valid; the old tokens stay. */
 bool reload_tokens(struct server *s, uint64_t asker);
-
-#endif

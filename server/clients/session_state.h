@@ -1,6 +1,5 @@
 /* session_state.h - the fields of a session, for code that reads them; session.h has its functions. */
-#ifndef SERVER_SESSION_STATE_H
-#define SERVER_SESSION_STATE_H
+#pragma once
 
 #include "proto/reply_read.h"
 #include "server/clients/conn.h"
@@ -73,5 +72,3 @@ struct session {
     struct waiter waiter;              /* of the current request */
     void (*closed)(struct session *s); /* called before the session is freed; may be NULL */
 };
-
-#endif

@@ -4,8 +4,7 @@
  *
  * This is only for short requests that have arrived completely; the session parses all others, and reports
  * errors. */
-#ifndef SERVER_AHEAD_H
-#define SERVER_AHEAD_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "proto/request.h"
@@ -54,5 +53,3 @@ size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, 
 /* Reads the place in the third and fourth word of the current request, with a hint if it has been prefetched. False: the ERR line
  * has been written. */
 bool read_place(struct answer *a, const struct request *q, struct dt_place *p);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * A command is one row of a table (server/commands.c). Before its handler runs, the set named by the second word has been looked
  * up and is in the state that the row requires. */
-#ifndef SERVER_COMMAND_H
-#define SERVER_COMMAND_H
+#pragma once
 
 #include "server/bodies/load.h"
 #include "server/changes/change.h"
@@ -236,5 +235,3 @@ command_handler cmd_auth;                                 /* cmd_auth.c */
 command_handler cmd_client, cmd_slowlog;                  /* cmd_client.c */
 command_handler cmd_config;                               /* cmd_config.c */
 command_handler cmd_timeout;                              /* command.c */
-
-#endif

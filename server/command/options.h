@@ -1,6 +1,5 @@
 /* options.h - options of a request: keywords in any order, most of them with a value. A table has those of a command. */
-#ifndef SERVER_OPTIONS_H
-#define SERVER_OPTIONS_H
+#pragma once
 
 #include "server/command/command.h"
 
@@ -36,5 +35,3 @@ size_t option_find(const struct option *table, size_t n, const struct word *w);
  * line has been written. */
 bool options_read(struct answer *a, const struct request *q, size_t at, const struct dataset *set,
                   const struct option *table, size_t n, unsigned allowed, void *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* simplify.h - a new set of few points, whose surface is near all points of another one. */
-#ifndef SERVER_SIMPLIFY_H
-#define SERVER_SIMPLIFY_H
+#pragma once
 
 #include "server/changes/name.h"
 #include "server/jobs/server.h"
@@ -20,5 +19,3 @@ bool simplify_is_new(struct server *s, struct answer *a, const struct name *othe
  * All of one state of the set. A worker reads the set in pieces of a few milliseconds, and thins its points out without it. */
 void simplify_answer(struct server *s, struct answer *a, struct dataset *set,
                      const struct simplify *simplify);
-
-#endif

@@ -7,8 +7,7 @@
  * `incoming` becomes `arrived` by a rename. Then the files of the data directory are removed, those that have arrived get second
  * names in it, and `arrived` becomes `incoming` again, which is removed. After a crash the next start does that again from the
  * beginning: so the directory has the old state or the new one, whenever that happens. */
-#ifndef SERVER_ASIDE_H
-#define SERVER_ASIDE_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/disk/datadir.h"
@@ -42,5 +41,3 @@ bool aside_open(const struct datadir *dir, struct datadir *arrived);
 
 /* At a start: finishes a replacement that a crash has interrupted. False with errno. */
 bool aside_finish(const struct datadir *dir);
-
-#endif

@@ -1,7 +1,6 @@
 /* backoff.h - exponential backoff: the first retry comes after half a second, and the interval doubles
  * with each failure, up to a minute. Times are in milliseconds of any monotonic clock. */
-#ifndef SERVER_BACKOFF_H
-#define SERVER_BACKOFF_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -30,5 +29,3 @@ static inline bool backoff_allows(const struct backoff *b, int64_t now_ms)
 {
     return b->failures == 0 || now_ms >= b->next_ms;
 }
-
-#endif

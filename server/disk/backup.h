@@ -8,8 +8,7 @@
  *
  * The steps: make NAME.tmp, fill it, sync it, rename it to NAME, sync the directory. So there is all of a
  * backup under its name, or nothing. The next backup removes the *.tmp directories of killed daemons. */
-#ifndef SERVER_BACKUP_H
-#define SERVER_BACKUP_H
+#pragma once
 
 #include "server/disk/datadir.h"
 #include "server/disk/log.h"
@@ -44,5 +43,3 @@ bool backup_may_name(const char *text, size_t len);
 
 /* Writes the backup. It reads and writes files, so it is for a thread that may wait. */
 enum backup_result backup_write(struct backup *b);
-
-#endif

@@ -7,8 +7,7 @@
  *     damaged.*         put aside by --repair, or at a start because the end of the log was damaged
  *
  * An lsn is written as 16 hexadecimal digits, so that names sort. */
-#ifndef SERVER_DATADIR_H
-#define SERVER_DATADIR_H
+#pragma once
 
 #include "proto/records/record.h"
 
@@ -113,5 +112,3 @@ bool datadir_keeps(const struct datadir *d);
  * removes what it would have removed. */
 void datadir_pin(struct datadir *d);
 void datadir_unpin(struct datadir *d);
-
-#endif

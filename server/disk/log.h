@@ -10,8 +10,7 @@
  * may wrongly succeed. So the descriptor is closed (LOG_FAILED), and new records stay in memory until log_resume is
  * called, when a snapshot has every change up to some lsn. The log continues after that lsn in a
  * new segment. */
-#ifndef SERVER_LOG_H
-#define SERVER_LOG_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "server/changes/drawing.h"
@@ -93,5 +92,3 @@ void log_resume(struct log *log, uint64_t lsn, uint64_t digest);
 void log_tend(struct log *log);
 
 void log_status(struct log *log, struct log_status *status);
-
-#endif

@@ -1,6 +1,5 @@
 /* log_file.h - the segment that the log thread is writing, and the reserve. */
-#ifndef SERVER_LOG_FILE_H
-#define SERVER_LOG_FILE_H
+#pragma once
 
 #include "proto/buf.h"
 #include "proto/records/record.h"
@@ -66,5 +65,3 @@ void log_file_inspect(struct log_file *f, int64_t now_ms);
 
 /* Allocates the reserve if it does not exist. */
 void log_file_reserve(struct log_file *f);
-
-#endif

@@ -1,6 +1,5 @@
 /* losses.h - the sets that are lost with a damaged snapshot, as --repair finds them (salvage.h). */
-#ifndef SERVER_LOSSES_H
-#define SERVER_LOSSES_H
+#pragma once
 
 #include "proto/records/record.h"
 
@@ -37,5 +36,3 @@ bool losses_take(struct losses *l, const struct record *r);
 
 /* Prints a line for each. */
 void losses_print(const struct losses *l, FILE *out);
-
-#endif

@@ -5,8 +5,7 @@
  * does not start. If none does, the end of the log was torn off by a crash, and is cut off. That is certain
  * only if the file ends within a record or within a LOAD. Otherwise the rest may have changes that were
  * acknowledged without a sync: it counts as lost, and is put aside first. */
-#ifndef SERVER_RECOVER_H
-#define SERVER_RECOVER_H
+#pragma once
 
 #include "server/disk/datadir.h"
 #include "server/disk/replay.h"
@@ -67,5 +66,3 @@ void recovery_clear(struct recovery *r);
 
 /* The share that has been read, 0 to 100. */
 unsigned recovery_percent(struct recovery *r);
-
-#endif

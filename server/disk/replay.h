@@ -1,6 +1,5 @@
 /* replay.h - applies records to sets. */
-#ifndef SERVER_REPLAY_H
-#define SERVER_REPLAY_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "server/changes/assembly.h"
@@ -44,5 +43,3 @@ void replay_abandon_load(struct replay *p);
 
 /* Drops the set of a snapshot whose rows are incomplete, if there is one. */
 void replay_abandon_set(struct replay *p);
-
-#endif

@@ -14,8 +14,7 @@
  * When the disk fails permanently, or followers are missing, the fate of the changes is unknown. Clients that wait for an
  * acknowledgement get an error; replies that only show changes are released, because there will be
  * no other state until the disk works again. */
-#ifndef SERVER_REPLY_HOLD_H
-#define SERVER_REPLY_HOLD_H
+#pragma once
 
 #include "server/system/list.h"
 
@@ -79,5 +78,3 @@ void holders_fail(struct holders *in, enum hold_cause cause);
 
 /* The cause has ended. */
 void holders_recover(struct holders *in, enum hold_cause cause);
-
-#endif

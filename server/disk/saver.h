@@ -10,8 +10,7 @@
  * While the log works, a snapshot makes it shorter. After a failure of the log, whose contents are unknown
  * then, a snapshot is the only way to make later changes durable: it begins at once, and the log continues
  * behind it. Any failure leads back to IDLE, with a retry at growing intervals (backoff.h). */
-#ifndef SERVER_SAVER_H
-#define SERVER_SAVER_H
+#pragma once
 
 #include "server/disk/backoff.h"
 #include "server/disk/log.h"
@@ -70,5 +69,3 @@ bool saver_disk_is_full(const struct saver *v);
 /* Failed attempts in a row, and milliseconds until the next attempt. */
 unsigned saver_failures(const struct saver *v);
 int64_t saver_retry_ms(const struct saver *v, int64_t now_ms);
-
-#endif

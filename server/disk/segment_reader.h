@@ -1,6 +1,5 @@
 /* segment_reader.h - reads the records of one file in order, through a window. */
-#ifndef SERVER_SEGMENT_READER_H
-#define SERVER_SEGMENT_READER_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "server/disk/datadir.h"
@@ -45,5 +44,3 @@ enum reader_result reader_next(struct segment_reader *r, struct record *record);
 /* After READER_BAD: searches every following byte offset for an intact record whose lsn is at least `least`.
  * READER_OK, READER_END or READER_ERROR. */
 enum reader_result reader_search(struct segment_reader *r, uint64_t least, struct record *record);
-
-#endif

@@ -9,8 +9,7 @@
  *
  * The steps: write a temporary file, sync it, rename it, sync the directory; only then remove the files
  * that it replaces. A crash at any point leaves the old state or the new one. */
-#ifndef SERVER_SNAPSHOT_H
-#define SERVER_SNAPSHOT_H
+#pragma once
 
 #include "server/disk/datadir.h"
 #include "server/sets/dataset.h"
@@ -67,5 +66,3 @@ void snapshot_release(struct snapshot *snap, struct registry *sets);
 /* Ends the thread, unpins, frees. Returns an errno, 0 if the snapshot is in place; ECANCELED if it was not done
  * yet. */
 int snapshot_end(struct snapshot *snap, struct registry *sets);
-
-#endif

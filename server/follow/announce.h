@@ -1,7 +1,6 @@
 /* announce.h - threads that ask another daemon one thing. One informs a former leader that there is a newer history, so that it
  * refuses changes: it connects until that has answered. The other asks once who a daemon is, before this one follows it. */
-#ifndef SERVER_ANNOUNCE_H
-#define SERVER_ANNOUNCE_H
+#pragma once
 
 #include "server/follow/dial.h"
 #include "server/follow/role.h"
@@ -52,5 +51,3 @@ void announce_read(const char *text, struct inquired *who);
 
 /* Judges the answer to SYNC. */
 enum announced announce_judge(const char *line, const struct history *own, struct history *theirs);
-
-#endif

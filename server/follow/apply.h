@@ -1,7 +1,6 @@
 /* apply.h - submits the changes in a leader's log, so that this server writes the same records into its own log.
  * On a reactor. */
-#ifndef SERVER_APPLY_H
-#define SERVER_APPLY_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "server/changes/assembly.h"
@@ -47,5 +46,3 @@ bool apply_in_load(const struct apply *p);
 /* Ends the job, which has run, and calls p->resume; apply_result then returns its outcome. */
 void apply_job_done(struct apply *p, struct job *j);
 enum applied apply_result(struct apply *p);
-
-#endif

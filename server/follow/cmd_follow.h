@@ -1,6 +1,5 @@
 /* cmd_follow.h - FOLLOW, SYNC and WAIT, and what INFO says about leaders and followers. */
-#ifndef SERVER_CMD_FOLLOW_H
-#define SERVER_CMD_FOLLOW_H
+#pragma once
 
 #include "server/command/command.h"
 #include "server/follow/role.h"
@@ -19,5 +18,3 @@ struct follow_place {
     unsigned followers;
 };
 struct follow_place follow_place(const struct server *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* consent.h - whether a daemon may follow a leader: never if that would silently discard changes that the leader does not
  * have. */
-#ifndef SERVER_CONSENT_H
-#define SERVER_CONSENT_H
+#pragma once
 
 #include "server/follow/position.h"
 
@@ -26,5 +25,3 @@ enum consent consent_to(const struct asker *a, const char *line, char *why, size
 
 /* Reads the leader's history from that reply. False: it is an error, or none of a leader. */
 bool consent_read_history(const char *line, struct history *theirs);
-
-#endif

@@ -1,7 +1,6 @@
 /* dial.h - the common functions of threads that connect to another daemon: waiting, connecting, and the first
  * question, SYNC. */
-#ifndef SERVER_DIAL_H
-#define SERVER_DIAL_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/follow/position.h"
@@ -51,5 +50,3 @@ bool dial_hear_all(struct dial *d, int fd, struct buf *in, size_t most);
 /* Sends the token and SYNC with that position, and receives the answer into line[DIAL_LINE]; further bytes stay in `in`.
  * False: there is no answer, or the token is refused: then the line has the refusal, otherwise it is empty. */
 bool dial_sync(struct dial *d, int fd, const struct position *from, struct buf *in, char *line);
-
-#endif

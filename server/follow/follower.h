@@ -2,8 +2,7 @@
  * owns the connection (link.h), apply.h carries out the records.
  *
  * The data directory remembers the leader (role.h). */
-#ifndef SERVER_FOLLOWER_H
-#define SERVER_FOLLOWER_H
+#pragma once
 
 #include "server/follow/link.h"
 #include "server/jobs/server.h"
@@ -51,5 +50,3 @@ struct follower_facts {
     char former[ROLE_TEXT]; /* the former leader that is still to be informed */
 };
 void follower_facts(const struct server *s, struct follower_facts *f);
-
-#endif

@@ -1,7 +1,6 @@
 /* follower_inside.h - the shared state of the parts of a follower: follower.c carries out the records that the link receives, follower_role.c
  * decides whom it follows. */
-#ifndef SERVER_FOLLOWER_INSIDE_H
-#define SERVER_FOLLOWER_INSIDE_H
+#pragma once
 
 #include "server/follow/announce.h"
 #include "server/follow/apply.h"
@@ -68,5 +67,3 @@ void follower_hear(struct follower *f);
 
 /* Takes the answer of the former leader, if there is one. */
 void follower_take_answer(struct follower *f);
-
-#endif

@@ -1,7 +1,6 @@
 /* incoming.h - what a leader sends to a follower (sender.h), as it comes: headers of segments and records, and
  * snapshots, which go into files aside. */
-#ifndef SERVER_INCOMING_H
-#define SERVER_INCOMING_H
+#pragma once
 
 #include "proto/buf.h"
 #include "proto/records/record.h"
@@ -42,5 +41,3 @@ const char *incoming_disk_fault(int error);
 
 /* Frees everything, and removes an incomplete snapshot. */
 void incoming_clear(struct incoming *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* leader.h - the followers of this daemon: their addresses, their positions, and the requests that wait for them. Everything but their
  * threads (sender.h) is a reactor's. */
-#ifndef SERVER_LEADER_H
-#define SERVER_LEADER_H
+#pragma once
 
 #include "server/follow/sender.h"
 #include "server/jobs/server.h"
@@ -32,5 +31,3 @@ struct request_queue *leader_queue(struct server *s, int64_t at_ms);
 
 /* The follower after f; f NULL: the first one. NULL: there is none. */
 const struct sender *leader_next(const struct server *s, const struct sender *f);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * The thread connects again whenever the connection ends, after a pause. The pause doubles each time: up to 3 seconds, or
  * up to 30 after a failure that repeats a transfer. It is short again after a connection that has lasted longer. */
-#ifndef SERVER_LINK_H
-#define SERVER_LINK_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/disk/recover.h"
@@ -105,5 +104,3 @@ void link_works(struct link *l);
 /* Disconnects, because what was received cannot be carried out; the thread connects again, after a long pause if that
  * happens again and again, and asks for the position. */
 void link_again(struct link *l, const char *why);
-
-#endif

@@ -1,7 +1,6 @@
 /* position.h - how far a daemon has the changes of a history: the log sequence number of the last one, and the digest of all up to
  * it (proto/records/record.h). Two daemons with the same position have the same sets. */
-#ifndef SERVER_POSITION_H
-#define SERVER_POSITION_H
+#pragma once
 
 #include "proto/records/history.h"
 
@@ -10,5 +9,3 @@ struct position {
     uint64_t lsn;
     uint64_t digest; /* 0: it has nothing that it wants to continue */
 };
-
-#endif

@@ -8,8 +8,7 @@
  *     history HISTORY           a further line after a promotion: the history that began with it; the log gets it later
  *
  * A directory without that file is a leader's. */
-#ifndef SERVER_ROLE_H
-#define SERVER_ROLE_H
+#pragma once
 
 #include "server/disk/datadir.h"
 
@@ -41,5 +40,3 @@ void role_write_address(char text[ROLE_TEXT], const char *host, unsigned port);
 
 /* Reads ADDR:PORT, or [ADDR]:PORT. */
 bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port);
-
-#endif

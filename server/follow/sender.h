@@ -12,8 +12,7 @@
  *
  * Since it reads files, a slow follower needs no memory of the leader. Only changes that are durable here are sent, so that a
  * follower never has changes that its leader has lost in a crash. */
-#ifndef SERVER_SENDER_H
-#define SERVER_SENDER_H
+#pragma once
 
 #include "server/disk/datadir.h"
 #include "server/follow/position.h"
@@ -66,5 +65,3 @@ void sender_advance(struct sender *s, uint64_t durable);
 
 /* Ends the thread and frees its memory. */
 void sender_end(struct sender *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* answer.h - the outcome of a request: the bytes of its reply so far, and what happens next.
  *
  * A handler appends to `out` and sets `next`; the caller of the handler does the rest. */
-#ifndef SERVER_ANSWER_H
-#define SERVER_ANSWER_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "proto/reply.h"
@@ -163,5 +162,3 @@ static inline void answer_busy(struct answer *a)
     a->busy = true;
     answer_out_of_memory(a);
 }
-
-#endif

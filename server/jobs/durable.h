@@ -1,8 +1,7 @@
 /* durable.h - a server with a data directory: reads the directory at the start, and keeps log and snapshots
  * up to date. This is a reactor's side; files are used by the log's thread and by temporary threads, one
  * for reading at the start and one for each snapshot. */
-#ifndef SERVER_DURABLE_H
-#define SERVER_DURABLE_H
+#pragma once
 
 #include "server/changes/change.h"
 #include "server/disk/backup.h"
@@ -118,5 +117,3 @@ const struct saver *durable_saver(const struct server *s);
 
 /* Appends the section DURABILITY of INFO. */
 void durable_facts(const struct server *s, struct facts *f);
-
-#endif

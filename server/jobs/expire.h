@@ -4,8 +4,7 @@
  * is dropped as by DROP, with a record in the log, by the next request that names the set, or by a tick. Three sets stay
  * for longer: a set that a job edits, a set that is still being triangulated after a restart, and a set whose DROP cannot be
  * logged now. */
-#ifndef SERVER_EXPIRE_H
-#define SERVER_EXPIRE_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -33,5 +32,3 @@ double expire_seconds_left(const struct dataset *set);
 /* Looks at some of the sets that are dropped at some time, one after the other, and drops those whose time has come. To be
  * called once a second. Cost: O(1), less than a millisecond. */
 void expire_tick(struct server *s);
-
-#endif

@@ -17,8 +17,7 @@
  *     job_aside   has no set.
  *
  * A job whose answer is NULL gives no reply, and is never refused. */
-#ifndef SERVER_JOB_H
-#define SERVER_JOB_H
+#pragma once
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
@@ -141,5 +140,3 @@ void job_finish(struct server *s, struct job *j, struct answer *a);
 
 /* Frees a set that nothing refers to any more; a worker does that if it is large. */
 void job_discard(struct server *s, struct dt *dt);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * A set needs pages as soon as its points have been loaded, and new pages are expensive. So while points
  * arrive, a worker prefaults pages, as many as the points so far will need. */
-#ifndef SERVER_KEEP_H
-#define SERVER_KEEP_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -21,5 +20,3 @@ void keep_tick(struct server *s);
 
 /* To be called at the end of each turn of the loop: returns the pages that exceed the limit. */
 void keep_turn_end(struct server *s);
-
-#endif

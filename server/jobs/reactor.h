@@ -4,8 +4,7 @@
  *
  * A reactor uses its own fields while it shares the world (loop.h). Everything else of a server is the world, which a
  * reactor only reads while it shares the world. */
-#ifndef SERVER_REACTOR_H
-#define SERVER_REACTOR_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "proto/request.h"
@@ -34,5 +33,3 @@ struct reactor {
     uint64_t slow;                 /* and those in the slow log */
     struct stats stats;
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* server.h - the state that commands work on, apart from connections: a command gets a server, a request and an
  * answer, and is tested without sockets. It is part of the world (loop.h): only a reactor that is alone changes it. */
-#ifndef SERVER_SERVER_H
-#define SERVER_SERVER_H
+#pragma once
 
 #include "server/disk/reply_hold.h"
 #include "server/jobs/answer.h"
@@ -127,5 +126,3 @@ size_t server_pages_limit(const struct server *s, size_t large);
 
 /* Memory has been freed: calls the first request that waits for it. */
 void server_memory_freed(struct server *s);
-
-#endif

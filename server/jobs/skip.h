@@ -1,7 +1,6 @@
 /* skip.h - MISSING skip: a set as if the points without a value of a field had been deleted, which a job builds and the set
  * keeps (valued.h). */
-#ifndef SERVER_SKIP_H
-#define SERVER_SKIP_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -10,5 +9,3 @@
  * unless the set or the field was edited. Nobody edits the version. *out is borrowed for the request. */
 bool skip_ready(struct server *s, struct answer *a, struct dataset *set, const struct dt_field *f,
                 struct version **out);
-
-#endif

@@ -1,7 +1,6 @@
 /* submit.h - carries out changes (changes/change.h): applies each to its set, appends it to the log, and answers. Commands and
  * followers use it; on a reactor. */
-#ifndef SERVER_SUBMIT_H
-#define SERVER_SUBMIT_H
+#pragma once
 
 #include "server/changes/change.h"
 #include "server/jobs/job.h"
@@ -44,5 +43,3 @@ void submit_commit(struct server *s, struct dataset *set, struct change *c);
 
 /* Carries out a change that needs no job and no answer: of a kind without `edit`. A set that is dropped is freed. */
 void submit_at_once(struct server *s, struct dataset *set, enum change_code code, double a);
-
-#endif

@@ -6,8 +6,7 @@
  *     the grid            for searches: built before the first one, and again when edits have degraded it
  *     after a start       sets come from the disk without their triangulations: the smallest one is built first, and each
  *                         set can be used as soon as its own is there */
-#ifndef SERVER_UPKEEP_H
-#define SERVER_UPKEEP_H
+#pragma once
 
 #include "server/jobs/server.h"
 
@@ -31,5 +30,3 @@ bool upkeep_on_durable_event(struct server *s);
 
 /* Writes the error for a set that is still to be triangulated after the start. */
 void upkeep_refuse(struct answer *a, const struct dataset *set);
-
-#endif

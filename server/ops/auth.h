@@ -1,6 +1,5 @@
 /* auth.h - the tokens of --auth-file and the roles that they give. */
-#ifndef SERVER_AUTH_H
-#define SERVER_AUTH_H
+#pragma once
 
 #include "proto/request.h"
 
@@ -32,5 +31,3 @@ enum role auth_role(const struct auth *a, unsigned number);
 /* After a reload: number[i] is the number that token i + 1 of `before` has now, 0 if it has been removed. False when out
  * of memory. Cost: O(n log n) for n tokens. */
 bool auth_renumber(const struct auth *now, const struct auth *before, unsigned *number);
-
-#endif

@@ -13,8 +13,7 @@
  * attacker, for instance behind a proxy. Clients from other addresses are not delayed at all. So an
  * address can try 10 tokens a second, or a third of the number of its connections if it has more than
  * 30. */
-#ifndef SERVER_AUTH_DELAY_H
-#define SERVER_AUTH_DELAY_H
+#pragma once
 
 #include "server/system/notice.h"
 #include "server/system/sock.h"
@@ -50,5 +49,3 @@ void auth_delay_refund(struct auth_delay *d, const struct sock_peer *peer, int64
  * address without a message since the last one. */
 bool auth_delay_should_report(struct auth_delay *d, const struct sock_peer *peer, int64_t now_ms,
                               uint64_t *more);
-
-#endif

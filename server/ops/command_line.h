@@ -1,7 +1,6 @@
 /* command_line.h - the command line of the daemon: settings by name (setting.h), and --check, --repair,
  * --help, --version and --commands, with which it does not serve. */
-#ifndef SERVER_COMMAND_LINE_H
-#define SERVER_COMMAND_LINE_H
+#pragma once
 
 #include "server/ops/config.h"
 
@@ -15,5 +14,3 @@ enum command_line {
 /* Reads the command line; strings are borrowed from argv. COMMAND_LINE_ANSWERED: --help or --version
  * has been answered on standard output. COMMAND_LINE_COMMANDS: --commands is left to the caller. COMMAND_LINE_BAD: the reason is on standard error. */
 enum command_line command_line_read(struct config *c, int argc, char **argv);
-
-#endif

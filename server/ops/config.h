@@ -1,6 +1,5 @@
 /* config.h - the configuration: set by the command line, changed by CONFIG SET; setting.h has it by name. */
-#ifndef SERVER_CONFIG_H
-#define SERVER_CONFIG_H
+#pragma once
 
 #include "server/system/notice.h"
 
@@ -53,5 +52,3 @@ unsigned config_affordable_clients(unsigned most);
 
 /* The defaults for this machine. */
 void config_init(struct config *c);
-
-#endif

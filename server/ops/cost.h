@@ -4,8 +4,7 @@
  * If the amount of work is known in advance, it is estimated here, from measurements (tests/bench) with
  * a safety margin. The cost of searches and of single edits depends on the place: they are tried with a
  * limit on their steps (struct dt_options) and go to a worker if they exceed it. */
-#ifndef SERVER_COST_H
-#define SERVER_COST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -35,5 +34,3 @@ static inline bool cost_at_once(enum cost_kind kind, size_t n)
         [COST_SURVEY] = 400, [COST_SWEEP] = 50, [COST_FREE] = 50,  [COST_PAGE] = 10};
     return n <= COST_AT_ONCE_NS / ns[kind];
 }
-
-#endif

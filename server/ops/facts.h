@@ -1,6 +1,5 @@
 /* facts.h - the rows `key:value` of INFO. */
-#ifndef SERVER_FACTS_H
-#define SERVER_FACTS_H
+#pragma once
 
 #include "proto/buf.h"
 
@@ -13,5 +12,3 @@ struct facts {
 
 void facts_add(struct facts *f, const char *key, uint64_t value);
 void facts_add_text(struct facts *f, const char *key, const char *value);
-
-#endif

@@ -1,6 +1,5 @@
 /* glob.h - patterns of names as Redis has them, for KEYS, SCAN and CONFIG GET. */
-#ifndef SERVER_GLOB_H
-#define SERVER_GLOB_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,5 +12,3 @@ enum glob_case { GLOB_CASED, GLOB_CASELESS };
  * or none of those, `\x` the character x; capitals count if GLOB_CASED. A `[` that is never closed reaches to the end. Cost: at most
  * O(n m), n being at most as long as a set's name. */
 bool glob_matches(const char *pattern, size_t m, const char *name, size_t n, enum glob_case how);
-
-#endif

@@ -1,7 +1,6 @@
 /* histogram.h - counts of durations in buckets whose width is a 32nd of their value, so that every
  * quantile is accurate to 3 per cent, in constant memory (after G. Tene's HdrHistogram). */
-#ifndef SERVER_HISTOGRAM_H
-#define SERVER_HISTOGRAM_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -26,5 +25,3 @@ uint64_t histogram_quantile(const struct histogram *h, double q);
 
 /* The sum of all durations in ns, accurate to 3 per cent. Cost: O(HISTOGRAM_BUCKETS). */
 uint64_t histogram_sum(const struct histogram *h);
-
-#endif

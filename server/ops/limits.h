@@ -1,7 +1,6 @@
 /* limits.h - the fixed limits of a server, as stated in section 8 of PROTOCOL.md
  * (tests/server/ops/promises_test.c compares them). The limits of lines and names are in proto/. */
-#ifndef SERVER_LIMITS_H
-#define SERVER_LIMITS_H
+#pragma once
 
 enum {
     LIMIT_SETS = 65536,
@@ -19,5 +18,3 @@ enum {
     LIMIT_STRANGER_BYTES = 16384, /* of a request before AUTH */
     LIMIT_STRANGER_WORDS = 10
 };
-
-#endif

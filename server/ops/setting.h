@@ -1,7 +1,6 @@
 /* setting.h - the settings of a daemon by name, for the flags of the command line and for CONFIG. A setting is
  * one row of a table; settings that are `live` can be changed while the daemon runs. */
-#ifndef SERVER_SETTING_H
-#define SERVER_SETTING_H
+#pragma once
 
 #include "proto/request.h"
 #include "server/ops/config.h"
@@ -43,5 +42,3 @@ const char *setting_text(const struct setting *of, const struct config *c, char 
 
 /* The name of the setting that one of n patterns (glob.h, without case) matches: its own, or else Redis's; NULL: none. */
 const char *setting_asked(const struct setting *of, const struct word *pattern, size_t n);
-
-#endif

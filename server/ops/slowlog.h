@@ -1,7 +1,6 @@
 /* slowlog.h - the slow log: a ring of the last --slowlog-len requests that took long, each of bounded size
  * and in printable form. */
-#ifndef SERVER_SLOWLOG_H
-#define SERVER_SLOWLOG_H
+#pragma once
 
 #include "proto/request.h"
 #include "server/system/sock.h"
@@ -52,5 +51,3 @@ void slowlog_reset(struct slowlog *l);
 /* Writes the words of a request into text[SLOW_TEXT], separated by single spaces. Blanks within a word and
  * characters that are not printable become '?'; a text that is too long is cut and ends in "...". */
 void slowlog_quote(char *text, const struct word *word, size_t n);
-
-#endif

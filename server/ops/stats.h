@@ -4,8 +4,7 @@
  * Reading the clock is expensive compared with requests that take half a microsecond. It is read once when a request
  * ends, which is when the next request of the batch begins. For a run of the quickest requests
  * (PING) it is read only once, and they share the time equally. */
-#ifndef SERVER_STATS_H
-#define SERVER_STATS_H
+#pragma once
 
 #include "server/ops/histogram.h"
 
@@ -69,5 +68,3 @@ void stats_resume(struct stats *st, struct stats_pause *p);
 /* It has been answered; `quick`: the clock need not be read. *p is empty afterwards. */
 struct stats_outcome stats_end(struct stats *st, struct stats_pause *p, unsigned command,
                                bool quick, bool error);
-
-#endif

@@ -1,6 +1,5 @@
 /* handlers.h - the handlers of requests that only Redis's tools and libraries send, or that they want answered in Redis's form. */
-#ifndef SERVER_REDIS_HANDLERS_H
-#define SERVER_REDIS_HANDLERS_H
+#pragma once
 
 #include "server/redis/redis_reply.h"
 
@@ -48,5 +47,3 @@ redis_handler redis_queue;
 
 redis_handler redis_time, redis_reset, redis_role, redis_wait, redis_latency, redis_module;
 redis_handler redis_unknown;
-
-#endif

@@ -3,12 +3,9 @@
  *
  *     redis.c      HELLO 2 and 3, PING, ECHO, SELECT, CONFIG GET, COMMAND, AUTH
  *     handlers.h   the others */
-#ifndef SERVER_REDIS_REDIS_H
-#define SERVER_REDIS_REDIS_H
+#pragma once
 
 #include "server/command/command.h"
 
 /* Whether q is one of these requests; then the reply, in RESP, has been appended to a->out. */
 bool redis_answer(struct server *s, const struct request *q, struct answer *a);
-
-#endif

@@ -1,6 +1,5 @@
 /* redis_reply.h - pieces of replies in RESP, and requests that are carried out as commands of ours. */
-#ifndef SERVER_REDIS_REPLY_H
-#define SERVER_REDIS_REPLY_H
+#pragma once
 
 #include "server/command/command.h"
 
@@ -23,5 +22,3 @@ void redis_null(struct answer *a);
 /* Carries out q as a command of ours. True: it has succeeded, and is to be answered in RESP. False: it waits or has been
  * refused; its answer is in lines (server.lines), which are converted to RESP. */
 bool redis_run(struct server *s, const struct request *q, struct answer *a);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Each piece shows the state at its own moment. An item that is created or removed while the listing is made may be
  * in it or not; an item that exists all the time is in it once. The text of the rows counts as memory of replies. */
-#ifndef SERVER_LISTING_H
-#define SERVER_LISTING_H
+#pragma once
 
 #include "server/rows/stream.h"
 
@@ -43,5 +42,3 @@ struct listing_plan {
 
 /* Answers with a listing. If one piece is enough, the reply is complete on return, else a->next is ANSWER_STREAM. */
 void listing_answer(struct server *s, struct answer *a, const struct listing_plan *plan);
-
-#endif

@@ -4,8 +4,7 @@
  * it goes to a worker, whose search visits the set for a few milliseconds at most. A search that
  * takes longer is replaced by a sweep over the set at one moment, piece by piece (core/sweep), so that
  * edits go on in between. NEAREST and WITHIN of a set without a triangulation are sweeps, too. */
-#ifndef SERVER_QUERY_H
-#define SERVER_QUERY_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 #include "server/jobs/server.h"
@@ -46,5 +45,3 @@ struct query {
 
 /* Answers the query; q->ids moves here. */
 void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q);
-
-#endif

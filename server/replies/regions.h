@@ -1,6 +1,5 @@
 /* regions.h - what borders enclose, as replies. */
-#ifndef SERVER_REGIONS_H
-#define SERVER_REGIONS_H
+#pragma once
 
 #include "server/jobs/server.h"
 #include "server/rows/rows.h"
@@ -35,5 +34,3 @@ void regions_answer(struct server *s, struct answer *a, struct dataset *set,
 /* LOCATE, which says of a set with borders whether they enclose the place. */
 void regions_locate(struct server *s, struct answer *a, struct dataset *set,
                     const struct dt_place *place);
-
-#endif

@@ -9,8 +9,7 @@
  *
  * The types depend on the command, never on the values: a coordinate is a double also where it is whole.
  * Specification: github.com/redis/redis-specifications, protocol/RESP3.md. */
-#ifndef SERVER_REDIS_RESP3_H
-#define SERVER_REDIS_RESP3_H
+#pragma once
 
 #include "proto/buf.h"
 #include "proto/reply_read.h"
@@ -30,5 +29,3 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
 /* The header of a map of n pairs, and null. */
 void resp3_map(struct buf *out, size_t n);
 void resp3_null(struct buf *out);
-
-#endif

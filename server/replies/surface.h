@@ -2,8 +2,7 @@
  *
  * Everything is of one state of the set. Values are rows that are made as they are sent (rows/surface_rows.h). Jobs trace contours
  * (contour.c), follow profiles (profile.c), add up volumes (volume.c), and mark the cells that CLIP keeps (clip.c). */
-#ifndef SERVER_SURFACE_H
-#define SERVER_SURFACE_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 #include "server/jobs/server.h"
@@ -88,5 +87,3 @@ struct volume {
  * the set; a worker reads it in pieces of a few milliseconds. With INSIDE edits of the set wait until it has. */
 void volume_answer(struct server *s, struct answer *a, const struct surface_source *from,
                    const struct volume *volume);
-
-#endif

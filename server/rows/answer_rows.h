@@ -1,6 +1,5 @@
 /* answer_rows.h - replies with rows of a set: written at once if they are few, else by a stream (row_stream.h). */
-#ifndef SERVER_ANSWER_ROWS_H
-#define SERVER_ANSWER_ROWS_H
+#pragma once
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
@@ -22,5 +21,3 @@ void answer_table(struct server *s, struct answer *a, struct version *v, enum dt
 /* DT_POINTS with the values of fields after the coordinates; the array, from malloc, moves here, NULL: none. */
 void answer_points(struct server *s, struct answer *a, struct version *v, bool binary,
                    const struct dt_field **field, size_t fields);
-
-#endif

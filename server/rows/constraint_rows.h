@@ -1,6 +1,5 @@
 /* constraint_rows.h - the constraints of a set, as words for rows (ROW_CONSTRAINT, ROW_IDS). */
-#ifndef SERVER_CONSTRAINT_ROWS_H
-#define SERVER_CONSTRAINT_ROWS_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -17,5 +16,3 @@ enum dt_status constraint_rows_read(const struct dt *dt, const struct dt_view *v
 /* Appends the pairs of the edges that are parts of constraints. DT_TOOLONG as above: of edges. */
 enum dt_status constraint_edges(const struct dt *dt, const struct dt_options *opt,
                                 struct dt_ids *ids);
-
-#endif

@@ -4,8 +4,7 @@
  *                                  <---------------------------
  *
  * The flag is polled in both states. Work that makes a slow row must not occupy the last worker (WORK_SLOW). */
-#ifndef SERVER_PACE_H
-#define SERVER_PACE_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -34,5 +33,3 @@ static inline bool pace_ends(struct pace *p, enum dt_status status, size_t done)
     p->slow = status == DT_TOOLONG && done == 0;
     return status != DT_OK;
 }
-
-#endif

@@ -2,8 +2,7 @@
  *
  * A piece of a reply has reserved the usual size. A row that may be longer asks here first, so however long rows are,
  * replies stay within --max-memory. */
-#ifndef SERVER_ROOM_H
-#define SERVER_ROOM_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/sets/budget.h"
@@ -13,5 +12,3 @@ enum { ROOM_ROW = 4096 }; /* bytes; shorter rows need not ask */
 /* Makes room for exactly `bytes` more at the end of out. `memory`, unless NULL, then covers all of out and `beside` more
  * bytes, which the caller allocates. False, and out->failed: there is no memory. */
 bool room_make(struct reservation *memory, struct buf *out, size_t bytes, size_t beside);
-
-#endif

@@ -13,8 +13,7 @@
  * Tables are read through the view. Values of a surface need the whole triangulation of its moment. When a piece finds
  * that the points have been edited since, a worker makes a copy of the set as it was (past.h), and the remaining pieces
  * are made from that copy. */
-#ifndef SERVER_ROW_STREAM_H
-#define SERVER_ROW_STREAM_H
+#pragma once
 
 #include "server/rows/rows.h"
 #include "server/rows/stream.h"
@@ -26,5 +25,3 @@ bool row_stream_begin(struct server *s, struct answer *a, const struct rows *row
                       const struct places *places);
 
 void row_stream_free_places(struct server *s, struct places *places);
-
-#endif

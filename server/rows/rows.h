@@ -2,8 +2,7 @@
  *
  * A plain value with a position in the rows. Its memory does not grow with the reply, except for the ids
  * or places of a list and for a long row of a table while it is written. */
-#ifndef SERVER_ROWS_H
-#define SERVER_ROWS_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
@@ -131,5 +130,3 @@ size_t rows_memory(const struct rows *r);
 
 /* Frees the workspace. */
 void rows_clear(struct rows *r);
-
-#endif

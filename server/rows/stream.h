@@ -2,8 +2,7 @@
  *
  * There are two kinds: the rows of a set (row_stream.h), and lists of sets, clients or slow requests (listing.h). The
  * structure of a kind begins with a struct stream. All functions are called on a reactor that is alone (loop.h). */
-#ifndef SERVER_STREAM_H
-#define SERVER_STREAM_H
+#pragma once
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
@@ -47,5 +46,3 @@ void stream_wake(struct stream *st);
 
 /* A job of the stream, which counted in st->jobs, has ended: the stream can continue, or is freed. */
 void stream_job_ended(struct server *s, struct stream *st);
-
-#endif

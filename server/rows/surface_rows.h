@@ -2,8 +2,7 @@
  *
  * A plain value with a position. It needs the whole triangulation of its moment: the set's triangulation until the points
  * are edited, and then the triangulation of a copy (past.h). */
-#ifndef SERVER_SURFACE_ROWS_H
-#define SERVER_SURFACE_ROWS_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 #include "proto/buf.h"
@@ -63,5 +62,3 @@ bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part);
 
 /* Frees the workspace. */
 void surface_rows_clear(struct surface_rows *r);
-
-#endif

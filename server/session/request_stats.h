@@ -1,6 +1,5 @@
 /* request_stats.h - accounting of requests: statistics and the slow log. */
-#ifndef SERVER_REQUEST_STATS_H
-#define SERVER_REQUEST_STATS_H
+#pragma once
 
 #include "server/clients/session_state.h"
 
@@ -15,5 +14,3 @@ void request_stats_load(struct session *s);
 
 /* The job that the session waits for has finished. */
 void request_stats_job(struct session *s, const struct job *j);
-
-#endif

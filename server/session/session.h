@@ -3,8 +3,7 @@
  *
  * At most one request of a client is under way, so replies are in the order of requests; later requests wait in
  * the connection's input. A turn is bounded in time and in output, so that no client blocks the others. */
-#ifndef SERVER_SESSION_H
-#define SERVER_SESSION_H
+#pragma once
 
 #include "server/clients/session_state.h"
 
@@ -40,5 +39,3 @@ void session_progress(struct session *s, const struct job *j);
 
 /* The same to clients that wait for the job's set, the first hundred of them. */
 void session_progress_waiting(const struct job *j);
-
-#endif

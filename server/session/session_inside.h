@@ -1,8 +1,7 @@
 /* session_inside.h - shared by the files of a session: session.c takes requests, session_answer.c processes
  * their answers, session_load.c to the points that follow some of
  * them, session_time.c to the time-outs. */
-#ifndef SERVER_SESSION_INSIDE_H
-#define SERVER_SESSION_INSIDE_H
+#pragma once
 
 #include "proto/line.h"
 #include "proto/reply.h"
@@ -68,5 +67,3 @@ bool session_step_load(struct session *s);
  * comment, soon, once. A closed connection answers with a reset, which ends the job. */
 void session_probe(struct session *s);
 void session_on_probe(struct timer *t); /* sends the comment */
-
-#endif

@@ -15,8 +15,7 @@
  * system before it succeeds, so pages and reservations together stay within the limit.
  *
  * Any thread may use a budget; a reservation belongs to one thread at a time. */
-#ifndef SERVER_BUDGET_H
-#define SERVER_BUDGET_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -83,5 +82,3 @@ void budget_trim_heap(void);
 /* To be called by a worker before it allocates memory that it has reserved. If the resident memory of the process
  * would exceed the budget, the free memory of malloc's heap is returned to the system. */
 void reservation_trim_heap(const struct reservation *r);
-
-#endif

@@ -15,8 +15,7 @@
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
  * are in a queue (queue.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
  * must not wait at the gate for as long as such an edit takes, and the edit counts only when a reactor has ended the job. */
-#ifndef SERVER_DATASET_H
-#define SERVER_DATASET_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "proto/request.h"
@@ -155,5 +154,3 @@ bool dataset_admits(const struct dataset *set, bool writes, const struct request
 
 /* Makes v the current version; the caller's reference moves to the set. */
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v);
-
-#endif

@@ -11,8 +11,7 @@
  *
  * The triangulation depends on these alone, so it is not read. The set is read through a view, so edits go on between
  * the pieces, each of which takes about 0.1 ms. */
-#ifndef SERVER_DIGEST_H
-#define SERVER_DIGEST_H
+#pragma once
 
 #include "core/delaunay_fields.h"
 #include "server/sets/dataset.h"
@@ -48,5 +47,3 @@ enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done);
 
 /* The share that has been read, per cent. */
 unsigned digest_progress(const struct digest *d);
-
-#endif

@@ -2,8 +2,7 @@
  * whole triangulation of that moment although the set has been edited since. The triangulation depends on the points and
  * constraints alone, so the copy has the triangulation that the set had. Or it has the triangulation that the set would have had
  * without the points that lack a value. */
-#ifndef SERVER_PAST_H
-#define SERVER_PAST_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "server/sets/dataset.h"
@@ -26,5 +25,3 @@ enum dt_status past_copy(struct version *v, const struct dt_view *view,
 
 /* The memory that it takes while it copies n fields, at most. */
 size_t past_memory(const struct version *v, size_t n, const struct dt_options *opt);
-
-#endif

@@ -3,8 +3,7 @@
  * A queue is served in order, one request at a time. When the resource may be available, the first
  * waiter that can continue is called; until it has been served (queue_served), no other one is called,
  * and new waiters enter behind it. So n waiters cost n calls, not n * n. */
-#ifndef SERVER_QUEUE_H
-#define SERVER_QUEUE_H
+#pragma once
 
 #include "server/system/list.h"
 
@@ -48,5 +47,3 @@ static inline struct request_queue *queue_turn(const struct waiter *w)
 {
     return w->called ? w->queue : NULL;
 }
-
-#endif

@@ -11,8 +11,7 @@
  *
  * Copies are freed when they are out of date, when the set goes, and when memory is short. All functions: the reactor is alone in
  * the world, or it only reads. */
-#ifndef SERVER_VALUED_H
-#define SERVER_VALUED_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "server/sets/dataset.h"
@@ -63,5 +62,3 @@ void valued_tidy(struct registry *r);
 
 /* The bytes of the copies of a set. */
 size_t valued_memory(const struct dataset *set);
-
-#endif

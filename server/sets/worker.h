@@ -12,8 +12,7 @@
  * One thread does only short work, so replies make progress while builds occupy all other threads. The other threads
  * alternate between the kinds, so any amount of short work never keeps long work waiting. Slow work never
  * occupies the last thread, unless that is the only one. */
-#ifndef SERVER_WORKER_H
-#define SERVER_WORKER_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "server/system/list.h"
@@ -50,5 +49,3 @@ void workers_collect(struct workers *w, struct list *to);
 /* The core's thread pool: the caller of run does the jobs itself, and idle workers help. So it terminates
  * even if all workers are busy. Valid as long as the workers. */
 const struct dt_pool *workers_pool(const struct workers *w);
-
-#endif

@@ -14,8 +14,7 @@
  * A thread that finds the gate closed, or wants to close it, takes a ticket; tickets are served in order. So neither threads that
  * close the gate often nor threads that share it can keep others out. Waiting threads spin for a few microseconds, then sleep.
  * All operations are sequentially consistent: the store of a lane must not pass the load of `closed`. */
-#ifndef SERVER_GATE_H
-#define SERVER_GATE_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -78,5 +77,3 @@ static inline bool gate_is_closed(const struct gate *g)
 {
     return atomic_load_explicit(&g->closed, memory_order_relaxed) != 0;
 }
-
-#endif

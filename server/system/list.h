@@ -3,8 +3,7 @@
  *
  * The links form a ring through the list itself, so an element leaves without knowing its list. A list that has elements
  * must not be copied. Cost of each call: constant; nothing is allocated. */
-#ifndef SERVER_LIST_H
-#define SERVER_LIST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -108,5 +107,3 @@ static inline void list_move(struct list *to, struct list *from)
     last->next = from->end.next;
     from->end.prev = from->end.next = NULL;
 }
-
-#endif

@@ -18,8 +18,7 @@
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
  * round robin. So turns stay short however many tasks have much work, and tasks with little work run
  * in every turn. */
-#ifndef SERVER_LOOP_H
-#define SERVER_LOOP_H
+#pragma once
 
 #include "proto/buf.h"
 #include "server/system/gate.h"
@@ -140,5 +139,3 @@ void loop_at(struct loop *loop, struct timer *t, int64_t at_ms);
 int64_t clock_ms(void);
 /* The same in nanoseconds. */
 int64_t clock_ns(void);
-
-#endif

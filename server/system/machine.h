@@ -1,6 +1,5 @@
 /* machine.h - the limits that the machine, its administrator and its control groups set for this process. */
-#ifndef SERVER_MACHINE_H
-#define SERVER_MACHINE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -30,5 +29,3 @@ size_t machine_resident(void);
 /* The lowest memory limit of the control groups in the file `groups` (/proc/self/cgroup) and of their
  * parents, versions 1 and 2, below `mount` (/sys/fs/cgroup); SIZE_MAX: none. */
 size_t machine_group_memory(const char *groups, const char *mount);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * If standard error is the journal (JOURNAL_STREAM), the date is left out and the level comes first, as
  * <3> (sd-daemon(3)). Any thread may call, and none waits: see outlet.h. */
-#ifndef SERVER_NOTICE_H
-#define SERVER_NOTICE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,5 +43,3 @@ void notice_tick(void);
 
 /* At the end of the process: waits until the lines have been written, at most `ms` milliseconds. */
 void notice_flush(unsigned ms);
-
-#endif

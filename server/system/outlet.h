@@ -5,8 +5,7 @@
  * So the caller never waits for a pipe without a reader, a stopped terminal or a disk that stalls. The descriptor stays
  * as it is, because other processes may share it. Lines that find no room, or cannot be written, are counted as lost. Any
  * thread may call; the lock is held for a copy of a line. */
-#ifndef SERVER_OUTLET_H
-#define SERVER_OUTLET_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -51,5 +50,3 @@ uint32_t outlet_take_lost(struct outlet *o);
 
 /* Waits until all lines have been written, at most `ms` milliseconds. */
 void outlet_flush(struct outlet *o, unsigned ms);
-
-#endif

@@ -1,8 +1,7 @@
 /* own_file.h - opens files in a directory of the daemon: regular files that belong to its user, or to the owner of the
  * directory, and never through a symbolic link. Another user who may write in the directory cannot make the daemon read, wait
  * for or change anything else. */
-#ifndef SERVER_OWN_FILE_H
-#define SERVER_OWN_FILE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -19,5 +18,3 @@ bool own_file_close(int fd, bool ok);
 /* Whether there is no such name, or a file that own_file_open does not refuse; with `folder`, a folder instead of a file. If
  * not, a message on standard error says why; `path` names the directory in the message. */
 bool own_file_admits(int dir, const char *path, const char *name, bool folder);
-
-#endif

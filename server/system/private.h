@@ -1,7 +1,6 @@
 /* private.h - the address of a daemon that serves one process alone: a Unix socket in a new
  * directory that only this user may enter. */
-#ifndef SERVER_PRIVATE_H
-#define SERVER_PRIVATE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -16,5 +15,3 @@ void private_remove(const char *path);
 
 /* Whether the owner, who holds the other end of this pipe or socket, has ended. The data that the owner sends is ignored. */
 bool private_owner_is_gone(int fd);
-
-#endif

@@ -1,6 +1,5 @@
 /* sock.h - listening sockets, and the addresses of clients. */
-#ifndef SERVER_SOCK_H
-#define SERVER_SOCK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,5 +43,3 @@ void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT]);
  * closing with unread input resets the connection, and the reset may overtake the line. The read is
  * bounded: a client that sends without end is reset at no further cost. */
 void sock_refuse(int fd, const char *line);
-
-#endif

@@ -3,8 +3,7 @@
  * The slot of a timer is its time, in grains of GRAIN ms, modulo the number of slots. When the clock
  * passes a slot, the timers in it that are due run, and the timers of later rounds stay. So setting and
  * clearing cost O(1) and allocate nothing. A timer runs up to one grain late. */
-#ifndef SERVER_TIMER_H
-#define SERVER_TIMER_H
+#pragma once
 
 #include "server/system/list.h"
 
@@ -40,5 +39,3 @@ static inline bool timer_is_set(const struct timer *t)
 
 /* Runs the timers that are due. A timer that runs may set and clear itself and others. */
 void timers_run(struct timers *w, int64_t now_ms);
-
-#endif

@@ -6,8 +6,7 @@
  *     deserted  those whose last watcher has left, in the order in which they did: about a minute later
  *
  * Cost of each call: constant. */
-#ifndef SERVER_AGENDA_H
-#define SERVER_AGENDA_H
+#pragma once
 
 #include "server/watch/feed.h"
 
@@ -30,5 +29,3 @@ void agenda_return(struct watched *k);
 
 /* The one that was deserted first; NULL: none is. */
 struct watched *agenda_deserted(const struct server *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* altered.h - the constraints that have changed lately: edits have declared or released them, or have moved one of their
  * ends. They are numbered from 0; the oldest ones are forgotten. */
-#ifndef SERVER_ALTERED_H
-#define SERVER_ALTERED_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 
@@ -32,5 +31,3 @@ static inline size_t altered_memory(const struct altered *r)
 }
 
 void altered_clear(struct altered *r);
-
-#endif

@@ -3,8 +3,7 @@
  * While a set is edited, its events get one part of CREDIT_SHARE of the processor time, and some of the loop's idle time.
  * So a watcher slows edits down by little. Changes that have not been sent yet are merged. Isolated edits never wait,
  * because there is credit after a pause. Times are in nanoseconds. */
-#ifndef SERVER_CREDIT_H
-#define SERVER_CREDIT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,5 +19,3 @@ struct credit {
 void credit_earn(struct credit *c, int64_t processor, int64_t idle_ns);
 
 void credit_spend(struct credit *c, int64_t ns);
-
-#endif

@@ -6,8 +6,7 @@
  *     gone 4
  *     constraint 3 7 line 0           it is declared; with a box, and the places of 3 and of 7
  *     released 3 4 border 1 */
-#ifndef SERVER_EVENT_TEXT_H
-#define SERVER_EVENT_TEXT_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "proto/buf.h"
@@ -52,5 +51,3 @@ const struct buf *event_text(struct event *e, bool typed);
 
 size_t event_memory(const struct event *e);
 void event_free(struct event *e); /* it is {0} then */
-
-#endif

@@ -8,8 +8,7 @@
  * parts; changes that come meanwhile follow after it.
  *
  * Watchers in the same position are sent the same text, so the feed keeps its last one until all of them have been sent it. */
-#ifndef SERVER_FEED_H
-#define SERVER_FEED_H
+#pragma once
 
 #include "server/clients/session_state.h"
 #include "server/watch/altered.h"
@@ -143,5 +142,3 @@ void feed_end(struct watcher *w);
 
 /* Frees the texts of all feeds. */
 void feed_free_texts(struct watched *k);
-
-#endif

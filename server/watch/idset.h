@@ -1,6 +1,5 @@
 /* idset.h - a set of ids: a bit for each. */
-#ifndef SERVER_IDSET_H
-#define SERVER_IDSET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,5 +25,3 @@ static inline size_t idset_memory(const struct idset *s)
 {
     return s->words * sizeof *s->bits;
 }
-
-#endif

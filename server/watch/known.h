@@ -1,7 +1,6 @@
 /* known.h - points that a watcher of a box may know. They are few of a large set, so their ids are in a hash table. If that
  * would be larger than half a bit for each id of the set, there is a bit for each id instead. */
-#ifndef SERVER_KNOWN_H
-#define SERVER_KNOWN_H
+#pragma once
 
 #include "server/watch/idset.h"
 
@@ -26,5 +25,3 @@ static inline size_t known_memory(const struct known *k)
 {
     return k->slots * sizeof *k->slot + idset_memory(&k->bits);
 }
-
-#endif

@@ -5,8 +5,7 @@
  *
  * The keys behind a mark are the changes since its version. Both are rings: the oldest ones are overwritten. Marks are
  * numbered from 1: the number of the last one is the tick of the set (stamps.h). */
-#ifndef SERVER_RECENT_H
-#define SERVER_RECENT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,5 +55,3 @@ static inline size_t recent_memory(const struct recent *r)
 }
 
 void recent_clear(struct recent *r);
-
-#endif

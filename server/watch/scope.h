@@ -1,7 +1,6 @@
 /* scope.h - the part of a set that a watcher wants to know: the points in a box or all of them, the values of some fields.
  * Constraints belong to it if they meet the box, or without a box all of them. */
-#ifndef SERVER_SCOPE_H
-#define SERVER_SCOPE_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
@@ -37,5 +36,3 @@ static inline bool scope_has_segment(const struct scope *s, const struct dt_poin
 {
     return !s->boxed || dt_segment_meets_box(at[0], at[1], s->lo, s->hi);
 }
-
-#endif

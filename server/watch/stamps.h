@@ -1,8 +1,7 @@
 /* stamps.h - when each id of a set changed last. A time is a tick: a number that increases with each change that is noted.
  *
  * The stamps are in blocks of consecutive ids. A block exists once one of its ids has changed: 4 bytes for each of its ids. */
-#ifndef SERVER_STAMPS_H
-#define SERVER_STAMPS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,5 +35,3 @@ static inline size_t stamps_memory(const struct stamps *s)
 }
 
 void stamps_clear(struct stamps *s);
-
-#endif

@@ -8,8 +8,7 @@
  * all the time, events get a share of the time (credit.h).
  *
  * For clients that come back (SINCE) the last changes are kept (recent.h), for a while also without watchers. */
-#ifndef SERVER_WATCH_H
-#define SERVER_WATCH_H
+#pragma once
 
 #include "server/clients/session_state.h"
 #include "server/watch/scope.h"
@@ -40,5 +39,3 @@ void watch_turn_end(struct server *s);
 
 /* All sessions have ended. */
 void watch_clear(struct server *s);
-
-#endif
