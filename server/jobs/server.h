@@ -25,7 +25,7 @@ struct counters {
     uint64_t delayed_tokens; /* right and wrong ones whose check was delayed (auth_delay.h) */
 };
 
-/* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
+/* The sets that clients watch, or have watched lately (server/watch/watch.c). */
 struct watching {
     struct list all, busy, now, deserted; /* owns those in `all` */
     struct loop *loop;    /* borrows; of the first reactor; NULL: nobody has watched */

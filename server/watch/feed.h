@@ -33,7 +33,7 @@ struct position {
 
 /* A set that is watched, was until lately, or was when it was dropped. */
 struct watched {
-    struct list_link link;     /* first: in the list of all (agenda.h), */
+    struct list_link link;     /* first: in the list of all (watch.c), */
     struct list_link busy;     /* in that of the busy ones, */
     struct list_link deserted; /* or of the deserted ones, */
     int64_t deserted_ms;       /* since then */

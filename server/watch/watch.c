@@ -2,9 +2,9 @@
 #include "server/watch/watch.h"
 
 #include "server/jobs/upkeep.h"
-#include "server/watch/agenda.h"
 #include "server/watch/feed.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -43,6 +43,38 @@ static void continue_soon(struct server *s)
 static void wake(struct timer *t)
 {
     (void)t; /* events are written at the end of every turn */
+}
+
+/* ---- the sets that a turn looks at ----
+ *
+ * A set that is merely watched costs a turn nothing. It is in one list or several:
+ *
+ *     all       every watched set
+ *     busy      those that have changed, or have something to send: at the end of this turn,
+ *     now       or of the next one, if this turn has taken long
+ *     deserted  those whose last watcher has left, in the order in which they did: about a minute later */
+
+/* The set is looked at, at the end of this turn. Reactors that share the world call it, too: of a set whose gate they have closed. */
+static void call(struct watched *k)
+{
+    static pthread_mutex_t calls = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&calls);
+    if (!list_holds(&k->busy))
+        list_append(&k->server->watching.busy, &k->busy);
+    pthread_mutex_unlock(&calls);
+}
+
+static void desert(struct watched *k, int64_t now_ms)
+{
+    if (list_holds(&k->deserted))
+        return;
+    k->deserted_ms = now_ms;
+    list_append(&k->server->watching.deserted, &k->deserted);
+}
+
+static struct watched *first_deserted(const struct server *s)
+{
+    return list_owner(list_first(&s->watching.deserted), offsetof(struct watched, deserted));
 }
 
 /* ---- collecting ---- */
@@ -220,6 +252,9 @@ static void run(struct watched *k, struct turn *t)
 
 static void free_watched(struct watched *k)
 {
+    list_remove(&k->link);
+    list_remove(&k->busy);
+    list_remove(&k->deserted);
     timer_clear(&k->due);
     recent_clear(&k->recent);
     altered_clear(&k->altered);
@@ -236,7 +271,6 @@ static void forget(struct watched *k)
         dt_touched_end(k->set->current->dt);
         k->set->watched = NULL;
     }
-    agenda_leave(k);
     free_watched(k);
 }
 
@@ -249,48 +283,47 @@ static void look_at(struct watched *k, struct turn *t)
         return;
     }
     if (k->watchers == 0)
-        agenda_desert(k, clock_ms());
+        desert(k, clock_ms());
     if (is_busy(k))
-        agenda_call(k);
+        call(k);
 }
 
 /* Forgets sets whose last watcher left long ago. While a worker notes what an edit touches, it stays. */
 static void forget_deserted(struct server *s)
 {
     enum { MOST = 256 }; /* some microseconds each */
-    struct watched *k = agenda_deserted(s);
+    struct watched *k = first_deserted(s);
     int64_t now = k == NULL ? 0 : clock_ms();
     for (int i = 0; i < MOST && k != NULL && now - k->deserted_ms >= KEEP_MS; i++) {
-        agenda_return(k);
+        list_remove(&k->deserted);
         if (k->set != NULL && k->set->exclusive)
-            agenda_desert(k, now);
+            desert(k, now);
         else
             forget(k);
-        k = agenda_deserted(s);
+        k = first_deserted(s);
     }
 }
 
 void watch_turn_end(struct server *s)
 {
-    agenda_begin(s);
+    struct list *now = &s->watching.now;
+    list_move(now, &s->watching.busy);
     struct turn t = {.watchers = WATCH_TURN};
-    t.end_ns = agenda_is_done(s) ? 0 : clock_ns() + TURN_NS;
-    for (struct watched *k; (k = agenda_next(s)) != NULL;) {
-        look_at(k, &t);
+    t.end_ns = list_is_empty(now) ? 0 : clock_ns() + TURN_NS;
+    for (void *link; (link = list_pop(now)) != NULL;) {
+        look_at(list_owner(link, offsetof(struct watched, busy)), &t);
         if (t.watchers == 0 || clock_ns() >= t.end_ns)
             break;
     }
-    if (!agenda_is_done(s))
+    if (!list_is_empty(now))
         continue_soon(s);
     forget_deserted(s);
 }
 
 void watch_clear(struct server *s)
 {
-    for (struct watched *k; (k = list_first(&s->watching.all)) != NULL;) {
-        agenda_leave(k);
+    for (struct watched *k; (k = list_first(&s->watching.all)) != NULL;)
         free_watched(k);
-    }
 }
 
 /* ---- who watches ---- */
@@ -310,7 +343,7 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     k->memory = server_reservation(s, BUDGET_CLIENTS);
     dt_touched_begin(set->current->dt, false);
     recent_restart(&k->recent, k->version, k->ids, k->altered.end);
-    agenda_enter(k);
+    list_append(&s->watching.all, &k->link);
     set->watched = k;
     return k;
 }
@@ -356,7 +389,7 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
     struct feed *f = k == NULL ? NULL : feed_enter(k, scope);
     if (f == NULL) {
         if (k != NULL)
-            agenda_call(k); /* it may have no watchers */
+            call(k); /* it may have no watchers */
         scope_clear(scope);
         free(w);
         return false;
@@ -371,8 +404,8 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
     k->watchers++;
     list_append(feed_lags(w) ? &k->queue : &k->current, &w->link);
     count_memory(k);
-    agenda_return(k);
-    agenda_call(k);
+    list_remove(&k->deserted);
+    call(k);
     /* A triangulation that was left for later will be a change of everything. */
     if (version_is_stale(set->current))
         k->version = 0;
@@ -381,7 +414,7 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
 
 static void leave(struct watcher *w)
 {
-    agenda_call(w->feed->of); /* there may be no other */
+    call(w->feed->of); /* there may be no other */
     feed_leave(w);
 }
 
@@ -407,14 +440,14 @@ void watch_resume(struct session *who)
         w->blocked = false;
         list_remove(&w->link);
         list_append(&w->feed->of->queue, &w->link);
-        agenda_call(w->feed->of);
+        call(w->feed->of);
     }
 }
 
 void watch_changed(struct dataset *set)
 {
     set->watched->changed_ns = clock_ns();
-    agenda_call(set->watched);
+    call(set->watched);
 }
 
 void watch_dropped(struct dataset *set)
@@ -422,5 +455,5 @@ void watch_dropped(struct dataset *set)
     struct watched *k = set->watched;
     list_move(&k->queue, &k->current);
     k->set = NULL;
-    agenda_call(k);
+    call(k);
 }

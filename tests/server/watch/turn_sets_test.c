@@ -1,6 +1,6 @@
-/* agenda_test.c - which watched sets are looked at when: with a session at one end of a pair of sockets, and a server that has
+/* turn_sets_test.c - which watched sets are looked at when: with a session at one end of a pair of sockets, and a server that has
  * no threads. */
-#include "server/watch/agenda.h"
+#include "server/watch/feed.h"
 
 #include "server/clients/clients.h"
 #include "server/jobs/submit.h"
@@ -85,7 +85,7 @@ static unsigned busy(void)
 
 static bool is_idle(void)
 {
-    return busy() == 0 && agenda_is_done(&b.l.server);
+    return busy() == 0 && list_is_empty(&b.l.server.watching.now);
 }
 
 /* Turns of the loop, until nothing is left to do. */
@@ -171,7 +171,7 @@ TEST(set_that_is_watched_no_longer_is_forgotten_after_a_minute)
         settle();
     }
     struct watched *k = set->watched;
-    CHECK(k != NULL && k == agenda_deserted(&b.l.server));
+    CHECK(k != NULL && list_first(&b.l.server.watching.deserted) == (void *)&k->deserted);
     CHECK(list_last(&b.l.server.watching.deserted) == &local_set(&b.l, "s3")->watched->deserted);
     ask("WATCH s2\nDROP s3\n");
     settle();
