@@ -119,7 +119,7 @@ bool feed_find_box(const struct feed *f, struct dt_ids *found)
 /* The ids among which a sweep of a box finds the changed ones. False: too many. */
 static bool find_candidates(const struct feed *f, bool reset, struct dt_ids *ids)
 {
-    if (!reset && (f->known.bits.words > 0 || f->known.count > BOX_KNOWN))
+    if (!reset && (f->known.words > 0 || f->known.count > BOX_KNOWN))
         return false;
     return feed_find_box(f, ids) && (reset || add_known(ids, &f->known));
 }

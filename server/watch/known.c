@@ -2,6 +2,7 @@
 #include "server/watch/known.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { FIRST_SLOTS = 64, IDS_FOR_BYTE = 16 };
 
@@ -19,28 +20,44 @@ static uint32_t find(const struct known *k, uint32_t id)
     return at;
 }
 
-static void free_table(struct known *k)
+/* ---- bits ---- */
+
+static bool make_room(struct known *k, uint32_t id, uint32_t ids)
 {
-    free(k->slot);
-    k->slot = NULL;
-    k->slots = k->count = 0;
+    uint32_t need = id / 64 + 1, words = ids / 64 + 1;
+    if (need <= k->words)
+        return true;
+    words = words > need ? words : need;
+    uint64_t *larger = realloc(k->bits, words * sizeof *larger);
+    if (larger == NULL)
+        return false;
+    memset(larger + k->words, 0, (words - k->words) * sizeof *larger);
+    k->bits = larger;
+    k->words = words;
+    return true;
+}
+
+static bool set_bit(struct known *k, uint32_t id, uint32_t ids)
+{
+    bool room = make_room(k, id, ids);
+    if (room)
+        k->bits[id / 64] |= (uint64_t)1 << id % 64;
+    return room;
 }
 
 static bool move_to_bits(struct known *k, uint32_t ids)
 {
-    struct idset bits = {.words = 0};
-    bool good = idset_add(&bits, 0, ids); /* for memory even if there is no id */
-    idset_remove(&bits, 0);
+    struct known bits = {.words = 0};
+    bool good = make_room(&bits, 0, ids); /* even if there is no id */
     for (uint32_t i = 0; good && i < k->slots; i++)
-        good = k->slot[i] == 0 || idset_add(&bits, k->slot[i] - 1, ids);
-    if (!good) {
-        idset_clear(&bits);
-        return false;
-    }
-    free_table(k);
-    k->bits = bits;
-    return true;
+        good = k->slot[i] == 0 || set_bit(&bits, k->slot[i] - 1, ids);
+    known_clear(good ? k : &bits);
+    if (good)
+        *k = bits;
+    return good;
 }
+
+/* ---- both ---- */
 
 static bool grow(struct known *k, uint32_t ids)
 {
@@ -63,11 +80,10 @@ bool known_add(struct known *k, uint32_t id, uint32_t ids)
 {
     if (known_has(k, id))
         return true;
-    if (k->bits.words == 0 && 4 * ((uint64_t)k->count + 1) > 3 * (uint64_t)k->slots &&
-        !grow(k, ids))
+    if (k->words == 0 && 4 * ((uint64_t)k->count + 1) > 3 * (uint64_t)k->slots && !grow(k, ids))
         return false;
-    if (k->bits.words > 0)
-        return idset_add(&k->bits, id, ids);
+    if (k->words > 0)
+        return set_bit(k, id, ids);
     k->slot[find(k, id)] = id + 1;
     k->count++;
     return true;
@@ -75,8 +91,8 @@ bool known_add(struct known *k, uint32_t id, uint32_t ids)
 
 bool known_has(const struct known *k, uint32_t id)
 {
-    if (k->bits.words > 0)
-        return idset_has(&k->bits, id);
+    if (k->words > 0)
+        return id / 64 < k->words && (k->bits[id / 64] >> id % 64 & 1) != 0;
     return k->slots > 0 && k->slot[find(k, id)] != 0;
 }
 
@@ -98,10 +114,12 @@ static void move_up(struct known *k, uint32_t empty)
 
 bool known_remove(struct known *k, uint32_t id)
 {
-    if (k->bits.words > 0)
-        return idset_remove(&k->bits, id);
     if (!known_has(k, id))
         return false;
+    if (k->words > 0) {
+        k->bits[id / 64] &= ~((uint64_t)1 << id % 64);
+        return true;
+    }
     uint32_t at = find(k, id);
     k->slot[at] = 0;
     k->count--;
@@ -111,13 +129,17 @@ bool known_remove(struct known *k, uint32_t id)
 
 bool known_fill(struct known *k, uint32_t ids)
 {
-    if (k->bits.words == 0 && !move_to_bits(k, ids))
+    if ((k->words == 0 && !move_to_bits(k, ids)) || (ids > 0 && !make_room(k, ids - 1, ids)))
         return false;
-    return idset_fill(&k->bits, ids);
+    memset(k->bits, 0xff, ids / 64 * sizeof *k->bits);
+    if (ids % 64 != 0)
+        k->bits[ids / 64] |= ((uint64_t)1 << ids % 64) - 1;
+    return true;
 }
 
 void known_clear(struct known *k)
 {
-    free_table(k);
-    idset_clear(&k->bits);
+    free(k->slot);
+    free(k->bits);
+    *k = (struct known){.words = 0};
 }

@@ -2,13 +2,16 @@
  * would be larger than half a bit for each id of the set, there is a bit for each id instead. */
 #pragma once
 
-#include "server/watch/idset.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Start with {0}: empty, and without memory. */
 struct known {
     uint32_t *slot; /* owns `slots`, a power of two; each an id + 1, or 0 */
     uint32_t slots, count;
-    struct idset bits; /* if they have memory, all are there */
+    uint64_t *bits; /* owns `words`; if there are any, all ids are there */
+    uint32_t words;
 };
 
 /* Adds an id; `ids` is one more than the largest that is expected. False: out of memory; it is unchanged. */
@@ -23,5 +26,5 @@ void known_clear(struct known *k);
 
 static inline size_t known_memory(const struct known *k)
 {
-    return k->slots * sizeof *k->slot + idset_memory(&k->bits);
+    return k->slots * sizeof *k->slot + k->words * sizeof *k->bits;
 }
