@@ -24,18 +24,10 @@ static int open_folder(const struct datadir *dir, const char *name)
 static bool remove_folder(const struct datadir *dir, const char *name)
 {
     struct datadir folder = {.fd = open_folder(dir, name), .path = name};
-    struct datafiles files;
     if (folder.fd < 0)
         return errno == ENOENT;
-    bool listed = datadir_list(&folder, &files), ok = listed;
-    for (size_t i = 0; ok && i < files.n; i++)
-        ok = unlinkat(folder.fd, files.v[i].name, 0) == 0;
-    int error = errno;
-    if (listed)
-        datafiles_free(&files);
-    close(folder.fd);
-    errno = error;
-    return ok && unlinkat(dir->fd, name, AT_REMOVEDIR) == 0;
+    return own_file_close(folder.fd, datadir_empty(&folder)) &&
+           unlinkat(dir->fd, name, AT_REMOVEDIR) == 0;
 }
 
 /* ---- receiving ---- */
@@ -118,19 +110,6 @@ void aside_abandon(struct aside *a)
 
 /* ---- putting it in place ---- */
 
-/* Removes all snapshots and segments of the directory. */
-static bool remove_files(const struct datadir *dir)
-{
-    struct datafiles files;
-    if (!datadir_list(dir, &files))
-        return false;
-    bool ok = true;
-    for (size_t i = 0; ok && i < files.n; i++)
-        ok = unlinkat(dir->fd, files.v[i].name, 0) == 0;
-    datafiles_free(&files);
-    return ok;
-}
-
 /* Gives the files of the folder second names in the directory. */
 static bool link_files(const struct datadir *dir, const struct datadir *folder)
 {
@@ -150,7 +129,7 @@ static bool replace(const struct datadir *dir)
     struct datadir folder = {.fd = open_folder(dir, arrived_name), .path = arrived_name};
     if (folder.fd < 0)
         return false;
-    bool ok = remove_files(dir) && link_files(dir, &folder) && datadir_sync(dir);
+    bool ok = datadir_empty(dir) && link_files(dir, &folder) && datadir_sync(dir);
     return own_file_close(folder.fd, ok) && remove_folder(dir, incoming) &&
            renameat(dir->fd, arrived_name, dir->fd, incoming) == 0 && datadir_sync(dir) &&
            remove_folder(dir, incoming);

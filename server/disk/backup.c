@@ -61,28 +61,14 @@ static int open_directory(int under, const char *name)
     return openat(under, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-/* Removes the snapshots and segments in a directory. */
-static void empty(int fd)
-{
-    struct datadir d = {.fd = fd};
-    struct datafiles files;
-    if (!datadir_list(&d, &files))
-        return;
-    for (size_t i = 0; i < files.n; i++)
-        unlinkat(fd, files.v[i].name, 0);
-    datafiles_free(&files);
-}
-
 /* Removes an incomplete backup. Other files in the directory stay, and then the directory stays, too. */
 static bool remove_unfinished(int under, const char *name)
 {
     if (!ends_unfinished(name, strlen(name)))
         return true;
-    int fd = open_directory(under, name);
-    if (fd >= 0) {
-        empty(fd);
-        close(fd);
-    }
+    struct datadir d = {.fd = open_directory(under, name)};
+    if (d.fd >= 0)
+        own_file_close(d.fd, datadir_empty(&d));
     unlinkat(under, name, AT_REMOVEDIR);
     return true;
 }
@@ -234,7 +220,7 @@ static enum backup_result fill_durably(struct backup *b, int to)
             return BACKUP_CANCELLED;
         if (b->error != ENOENT && b->error != ESTALE)
             return BACKUP_ERROR;
-        empty(to);
+        datadir_empty(&(struct datadir){.fd = to});
     }
     return BACKUP_ERROR;
 }

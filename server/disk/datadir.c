@@ -286,6 +286,37 @@ void datafiles_free(struct datafiles *files)
     *files = (struct datafiles){0};
 }
 
+bool datadir_find(const struct datadir *d, enum datafile_kind kind, uint64_t most,
+                  struct datafile *out)
+{
+    struct datafiles files;
+    bool found = false;
+    if (!datadir_list(d, &files))
+        return false;
+    for (size_t i = 0; i < files.n; i++) {
+        if (files.v[i].kind != kind || files.v[i].lsn > most)
+            continue;
+        *out = files.v[i];
+        found = true;
+    }
+    datafiles_free(&files);
+    return found;
+}
+
+bool datadir_empty(const struct datadir *d)
+{
+    struct datafiles files;
+    int error = 0;
+    if (!datadir_list(d, &files))
+        return false;
+    for (size_t i = 0; i < files.n; i++)
+        if (unlinkat(d->fd, files.v[i].name, 0) != 0)
+            error = errno;
+    datafiles_free(&files);
+    errno = error;
+    return error == 0;
+}
+
 bool datadir_sync(const struct datadir *d)
 {
     return fsync(d->fd) == 0;

@@ -63,6 +63,13 @@ const char *datadir_error(int error);
 bool datadir_list(const struct datadir *d, struct datafiles *files);
 void datafiles_free(struct datafiles *files);
 
+/* The last file of the kind whose lsn is at most `most`. False: there is none, or the directory cannot be read. */
+bool datadir_find(const struct datadir *d, enum datafile_kind kind, uint64_t most,
+                  struct datafile *out);
+
+/* Removes all snapshots and segments, complete or not. False with errno: some are still there. */
+bool datadir_empty(const struct datadir *d);
+
 void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t lsn);
 
 /* Makes created, renamed and removed names durable. False with errno. */

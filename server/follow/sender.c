@@ -175,15 +175,8 @@ static bool open_segment(struct sending *g, uint64_t first, struct segment *head
 /* The last segment that begins at lsn or before; 0: there is none. */
 static uint64_t find_segment(const struct sending *g, uint64_t lsn)
 {
-    struct datafiles files;
-    uint64_t first = 0;
-    if (!datadir_list(g->s->dir, &files))
-        return 0;
-    for (size_t i = 0; i < files.n; i++)
-        if (files.v[i].kind == DATAFILE_LOG && files.v[i].lsn <= lsn)
-            first = files.v[i].lsn;
-    datafiles_free(&files);
-    return first;
+    struct datafile f;
+    return datadir_find(g->s->dir, DATAFILE_LOG, lsn, &f) ? f.lsn : 0;
 }
 
 enum found { FOUND, FOUND_NOTHING, FOUND_OTHER };
@@ -316,19 +309,8 @@ static enum step send_log(struct sending *g)
 /* Opens the newest snapshot, if it has every change up to `least`. */
 static bool open_snapshot(struct sending *g, uint64_t least, struct segment *header)
 {
-    struct datafiles files;
-    struct datafile newest = {.lsn = 0};
-    bool there = false;
-    if (!datadir_list(g->s->dir, &files))
-        return false;
-    for (size_t i = 0; i < files.n; i++) {
-        if (files.v[i].kind == DATAFILE_SNAPSHOT && files.v[i].lsn >= least) {
-            newest = files.v[i];
-            there = true;
-        }
-    }
-    datafiles_free(&files);
-    if (!there)
+    struct datafile newest;
+    if (!datadir_find(g->s->dir, DATAFILE_SNAPSHOT, UINT64_MAX, &newest) || newest.lsn < least)
         return false;
     close_file(g);
     g->open = true;
