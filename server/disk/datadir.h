@@ -67,7 +67,7 @@ void datafiles_free(struct datafiles *files);
 bool datadir_find(const struct datadir *d, enum datafile_kind kind, uint64_t most,
                   struct datafile *out);
 
-/* Removes all snapshots and segments, complete or not. False with errno: some are still there. */
+/* Removes all snapshots and segments, complete or not. False with errno if one could not be removed. */
 bool datadir_empty(const struct datadir *d);
 
 void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t lsn);

@@ -1,9 +1,8 @@
 /* skip.c - see skip.h. */
 #include "server/jobs/skip.h"
 
-#include "server/jobs/job.h"
+#include "server/jobs/past.h"
 #include "server/ops/cost.h"
-#include "server/sets/past.h"
 #include "server/sets/valued.h"
 
 #include <stdlib.h>
@@ -18,8 +17,7 @@ struct skip_job {
 static void run_job(struct job *job)
 {
     struct skip_job *j = (struct skip_job *)job;
-    job->status = past_copy(job->base, job->view, &j->field, 1, true, &job->options,
-                            job->queued_ns > 0, &job->memory, &j->past);
+    job->status = past_copy(job, job->view, &j->field, 1, true, &j->past);
 }
 
 static void end_job(struct server *s, struct job *job, struct answer *a)

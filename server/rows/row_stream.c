@@ -1,9 +1,8 @@
 /* row_stream.c - see row_stream.h. */
 #include "server/rows/row_stream.h"
 
-#include "server/jobs/job.h"
+#include "server/jobs/past.h"
 #include "server/rows/stream.h"
-#include "server/sets/past.h"
 
 #include <stdlib.h>
 
@@ -189,8 +188,8 @@ static void run_copying(struct job *j)
 {
     struct copying *c = (struct copying *)j;
     const struct rows *rows = &c->stream->rows;
-    j->status = past_copy(j->base, rows->view, rows->surface.field, rows->surface.fields, false,
-                          &j->options, j->queued_ns > 0, &j->memory, &c->past);
+    j->status =
+        past_copy(j, rows->view, rows->surface.field, rows->surface.fields, false, &c->past);
     c->bytes = j->memory.bytes;
 }
 

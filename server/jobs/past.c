@@ -1,5 +1,5 @@
 /* past.c - see past.h. */
-#include "server/sets/past.h"
+#include "server/jobs/past.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,32 +68,16 @@ static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct
     return DT_OK;
 }
 
-/* A piece has been read: edits go on, if there are any. */
-static enum dt_status pause_copy(struct version *v, const struct dt_options *opt, bool visits)
+static enum dt_status copy_rows(const struct job *j, const struct dt_view *view,
+                                const struct dt_field *const *field, struct copy *c)
 {
-    if (visits) {
-        gate_end_visit(&v->gate);
-        gate_visit(&v->gate);
-    }
-    return atomic_load(opt->cancel) ? DT_CANCELLED : DT_OK;
-}
-
-static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
-                                const struct dt_field *const *field, const struct dt_options *opt,
-                                bool visits, struct copy *c)
-{
+    const struct dt *t = j->base->dt;
     uint32_t from = 0, end = 0;
     enum dt_status status = make_room(c, view);
-    for (bool done = false; status == DT_OK && !done;) {
-        status = take_rows(c, v->dt, view, field, &from, &done);
-        if (status == DT_OK)
-            status = pause_copy(v, opt, visits);
-    }
-    while (status == DT_OK && end != DT_NONE) {
-        status = dt_constraints_read(v->dt, view, &end, CONSTRAINTS, &c->constraints);
-        if (status == DT_OK)
-            status = pause_copy(v, opt, visits);
-    }
+    for (bool done = false; status == DT_OK && !done;)
+        status = job_pause(j, take_rows(c, t, view, field, &from, &done));
+    while (status == DT_OK && end != DT_NONE)
+        status = job_pause(j, dt_constraints_read(t, view, &end, CONSTRAINTS, &c->constraints));
     return status;
 }
 
@@ -146,38 +130,36 @@ size_t past_memory(const struct version *v, size_t n, const struct dt_options *o
            dt_constraints_count(v->dt) * sizeof(struct dt_constraint);
 }
 
-enum dt_status past_copy(struct version *v, const struct dt_view *view,
-                         const struct dt_field *const *field, size_t n, bool skip,
-                         const struct dt_options *opt, bool visits, struct reservation *memory,
-                         struct past *out)
+enum dt_status past_copy(struct job *j, const struct dt_view *view,
+                         const struct dt_field *const *field, size_t n, bool skip, struct past *out)
 {
+    const struct dt_options *opt = &j->options;
     struct copy c = {.fields = n};
     struct dt_summary sum;
     *out = (struct past){0};
-    if (!reservation_resize(memory, past_memory(v, n, opt)))
-        return DT_NOMEM;
-    enum dt_status status = copy_rows(v, view, field, opt, visits, &c);
-    if (visits)
-        gate_end_visit(&v->gate);
-    if (status == DT_OK && (out->dt = dt_new(dt_tolerance(v->dt))) == NULL)
+    enum dt_status status = job_reserve(j, past_memory(j->base, n, opt));
+    if (status != DT_OK)
+        return status;
+    status = copy_rows(j, view, field, &c);
+    job_end_visit(j);
+    if (status == DT_OK && (out->dt = dt_new(dt_tolerance(j->base->dt))) == NULL)
         status = DT_NOMEM;
     if (status == DT_OK)
         status = build(&c, dt_view_next_id(view), skip, opt, out->dt);
     if (status == DT_CROSSES)
         dt_crossed(out->dt, &out->crossed);
     if (status == DT_OK)
-        status = survey(out->dt, opt, memory);
+        status = survey(out->dt, opt, &j->memory);
     for (size_t k = 0; status == DT_OK && k < n; k++)
         out->field[k] = dt_field_find(out->dt, c.name[k], strlen(c.name[k]));
     clear(&c);
     if (status == DT_OK) {
         dt_summary(out->dt, &sum);
-        reservation_set(memory, sum.memory);
+        reservation_set(&j->memory, sum.memory);
     } else {
         dt_free(out->dt);
         out->dt = NULL;
     }
-    if (visits)
-        gate_visit(&v->gate);
+    job_visit(j);
     return status;
 }

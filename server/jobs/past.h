@@ -5,7 +5,7 @@
 #pragma once
 
 #include "core/delaunay_constraints.h"
-#include "server/sets/dataset.h"
+#include "server/jobs/job.h"
 
 struct past {
     struct dt *dt;                               /* owns */
@@ -13,14 +13,12 @@ struct past {
     struct dt_crossed crossed;                   /* of DT_CROSSES */
 };
 
-/* Copies the points, with their ids and the values of n fields, and the constraints, and triangulates them; DT_NOMEM also if `memory` has
- * no room. With `skip`, points without a value in the first one are deleted first, and constraints that end at one are released; DT_CROSSES:
- * two of the others now cross. If `visits`, the caller is a visitor of the version, on return too; in between it leaves, after pieces of
- * less than a millisecond. opt: its flag is polled. `memory` then has the bytes of the copy. Cost: as
- * dt_triangulate. */
-enum dt_status past_copy(struct version *v, const struct dt_view *view,
+/* Copies the points of the version that the job reads, with their ids and the values of n fields, and the constraints, and triangulates
+ * them; DT_NOMEM also if the job has no room. With `skip`, points without a value in the first one are deleted first, and constraints that
+ * end at one are released; DT_CROSSES: two of the others now cross. The set is visited in pieces of less than a millisecond. The
+ * memory of the job is then that of the copy. Cost: as dt_triangulate. */
+enum dt_status past_copy(struct job *j, const struct dt_view *view,
                          const struct dt_field *const *field, size_t n, bool skip,
-                         const struct dt_options *opt, bool visits, struct reservation *memory,
                          struct past *out);
 
 /* The memory that it takes while it copies n fields, at most. */
