@@ -110,20 +110,16 @@ static bool ask_position(struct link *l, struct position *from)
     pthread_mutex_lock(&l->mutex);
     l->acked = l->acked_bytes = 0;
     l->wants_position = true;
-    l->may_go = false;
     pthread_mutex_unlock(&l->mutex);
     notify(l);
-    for (bool go = false; !go;) {
+    for (bool wants = true; wants;) {
         pthread_mutex_lock(&l->mutex);
-        go = l->may_go;
+        wants = l->wants_position;
         *from = l->from;
         pthread_mutex_unlock(&l->mutex);
-        if (!go && !dial_wait(&l->dial, -1, 0, 1000))
+        if (wants && !dial_wait(&l->dial, -1, 0, 1000))
             return false;
     }
-    pthread_mutex_lock(&l->mutex);
-    l->wants_position = false;
-    pthread_mutex_unlock(&l->mutex);
     return true;
 }
 
@@ -249,12 +245,11 @@ static bool install(void *ctx, struct aside *aside, const struct segment *header
     }
     pthread_mutex_lock(&l->mutex);
     l->arrival = a;
-    l->installed = false;
     pthread_mutex_unlock(&l->mutex);
     notify(l);
     for (bool done = false; !done && !l->dial.stop;) {
         pthread_mutex_lock(&l->mutex);
-        done = l->installed;
+        done = l->arrival == NULL;
         pthread_mutex_unlock(&l->mutex);
         if (!done)
             dial_wait(&l->dial, -1, 0, 1000);
@@ -408,7 +403,7 @@ void link_end(struct link *l)
 bool link_wants_position(struct link *l)
 {
     pthread_mutex_lock(&l->mutex);
-    bool wants = l->wants_position && !l->may_go && list_is_empty(&l->pieces);
+    bool wants = l->wants_position && list_is_empty(&l->pieces);
     pthread_mutex_unlock(&l->mutex);
     return wants;
 }
@@ -417,7 +412,7 @@ void link_go(struct link *l, const struct position *from)
 {
     pthread_mutex_lock(&l->mutex);
     l->from = *from;
-    l->may_go = true;
+    l->wants_position = false;
     pthread_mutex_unlock(&l->mutex);
     dial_wake(&l->dial);
 }
@@ -454,7 +449,6 @@ void link_installed(struct link *l, uint64_t lsn)
     pthread_mutex_lock(&l->mutex);
     l->acked = lsn;
     l->arrival = NULL;
-    l->installed = true;
     pthread_mutex_unlock(&l->mutex);
     dial_wake(&l->dial);
 }

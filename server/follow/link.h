@@ -53,14 +53,13 @@ struct link {
     /* shared */
     pthread_mutex_t mutex;
     enum link_state state;
-    char why[LINK_WHY];   /* of LINK_REFUSED, or why there is no connection */
-    bool wants_position;  /* the thread waits for link_go */
-    struct position from; /* from link_go */
-    bool may_go;
-    struct list pieces;           /* those to take, */
-    struct reservation queued;    /* their bytes, and those of the buffer for input */
-    struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
-    bool installed;
+    char why[LINK_WHY];        /* of LINK_REFUSED, or why there is no connection */
+    bool wants_position;       /* the thread waits for link_go */
+    struct position from;      /* from link_go */
+    struct list pieces;        /* those to take, */
+    struct reservation queued; /* their bytes, and those of the buffer for input */
+    struct link_arrival
+        *arrival; /* owns until link_installed; not NULL: the thread waits for that */
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
     bool works;                  /* a reactor works on a change: that is to be acknowledged, too */
     uint64_t leader_lsn;         /* the last one that is known of the leader */
