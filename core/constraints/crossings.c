@@ -78,12 +78,10 @@ struct search {
 
 static enum dt_status add_pair(struct dt_pairs *out, uint32_t a, uint32_t b)
 {
+    uint64_t pair = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
     if (out->n >= out->most)
         return DT_NOMEM;
-    if (dt_items_reserve(&out->v, out->n + 1, &out->cap, sizeof *out->v) != DT_OK)
-        return DT_NOMEM;
-    out->v[out->n++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-    return DT_OK;
+    return dt_items_append(&out->v, &out->n, &out->cap, &pair, sizeof pair);
 }
 
 /* Every pair of the last n in the list. */

@@ -238,10 +238,7 @@ struct dt_constraint dt_declared_get(const struct dt_declared *d, uint32_t row)
 
 enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c)
 {
-    enum dt_status status = dt_items_reserve(&list->v, list->n + 1, &list->cap, sizeof *list->v);
-    if (status == DT_OK)
-        list->v[list->n++] = c;
-    return status;
+    return dt_items_append(&list->v, &list->n, &list->cap, &c, sizeof c);
 }
 
 int dt_constraint_compare(const void *p, const void *q)

@@ -33,21 +33,8 @@ void dt_enforcer_clear(struct dt_enforcer *e)
 
 size_t dt_enforcer_memory(const struct dt_enforcer *e)
 {
-    return (e->step.cap + e->crossed.cap + e->spare.cap + e->suspects.cap) * sizeof(uint32_t) +
+    return (e->step.cap + e->crossed.cap + e->spare.cap + e->suspects.half.cap) * sizeof(uint32_t) +
            e->pocket.cap * sizeof *e->pocket.side;
-}
-
-static enum dt_status reserve(struct dt_ids *a, size_t n)
-{
-    return dt_items_reserve(&a->v, n, &a->cap, sizeof *a->v);
-}
-
-static enum dt_status append(struct dt_ids *a, uint32_t value)
-{
-    enum dt_status status = reserve(a, a->n + 1);
-    if (status == DT_OK)
-        a->v[a->n++] = value;
-    return status;
 }
 
 enum dt_status dt_enforce_edge(struct dt_enforcer *e, uint32_t a, uint32_t b, struct dt_stop *work,
@@ -76,9 +63,9 @@ static enum dt_status cross_part(struct dt_enforcer *e, struct dt_point p, struc
     for (;;) {
         enum dt_status status = dt_work(work, 1);
         if (status == DT_OK)
-            status = append(&e->step, edge);
+            status = dt_ids_append(&e->step, edge);
         if (status == DT_OK && dt_is_fixed(m, edge))
-            status = append(&e->crossed, edge);
+            status = dt_ids_append(&e->crossed, edge);
         if (status != DT_OK)
             return status;
         uint32_t g = dt_twin(m, edge);
@@ -102,7 +89,7 @@ enum dt_status dt_enforce_look(struct dt_enforcer *e, uint32_t a, uint32_t b, st
     uint32_t from = swapped ? b : a, to = swapped ? a : b;
     for (;;) {
         if (step == DT_MARCH_ALONG) {
-            status = append(&e->step, half | ALONG);
+            status = dt_ids_append(&e->step, half | ALONG);
             at = dt_twin(m, half);
         } else {
             status = cross_part(e, e->xy[from], e->xy[to], half, work, &at);
@@ -222,7 +209,7 @@ enum dt_status dt_enforce(struct dt_enforcer *e)
     if (status == DT_OK)
         status = dt_fixed_reserve(m, n);
     if (status == DT_OK)
-        status = reserve(&e->spare, 2 * n);
+        status = dt_ids_reserve(&e->spare, 2 * n); /* which has none */
     if (status == DT_OK)
         status = dt_pocket_reserve(&e->pocket, n + 3);
     for (size_t i = 0; i < n && status == DT_OK;) {

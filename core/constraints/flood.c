@@ -14,8 +14,7 @@ struct flood {
     const struct dt_segment *loose;
     size_t n_loose;
     struct dt_sum *area;
-    uint32_t *triangle; /* owns: stack */
-    size_t n, cap;
+    struct dt_ids stack; /* owns: triangles */
 };
 
 static bool is_known(const struct dt_mesh *m, uint32_t h)
@@ -27,10 +26,7 @@ static bool is_known(const struct dt_mesh *m, uint32_t h)
 static enum dt_status reach(struct flood *f, uint32_t h, uint32_t inside)
 {
     dt_face_set(f->m, h, (dt_face(f->m, h) & DT_FLOOD_NEAR) | inside);
-    enum dt_status status = dt_items_reserve(&f->triangle, f->n + 1, &f->cap, sizeof *f->triangle);
-    if (status == DT_OK)
-        f->triangle[f->n++] = dt_base(h);
-    return status;
+    return dt_ids_append(&f->stack, dt_base(h));
 }
 
 /* ---- loose sides ---- */
@@ -88,8 +84,8 @@ static enum dt_status look_beyond(struct flood *f, uint32_t h, uint32_t inside)
 static enum dt_status flood(struct flood *f, struct dt_stop *work)
 {
     enum dt_status status = reach(f, f->m->hull, 0);
-    while (status == DT_OK && f->n > 0) {
-        uint32_t t = f->triangle[--f->n], inside = dt_face(f->m, t) & DT_FLOOD_INSIDE;
+    while (status == DT_OK && f->stack.n > 0) {
+        uint32_t t = f->stack.v[--f->stack.n], inside = dt_face(f->m, t) & DT_FLOOD_INSIDE;
         status = dt_work(work, 1);
         for (uint32_t k = 0; k < 3 && status == DT_OK; k++)
             status = look_beyond(f, t + k, inside);
@@ -109,6 +105,6 @@ enum dt_status dt_flood(struct dt_mesh *m, const struct dt_point *xy,
 {
     struct flood f = {.m = m, .xy = xy, .loose = loose, .n_loose = n, .area = area};
     enum dt_status status = m->vertices < 2 ? DT_OK : flood(&f, work);
-    free(f.triangle);
+    free(f.stack.v);
     return status;
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory/memory.h"
+
 void dt_history_clear(struct dt_history *h)
 {
     free(h->change);
@@ -43,16 +45,8 @@ void dt_history_trim(struct dt_history *h, uint64_t from)
 
 enum dt_status dt_history_reserve(struct dt_history *h, size_t n)
 {
-    if (n <= h->cap - h->n)
-        return DT_OK;
-    size_t cap = h->n + n < 2 * h->cap ? 2 * h->cap : h->n + n;
-    struct dt_history_change *change =
-        cap < DT_NONE ? realloc(h->change, cap * sizeof *change) : NULL;
-    if (change == NULL)
-        return DT_NOMEM;
-    h->change = change;
-    h->cap = cap;
-    return DT_OK;
+    return h->n + n >= DT_NONE ? DT_NOMEM
+                               : dt_items_reserve(&h->change, h->n + n, &h->cap, sizeof *h->change);
 }
 
 enum dt_status dt_history_reserve_id(struct dt_history *h, uint32_t id)

@@ -10,15 +10,13 @@
 
 void dt_suspects_clear(struct dt_suspects *s)
 {
-    free(s->half);
+    free(s->half.v);
     *s = (struct dt_suspects){0};
 }
 
 void dt_suspect(struct dt_suspects *s, uint32_t h)
 {
-    if (dt_items_reserve(&s->half, s->n + 1, &s->cap, sizeof *s->half) == DT_OK)
-        s->half[s->n++] = h;
-    else
+    if (dt_ids_append(&s->half, h) != DT_OK)
         s->lost = true;
 }
 
@@ -68,8 +66,8 @@ void dt_mend(struct dt_mesh *m, const struct dt_point *xy, struct dt_suspects *s
     do {
         if (s->lost)
             look_everywhere(m, xy, s, changes);
-        while (s->n > 0) {
-            uint32_t h = s->half[--s->n];
+        while (s->half.n > 0) {
+            uint32_t h = s->half.v[--s->half.n];
             if (dt_must_flip(m, xy, h))
                 flip(m, h, s, changes);
         }

@@ -9,9 +9,8 @@
 
 /* Half edges of edges that may not be Delaunay. Start with {0}. */
 struct dt_suspects {
-    uint32_t *half; /* owns `cap` */
-    size_t n, cap;
-    bool lost; /* out of memory: one is missing */
+    struct dt_ids half; /* owns */
+    bool lost;          /* out of memory: one is missing */
 };
 
 void dt_suspects_clear(struct dt_suspects *s);

@@ -91,7 +91,7 @@ uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_
         dt_suspect(suspects, t + 2);
         i = p->side[i].prev;
     }
-    suspects->n -= suspects->n > 0; /* the closing edge is the caller's */
+    suspects->half.n -= suspects->half.n > 0; /* the closing edge is the caller's */
     dt_hull_keep(m, p->side[f.last].origin, t + 2);
     return t + 2;
 }

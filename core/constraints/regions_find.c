@@ -47,9 +47,8 @@ struct survey {
     uint32_t *enclosing; /* owns, by region: the range under way, DT_NONE if the face is outside */
     uint32_t open;       /* ranges under way */
     bool *left;          /* owns, by side: the region is on the left of the lower half edge */
-    uint32_t *triangle;  /* owns: stack of a flood */
-    size_t triangles, triangle_cap;
-    struct door *door; /* owns: stack, of all rooms */
+    struct dt_ids flood; /* owns: stack of its triangles */
+    struct door *door;   /* owns: stack, of all rooms */
     size_t doors, door_cap;
     struct room *room; /* owns: stack */
     size_t rooms, room_cap;
@@ -125,11 +124,10 @@ static enum dt_status add_chain(struct survey *s, uint32_t region, const uint32_
     enum dt_status status = DT_OK;
     for (uint32_t v = end[0], near = s->m->leaving[v]; v != end[1] && status == DT_OK;) {
         uint32_t h = dt_chain_next(s->m, xy, near, xy[end[1]]);
-        status = dt_items_reserve(&s->side, s->sides + 1, &s->cap, sizeof *s->side);
+        side_key key = (uint64_t)lower(s->m, h) << 32 | region;
+        status = dt_items_append(&s->side, &s->sides, &s->cap, &key, sizeof key);
         if (status == DT_OK)
             status = dt_work(s->work, 1);
-        if (status == DT_OK)
-            s->side[s->sides++] = (uint64_t)lower(s->m, h) << 32 | region;
         near = dt_twin(s->m, h);
         v = dt_origin(s->m, near);
     }
@@ -235,20 +233,14 @@ static enum dt_status add_door(struct survey *s, uint32_t h, uint32_t side)
     for (uint32_t i = side; is_side_of(s, i, edge); i++)
         if (s->enclosing[region_of(s, i)] != DT_NONE)
             s->left[i] = h == edge;
-    enum dt_status status = dt_items_reserve(&s->door, s->doors + 1, &s->door_cap, sizeof *s->door);
-    if (status == DT_OK)
-        s->door[s->doors++] = (struct door){h, side};
-    return status;
+    return dt_items_append(&s->door, &s->doors, &s->door_cap, &(struct door){h, side},
+                           sizeof *s->door);
 }
 
 static enum dt_status reach(struct survey *s, uint32_t h, uint32_t face)
 {
     dt_face_set(s->faces, h, face);
-    enum dt_status status =
-        dt_items_reserve(&s->triangle, s->triangles + 1, &s->triangle_cap, sizeof *s->triangle);
-    if (status == DT_OK)
-        s->triangle[s->triangles++] = dt_base(h);
-    return status;
+    return dt_ids_append(&s->flood, dt_base(h));
 }
 
 static enum dt_status look_beyond(struct survey *s, uint32_t h, uint32_t face)
@@ -262,15 +254,15 @@ static enum dt_status look_beyond(struct survey *s, uint32_t h, uint32_t face)
 /* The next face, of h, through the door. */
 static enum dt_status enter(struct survey *s, uint32_t h, struct door from)
 {
-    enum dt_status status = dt_items_reserve(&s->room, s->rooms + 1, &s->room_cap, sizeof *s->room);
+    enum dt_status status = dt_items_append(&s->room, &s->rooms, &s->room_cap,
+                                            &(struct room){from, s->doors}, sizeof *s->room);
     if (status != DT_OK)
         return status;
     uint32_t face = s->r->faces++;
     s->r->inside[face] = s->open > 0;
-    s->room[s->rooms++] = (struct room){from, s->doors};
     status = reach(s, h, face);
-    while (status == DT_OK && s->triangles > 0) {
-        uint32_t t = s->triangle[--s->triangles];
+    while (status == DT_OK && s->flood.n > 0) {
+        uint32_t t = s->flood.v[--s->flood.n];
         status = dt_work(s->work, 1);
         for (uint32_t k = 0; k < 3 && status == DT_OK; k++)
             status = look_beyond(s, t + k, face);
@@ -419,7 +411,7 @@ static void clear(struct survey *s)
     dt_array_free(s->start);
     dt_array_free(s->enclosing);
     free(s->left);
-    free(s->triangle);
+    free(s->flood.v);
     free(s->door);
     free(s->room);
 }

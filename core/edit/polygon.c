@@ -21,19 +21,13 @@ struct polygon {
     size_t n, cap;
 };
 
-static enum dt_status leave_out(struct polygon *s, uint32_t v, uint32_t w)
-{
-    enum dt_status status = dt_items_reserve(&s->loose, s->n + 1, &s->cap, sizeof *s->loose);
-    if (status == DT_OK)
-        s->loose[s->n++] = (struct loose){v, w};
-    return status;
-}
-
 static enum dt_status add_side(struct polygon *s, uint32_t a, uint32_t b)
 {
     uint32_t v = dt_points_vertex(&s->t->points, a), w = dt_points_vertex(&s->t->points, b);
     enum dt_status status = dt_enforce_segment(&s->enforcer, v, w, &s->work);
-    return status == DT_CROSSES ? leave_out(s, v, w) : status;
+    if (status != DT_CROSSES)
+        return status;
+    return dt_items_append(&s->loose, &s->n, &s->cap, &(struct loose){v, w}, sizeof *s->loose);
 }
 
 /* The sides of the corners from .. end - 1. If the last one repeats the first, the side between them has no length. */

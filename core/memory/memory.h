@@ -7,6 +7,8 @@
 
 #include "core/delaunay.h"
 
+#include <string.h>
+
 /* Asks for the cache line at p, which need not be a valid address, ahead of its use. The empty asm statement is
  * needed: without it gcc removes a function that only prefetches. */
 static inline void dt_fetch(const void *p)
@@ -53,5 +55,30 @@ size_t dt_array_room(size_t cap, size_t need, size_t limit);
  * have any type, and be NULL; *cap is the number of items for which there is room. The caller frees the array. DT_NOMEM: nothing is
  * changed. Appending costs amortised constant time. */
 enum dt_status dt_items_reserve(void *array, size_t need, size_t *cap, size_t size);
+
+/* Appends an item to such an array of *n items. DT_NOMEM: nothing is changed. Cost: constant, amortised. */
+static inline enum dt_status dt_items_append(void *array, size_t *n, size_t *cap, const void *item,
+                                             size_t size)
+{
+    char *items;
+    enum dt_status s = *n < *cap ? DT_OK : dt_items_reserve(array, *n + 1, cap, size);
+    if (s != DT_OK)
+        return s;
+    memcpy(&items, array, sizeof items);
+    memcpy(items + (*n)++ * size, item, size);
+    return DT_OK;
+}
+
+/* Makes room for `more` ids after the existing ones; DT_NOMEM leaves *ids unchanged. */
+static inline enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more)
+{
+    return dt_items_reserve(&ids->v, ids->n + more, &ids->cap, sizeof *ids->v);
+}
+
+/* Appends one; DT_NOMEM leaves *ids unchanged. Cost: constant, amortised. */
+static inline enum dt_status dt_ids_append(struct dt_ids *ids, uint32_t value)
+{
+    return dt_items_append(&ids->v, &ids->n, &ids->cap, &value, sizeof value);
+}
 
 #endif

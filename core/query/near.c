@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/memory/memory.h"
 #include "core/memory/sort.h"
 
 enum { SPARE = 64 }; /* points, so that small searches cut nothing */
@@ -88,35 +89,20 @@ static enum dt_status cut(struct dt_near *h, struct dt_stop *work)
     return dt_work(work, keep);
 }
 
-static size_t next_cap(size_t cap)
-{
-    return 2 * cap + 32;
-}
-
 size_t dt_near_room(const struct dt_near *h, size_t more)
 {
     size_t most = 2 * h->wanted + SPARE + 1, cap = h->cap;
     while (cap < h->n + more && cap < most)
-        cap = next_cap(cap);
+        cap = dt_array_room(cap, cap + 1, SIZE_MAX);
     return cap * sizeof *h->heap;
-}
-
-static enum dt_status grow(struct dt_near *h)
-{
-    size_t cap = next_cap(h->cap);
-    struct dt_seen *heap = realloc(h->heap, cap * sizeof *heap);
-    if (heap == NULL)
-        return DT_NOMEM;
-    h->heap = heap;
-    h->cap = cap;
-    return DT_OK;
 }
 
 enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_stop *work)
 {
-    if (h->n == h->cap && grow(h) != DT_OK)
-        return DT_NOMEM;
-    size_t i = h->n++;
+    enum dt_status s = dt_items_append(&h->heap, &h->n, &h->cap, &c, sizeof c);
+    if (s != DT_OK)
+        return s;
+    size_t i = h->n - 1;
     for (; i > 0 && before(h, &c, &h->heap[(i - 1) / 2]); i = (i - 1) / 2)
         h->heap[i] = h->heap[(i - 1) / 2];
     h->heap[i] = c;

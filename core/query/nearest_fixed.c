@@ -12,8 +12,6 @@
 
 #include <stdlib.h>
 
-enum { FEW = 64 };
-
 /* A triangle that waits, and the bound. */
 struct waiting {
     double least;
@@ -25,37 +23,22 @@ struct search {
     struct dt_stop *work;
     struct dt_visited triangles, vertices;
     struct dt_near near;
-    struct waiting *heap; /* few or owned: the least on top */
+    struct waiting *heap; /* owns: the least on top */
     size_t n, cap;
-    struct waiting few[FEW];
 };
-
-static enum dt_status make_room(struct search *s)
-{
-    if (s->n < s->cap)
-        return DT_OK;
-    bool first = s->heap == s->few;
-    struct waiting *heap = realloc(first ? NULL : s->heap, 2 * s->cap * sizeof *heap);
-    if (heap == NULL)
-        return DT_NOMEM;
-    for (size_t i = 0; first && i < s->n; i++)
-        heap[i] = s->few[i];
-    s->heap = heap;
-    s->cap *= 2;
-    return DT_OK;
-}
 
 /* The triangle of h, unless it is a ghost. It may be waiting already, with a larger bound. */
 static enum dt_status push(struct search *s, uint32_t h, double least)
 {
     if (dt_is_ghost(&s->t->mesh, h) || least > s->near.limit)
         return DT_OK;
-    if (make_room(s) != DT_OK)
+    struct waiting last = {least, h};
+    if (dt_items_append(&s->heap, &s->n, &s->cap, &last, sizeof last) != DT_OK)
         return DT_NOMEM;
-    size_t i = s->n++;
+    size_t i = s->n - 1;
     for (; i > 0 && least < s->heap[(i - 1) / 2].least; i = (i - 1) / 2)
         s->heap[i] = s->heap[(i - 1) / 2];
-    s->heap[i] = (struct waiting){least, h};
+    s->heap[i] = last;
     return DT_OK;
 }
 
@@ -192,10 +175,8 @@ enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, ui
         v = nearest_at_once(t, q->at, h);
     if (v != DT_NONE)
         return dt_ids_append(out, v);
-    struct search s = {
-        .t = t, .work = work, .cap = FEW, .near = dt_near_of(q->at, t->points.id, k)};
+    struct search s = {.t = t, .work = work, .near = dt_near_of(q->at, t->points.id, k)};
     size_t n = out->n;
-    s.heap = s.few;
     dt_visited_init(&s.triangles, 5 * (size_t)k);
     dt_visited_init(&s.vertices, 5 * (size_t)k);
     enum dt_status st = dt_ids_reserve(out, k);
@@ -204,8 +185,7 @@ enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, ui
     dt_visited_clear(&s.triangles);
     dt_visited_clear(&s.vertices);
     dt_near_clear(&s.near);
-    if (s.heap != s.few)
-        free(s.heap);
+    free(s.heap);
     if (st != DT_OK)
         out->n = n;
     return st;

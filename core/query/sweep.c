@@ -69,7 +69,7 @@ size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out)
     bool nearest = s->kind == DT_SWEEP_NEAREST;
     size_t ids = out->cap;
     while (ids - out->n < (nearest ? s->near->n : s->room))
-        ids = ids < 16 ? 16 : 2 * ids;
+        ids = dt_array_room(ids, ids + 1, SIZE_MAX);
     return s->room * sizeof *s->row + (nearest ? dt_near_room(s->near, s->room) : 0) +
            ids * sizeof *out->v;
 }

@@ -1,4 +1,4 @@
-/* set.c - creation, copies and the summary of a set, and the arrays of ids that readers fill. */
+/* set.c - creation, copies and the summary of a set. */
 #include "core/set/set.h"
 
 #include "core/delaunay_fields.h"
@@ -109,21 +109,4 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         out->edges = dt_mesh_edges(&t->mesh);
         out->hull = dt_mesh_hull(&t->mesh);
     }
-}
-
-/* ---- growing arrays of ids ---- */
-
-enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more)
-{
-    if (more <= ids->cap - ids->n)
-        return DT_OK;
-    size_t want = ids->n + more;
-    want = want < 2 * ids->cap ? 2 * ids->cap : want;
-    want = want < 16 ? 16 : want;
-    uint32_t *v = want > SIZE_MAX / sizeof *v ? NULL : realloc(ids->v, want * sizeof *v);
-    if (v == NULL)
-        return DT_NOMEM;
-    ids->v = v;
-    ids->cap = want;
-    return DT_OK;
 }

@@ -5,6 +5,7 @@
 #include "core/constraints/constraints.h"
 #include "core/fields/fields.h"
 #include "core/hints/hints.h"
+#include "core/memory/memory.h"
 #include "core/mesh/cavity.h"
 #include "core/mesh/mesh.h"
 #include "core/points/points.h"
@@ -119,18 +120,6 @@ static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uin
         return s;
     *v = dt_points_vertex(&t->points, id);
     return *v == DT_NONE ? DT_NOPOINT : DT_OK;
-}
-
-/* Makes room for `more` ids after the existing ones; DT_NOMEM leaves *ids unchanged. */
-enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more);
-
-/* Appends one; DT_NOMEM leaves *ids unchanged. Cost: constant, amortised. */
-static inline enum dt_status dt_ids_append(struct dt_ids *ids, uint32_t value)
-{
-    enum dt_status s = dt_ids_reserve(ids, 1);
-    if (s == DT_OK)
-        ids->v[ids->n++] = value;
-    return s;
 }
 
 #endif

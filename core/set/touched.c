@@ -20,19 +20,16 @@ void dt_touched_note(struct dt_touched_list *w, uint64_t key)
 {
     if (w->all)
         return;
-    w->all = w->n == MOST || dt_items_reserve(&w->key, w->n + 1, &w->cap, sizeof *w->key) != DT_OK;
-    if (!w->all)
-        w->key[w->n++] = key;
+    w->all = w->n == MOST || dt_items_append(&w->key, &w->n, &w->cap, &key, sizeof key) != DT_OK;
 }
 
 void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, bool moved)
 {
     struct dt_touched_constraints *w = &t->touched.constraints;
+    const struct dt_touched_constraint row = {
+        *c, {dt_points_xy(&t->points, c->a), dt_points_xy(&t->points, c->b)}, moved};
     w->all = w->all || w->n == MOST_CONSTRAINTS ||
-             dt_items_reserve(&w->row, w->n + 1, &w->cap, sizeof *w->row) != DT_OK;
-    if (!w->all)
-        w->row[w->n++] = (struct dt_touched_constraint){
-            *c, {dt_points_xy(&t->points, c->a), dt_points_xy(&t->points, c->b)}, moved};
+             dt_items_append(&w->row, &w->n, &w->cap, &row, sizeof row) != DT_OK;
 }
 
 void dt_touched_note_end(struct dt *t, uint32_t id)

@@ -98,14 +98,6 @@ static bool reserve_ring(struct dt_alpha *a, uint32_t degree)
     return a->ring != NULL;
 }
 
-static enum dt_status put_turn(struct dt_alpha *a, struct turn turn)
-{
-    enum dt_status s = dt_items_reserve(&a->turn, a->turns + 1, &a->turn_cap, sizeof *a->turn);
-    if (s == DT_OK)
-        a->turn[a->turns++] = turn;
-    return s;
-}
-
 /* The turns at a point with this ring: of each fan from its first edge, ccw, to its last one. */
 static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point q,
                                 const uint32_t *ring, uint32_t n)
@@ -117,7 +109,8 @@ static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point
         uint32_t k = i;
         while (a->ring[k].in)
             k = k + 1 < n ? k + 1 : 0;
-        s = put_turn(a, (struct turn){at, ring[k], ring[i], 0, q});
+        s = dt_items_append(&a->turn, &a->turns, &a->turn_cap,
+                            &(struct turn){at, ring[k], ring[i], 0, q}, sizeof *a->turn);
     }
     return s;
 }

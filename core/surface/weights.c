@@ -48,7 +48,7 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 #define F(name) name##_double2
 #define DIFFERENCE(a, b) dt_double2_difference(a, b)
 #define PLUS(a, b) dt_double2_add(a, b)
-#define MINUS(a, b) dt_double2_add(a, dt_double2_negate(b))
+#define MINUS(a, b) dt_double2_subtract(a, b)
 #define TIMES(a, b) dt_double2_multiply(a, b)
 #define OVER(a, b) dt_double2_divide(a, b)
 #define ROUGH(a) ((a).hi)
@@ -84,14 +84,10 @@ void dt_weigher_clear(struct dt_weigher *w)
     *w = (struct dt_weigher){0};
 }
 
-/* The array with room for n items; as it was, and *all is false, if there is no memory. */
-static void *grown(void *array, size_t n, size_t size, bool *all)
+/* Room for `cap` items of the array. */
+static bool fits(const struct dt_weigher *w, void *array, size_t cap, size_t size)
 {
-    void *larger = realloc(array, n * size);
-    if (larger != NULL)
-        return larger;
-    *all = false;
-    return array;
+    return dt_items_reserve(array, cap, &(size_t){w->cap}, size) == DT_OK;
 }
 
 /* Makes room for one more step, the point that it may add, and what it puts on the stack. */
@@ -100,13 +96,12 @@ static bool reserve(struct dt_weigher *w)
     if (w->steps < w->cap)
         return true;
     size_t cap = w->cap == 0 ? 16 : 2 * (size_t)w->cap;
-    bool all = true;
-    w->id = grown(w->id, cap, sizeof *w->id, &all);
-    w->weight = grown(w->weight, cap, sizeof *w->weight, &all);
-    w->step = grown(w->step, cap, sizeof *w->step, &all);
-    w->turn = grown(w->turn, 2 * cap + 3, sizeof *w->turn, &all);
-    w->cap = all ? (uint32_t)cap : w->cap;
-    return all;
+    if (!fits(w, &w->id, cap, sizeof *w->id) || !fits(w, &w->weight, cap, sizeof *w->weight) ||
+        !fits(w, &w->step, cap, sizeof *w->step) ||
+        !fits(w, &w->turn, 2 * cap + 3, sizeof *w->turn))
+        return false;
+    w->cap = (uint32_t)cap;
+    return true;
 }
 
 /* ---- the tour ---- */
