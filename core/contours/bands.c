@@ -65,7 +65,7 @@ enum dt_status dt_bands_begin(const struct dt *t, const struct dt_view *v, const
 
 enum dt_status dt_bands_inside(struct dt_bands *b, const struct dt *t, uint32_t number)
 {
-    return dt_reading_inside(&b->read, t, number);
+    return dt_pass_inside(&b->read.pass, t, number);
 }
 
 /* The most that a triangle, or an edge of the border, adds to an array. */
@@ -74,6 +74,7 @@ static size_t at_once(const struct dt_bands *b)
     return (size_t)b->read.levels + 4;
 }
 
+/* The room that it has at most after make_room. */
 static size_t cap_for(const struct dt_bands *b, size_t n, size_t cap)
 {
     return n + NEW + at_once(b) <= cap ? cap : cap + cap / 2 + NEW + at_once(b);
@@ -82,15 +83,8 @@ static size_t cap_for(const struct dt_bands *b, size_t n, size_t cap)
 /* Makes room for NEW more, and for those that a triangle adds. */
 static bool grow(const struct dt_bands *b, void *array, size_t n, size_t *cap, size_t size)
 {
-    void **v = array, *more;
-    size_t to = cap_for(b, n, *cap);
-    if (to == *cap)
-        return true;
-    if (to >= DT_NONE / 4 || (more = realloc(*v, to * size)) == NULL)
-        return false;
-    *v = more;
-    *cap = to;
-    return true;
+    size_t need = n + NEW + at_once(b);
+    return need < DT_NONE / 4 && dt_items_reserve(array, need, cap, size) == DT_OK;
 }
 
 static enum dt_status make_room(struct dt_bands *b)
@@ -349,8 +343,7 @@ static enum dt_status take_gap(struct dt_bands *b, const struct dt *t, uint32_t 
 static enum dt_status read_border(const struct dt *t, struct dt_bands *b, bool *done)
 {
     const struct dt_mesh *m = &t->mesh;
-    uint32_t end =
-        m->tri_end - b->record < DT_READ_RECORDS ? m->tri_end : b->record + DT_READ_RECORDS;
+    uint32_t end = m->tri_end - b->record < DT_READ_PIECE ? m->tri_end : b->record + DT_READ_PIECE;
     bool whole = dt_reading_is_whole(&b->read);
     enum dt_status s = DT_OK;
     while (s == DT_OK && b->record < end && has_room(b)) {
@@ -387,7 +380,7 @@ static enum dt_status take_star(struct dt_bands *b, const struct dt *t, uint32_t
 
 static enum dt_status read_border_then(const struct dt *t, struct dt_bands *b, bool *done)
 {
-    const struct dt_view *v = b->read.view;
+    const struct dt_view *v = b->read.pass.view;
     struct dt_neighbours around = {0};
     struct dt_stars stars;
     enum dt_status s = DT_OK;
@@ -439,14 +432,14 @@ static enum dt_status read_piece(const struct dt *t, struct dt_bands *b, bool *d
     b->most = b->crossings + b->borders + NEW;
     if (b->stage == DT_BANDS_TRIANGLES)
         return dt_reading_visit(t, &b->read, take, b, done);
-    return b->read.tabled ? read_border_then(t, b, done) : read_border(t, b, done);
+    return b->read.pass.tabled ? read_border_then(t, b, done) : read_border(t, b, done);
 }
 
 enum dt_status dt_bands_read(const struct dt *t, struct dt_bands *b, bool *done)
 {
     bool stage_done = false;
-    enum dt_status s = dt_reading_check(t, &b->read);
-    if (s == DT_OK && b->stage != DT_BANDS_READ && dt_reading_is_late(t, &b->read))
+    enum dt_status s = dt_pass_check(&b->read.pass, t);
+    if (s == DT_OK && b->stage != DT_BANDS_READ && dt_pass_is_late(&b->read.pass, t))
         begin_again(b);
     if (s == DT_OK && b->stage != DT_BANDS_READ)
         s = read_piece(t, b, &stage_done);

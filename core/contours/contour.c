@@ -72,7 +72,7 @@ enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
 
 enum dt_status dt_contour_inside(struct dt_contour *c, const struct dt *t, uint32_t number)
 {
-    return dt_reading_inside(&c->read, t, number);
+    return dt_pass_inside(&c->read.pass, t, number);
 }
 
 /* ---- crossings ---- */
@@ -133,15 +133,8 @@ static enum dt_status cross(void *ctx, const struct dt *t, const uint32_t id[3],
 static enum dt_status make_room(struct dt_contour *c)
 {
     c->most = c->n + NEW;
-    if (c->most <= c->cap)
-        return DT_OK;
-    size_t cap = c->cap + c->cap / 2 + NEW;
-    struct crossing *more = cap < DT_NONE ? realloc(c->crossing, cap * sizeof *more) : NULL;
-    if (more == NULL)
-        return DT_NOMEM;
-    c->crossing = more;
-    c->cap = cap;
-    return DT_OK;
+    return c->most < DT_NONE ? dt_items_reserve(&c->crossing, c->most, &c->cap, sizeof *c->crossing)
+                             : DT_NOMEM;
 }
 
 static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
@@ -157,8 +150,8 @@ static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
 
 enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done)
 {
-    enum dt_status s = dt_reading_check(t, &c->read);
-    if (s == DT_OK && c->stage == TRIANGLES && dt_reading_is_late(t, &c->read))
+    enum dt_status s = dt_pass_check(&c->read.pass, t);
+    if (s == DT_OK && c->stage == TRIANGLES && dt_pass_is_late(&c->read.pass, t))
         c->n = c->sub = 0;
     if (s == DT_OK && c->stage == TRIANGLES)
         s = read_triangles(t, c);

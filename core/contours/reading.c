@@ -2,8 +2,6 @@
 #include "core/contours/reading.h"
 
 #include "core/exact/predicates.h"
-#include "core/mesh/fixed.h"
-#include "core/query/query.h"
 #include "core/set/view_rows.h"
 
 #include <stdlib.h>
@@ -13,10 +11,9 @@ enum dt_status dt_reading_begin(struct dt_reading *r, const struct dt *t, const 
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge)
 {
-    enum dt_status s = dt_view_readable(t, v, true);
+    enum dt_status s = dt_pass_begin(&r->pass, t, v);
     if (s != DT_OK)
         return s;
-    r->view = v;
     r->field = f;
     r->levels = levels;
     r->max_edge = max_edge;
@@ -27,35 +24,13 @@ enum dt_status dt_reading_begin(struct dt_reading *r, const struct dt *t, const 
         return DT_NOMEM;
     if (levels > 0)
         memcpy(r->level, level, levels * sizeof *level);
-    return dt_table_begin(t, v, DT_TRIANGLES, false, &r->cursor);
+    return DT_OK;
 }
 
 void dt_reading_clear(struct dt_reading *r)
 {
     free(r->level);
     free(r->class);
-}
-
-enum dt_status dt_reading_inside(struct dt_reading *r, const struct dt *t, uint32_t number)
-{
-    if (dt_view_if_changed(t, r->view) != NULL)
-        return DT_UNSURVEYED;
-    r->inside = true;
-    return dt_enclosure_of(t, number, &r->enclosure);
-}
-
-enum dt_status dt_reading_check(const struct dt *t, const struct dt_reading *r)
-{
-    enum dt_status s = dt_view_readable(t, r->view, true);
-    return s == DT_OK && r->inside && dt_view_if_changed(t, r->view) != NULL ? DT_UNSURVEYED : s;
-}
-
-bool dt_reading_is_late(const struct dt *t, struct dt_reading *r)
-{
-    if (r->tabled || dt_view_if_changed(t, r->view) == NULL)
-        return false;
-    r->tabled = true;
-    return true;
 }
 
 /* ---- classes ---- */
@@ -80,10 +55,10 @@ static uint32_t class_of(struct dt_reading *r, double z)
 
 bool dt_reading_classes(struct dt_reading *r)
 {
-    uint32_t end = r->ids - r->from < DT_READ_RECORDS ? r->ids : r->from + DT_READ_RECORDS;
+    uint32_t end = r->ids - r->from < DT_READ_PIECE ? r->ids : r->from + DT_READ_PIECE;
     while (r->from < end) {
         uint64_t at = r->from;
-        const double *page = dt_field_page(r->field, r->view, &at);
+        const double *page = dt_field_page(r->field, r->pass.view, &at);
         for (; r->from < end && (page == NULL || r->from < at); r->gaps = true)
             r->class[r->from++] = DT_CLASS;
         for (uint32_t i = 0; r->from < end && i < DT_FIELD_PAGE; i++)
@@ -94,20 +69,14 @@ bool dt_reading_classes(struct dt_reading *r)
 
 /* ---- triangles ---- */
 
-/* Whether a triangle, not a dead one, is inside the borders at which the surface ends. */
-static bool is_inside(const struct dt_reading *r, const struct dt_mesh *m, uint32_t record)
-{
-    return !r->inside || dt_encloses(&r->enclosure, dt_face(m, 8 * record));
-}
-
 enum { AHEAD = 16 };
 
 /* Fetches the classes of the triangle that is AHEAD. */
 static void fetch_ahead(const struct dt *t, const struct dt_reading *r)
 {
     const struct dt_mesh *m = &t->mesh;
-    const uint32_t *v = m->half + 8 * ((size_t)r->record + AHEAD);
-    if (r->record + AHEAD >= m->tri_end || v[2] >= DT_DEAD)
+    const uint32_t *v = m->half + 8 * ((size_t)r->pass.record + AHEAD);
+    if (r->pass.record + AHEAD >= m->tri_end || v[2] >= DT_DEAD)
         return;
     for (int k = 0; k < 3; k++)
         dt_fetch(&r->class[t->points.id[v[k]]]);
@@ -118,47 +87,36 @@ static enum dt_status visit_mesh(const struct dt *t, struct dt_reading *r, dt_ta
 {
     const struct dt_mesh *m = &t->mesh;
     const uint32_t *id = t->points.id;
-    uint32_t end =
-        m->tri_end - r->record < DT_READ_RECORDS ? m->tri_end : r->record + DT_READ_RECORDS;
     enum dt_status s = DT_OK;
     bool whole = true;
-    while (s == DT_OK && whole && r->record < end) {
-        const uint32_t *v = m->half + 8 * (size_t)r->record;
+    dt_pass_piece(&r->pass, m);
+    for (uint32_t h; s == DT_OK && whole && dt_pass_next(&r->pass, m, &h);) {
+        const uint32_t *v = m->half + h;
         fetch_ahead(t, r);
-        if (v[2] < DT_DEAD && is_inside(r, m, r->record)) /* no ghost either */
-            s = take(ctx, t, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]}, &whole);
-        r->record += whole;
+        s = take(ctx, t, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]}, &whole);
+        r->pass.record -= !whole;
     }
-    *done = s == DT_OK && r->record == m->tri_end;
+    *done = s == DT_OK && r->pass.record == m->tri_end;
     return s;
 }
 
 static enum dt_status visit_table(const struct dt *t, struct dt_reading *r, dt_take_triangle *take,
                                   void *ctx, bool *done)
 {
-    size_t rows = 1;
     bool whole = true;
-    enum dt_status s = DT_OK;
-    if (r->at == r->end) {
-        s = dt_table_read(t, &r->cursor, r->triangle, 3 * DT_READ_PIECE, DT_READ_PIECE, &rows,
-                          &r->end);
-        r->at = 0;
-        if (s == DT_TOOLONG) /* the next call goes on */
-            return DT_OK;
+    enum dt_status s = dt_pass_read(&r->pass, t, done);
+    for (const uint32_t *row; s == DT_OK && whole && (row = dt_pass_row(&r->pass)) != NULL;) {
+        s = take(ctx, t, row, &whole);
+        r->pass.at -= whole ? 0 : 3;
     }
-    while (s == DT_OK && whole && r->at < r->end) {
-        s = take(ctx, t, &r->triangle[r->at], &whole);
-        r->at += whole ? 3 : 0;
-    }
-    *done = s == DT_OK && rows == 0;
+    *done = *done && s == DT_OK;
     return s;
 }
 
 enum dt_status dt_reading_visit(const struct dt *t, struct dt_reading *r, dt_take_triangle *take,
                                 void *ctx, bool *done)
 {
-    *done = false;
-    return r->tabled ? visit_table(t, r, take, ctx, done) : visit_mesh(t, r, take, ctx, done);
+    return r->pass.tabled ? visit_table(t, r, take, ctx, done) : visit_mesh(t, r, take, ctx, done);
 }
 
 enum dt_status dt_reading_corners(const struct dt *t, const struct dt_reading *r,
@@ -166,13 +124,13 @@ enum dt_status dt_reading_corners(const struct dt *t, const struct dt_reading *r
 {
     double z[3];
     enum dt_status s = DT_OK;
-    dt_field_values(r->field, r->view, id, (size_t)n, z);
+    dt_field_values(r->field, r->pass.view, id, (size_t)n, z);
     for (int k = 0; k < n && s == DT_OK; k++) {
         corner[k].id = id[k];
         corner[k].class = dt_class(r, id[k]);
         corner[k].marked = (r->class[id[k]] & DT_CLASS_MARK) != 0;
         corner[k].z = z[k];
-        s = dt_view_get(t, r->view, id[k], &corner[k].p);
+        s = dt_view_get(t, r->pass.view, id[k], &corner[k].p);
     }
     return s;
 }
@@ -192,14 +150,14 @@ bool dt_reading_has_ids(const struct dt *t, const struct dt_reading *r, const ui
         if (dt_class(r, id[k]) == DT_CLASS)
             return false;
     for (int k = 0; r->max_edge < HUGE_VAL && k < 3; k++)
-        corner[k].p = dt_view_place(t, r->view, id[k]);
+        corner[k].p = dt_view_place(t, r->pass.view, id[k]);
     return dt_reading_is_short(r, corner);
 }
 
 bool dt_reading_has(const struct dt *t, const struct dt_reading *r, uint32_t record)
 {
     const uint32_t *v = t->mesh.half + 8 * (size_t)record, *id = t->points.id;
-    return v[2] < DT_DEAD && is_inside(r, &t->mesh, record) &&
+    return v[2] < DT_DEAD && dt_pass_counts(&r->pass, &t->mesh, 8 * record) &&
            dt_reading_has_ids(t, r, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]});
 }
 

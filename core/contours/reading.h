@@ -2,21 +2,16 @@
  * view.
  *
  * First the class of every point is computed, the number of levels that are not above its value. Then most
- * triangles, whose corners have the same class, cost three look-ups. The result must not depend on the order of the
- * triangles, so they are read as they lie in memory. If an edit changes the mesh, the reader begins again with the table
- * of the view. */
+ * triangles, whose corners have the same class, cost three look-ups. */
 #ifndef DT_READING_H
 #define DT_READING_H
 
 #include "core/delaunay_surface.h"
-#include "core/set/set.h"
+#include "core/triangle/pass.h"
 
 #include <math.h>
 
-enum {
-    DT_READ_PIECE = 4096,   /* triangles of the table */
-    DT_READ_RECORDS = 16384 /* values, or triangles as they lie in memory */
-};
+enum { DT_READ_PIECE = 16384 }; /* values, or triangles of which few are read */
 
 /* In the class of a point: the value is a level, or the surface is not a disc around the point (bands.c marks those).
  * A point without a value has the class DT_CLASS. */
@@ -24,21 +19,14 @@ enum {
 #define DT_CLASS 0x7fffffffu
 
 struct dt_reading {
-    const struct dt_view *view;   /* borrows */
+    struct dt_pass pass;          /* its callers check it */
     const struct dt_field *field; /* borrows */
     double *level;                /* owns */
     uint32_t levels;
     double max_edge;
-    bool inside; /* the surface ends at borders */
-    struct dt_enclosure enclosure;
     uint32_t *class; /* owns ids */
     uint32_t ids, from;
-    bool gaps;       /* some id has no value, so the surface may lack triangles */
-    bool tabled;     /* triangles are read from the table */
-    uint32_t record; /* the next one of the mesh */
-    struct dt_cursor cursor;
-    uint32_t triangle[3 * DT_READ_PIECE]; /* of the table: up to `end`, and `at` is next */
-    size_t at, end;
+    bool gaps; /* some id has no value, so the surface may lack triangles */
 };
 
 /* Copies the levels, which are ascending. DT_NOMEM and errors of dt_view_readable leave it to be cleared. *r is zeroed. */
@@ -46,15 +34,6 @@ enum dt_status dt_reading_begin(struct dt_reading *r, const struct dt *t, const 
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge);
 void dt_reading_clear(struct dt_reading *r);
-
-/* The surface ends at the border of the number, as dt_contour_inside. */
-enum dt_status dt_reading_inside(struct dt_reading *r, const struct dt *t, uint32_t number);
-
-/* Whether the next piece can be read. DT_UNSURVEYED: the set was edited, and the surface ends at borders. */
-enum dt_status dt_reading_check(const struct dt *t, const struct dt_reading *r);
-
-/* Whether the mesh is not that of the view any more, for the first time: from now on the table is read. */
-bool dt_reading_is_late(const struct dt *t, struct dt_reading *r);
 
 /* Reads the classes of the next points; true: of all. */
 bool dt_reading_classes(struct dt_reading *r);
@@ -76,7 +55,7 @@ enum dt_status dt_reading_visit(const struct dt *t, struct dt_reading *r, dt_tak
 /* Whether the surface has all triangles. */
 static inline bool dt_reading_is_whole(const struct dt_reading *r)
 {
-    return !r->gaps && !r->inside && r->max_edge == HUGE_VAL;
+    return !r->gaps && !r->pass.inside && r->max_edge == HUGE_VAL;
 }
 
 /* Whether the surface has the triangle in this record of the mesh. */

@@ -1,34 +1,20 @@
 /* measure.c - the distribution of the triangles' angles, as of the moment of a view; see core/delaunay_constraints.h.
  *
- * Nothing depends on the order of the triangles: counts, extremes, and an area that is an exact sum. So triangles are read as they lie
- * in memory. If an edit changes the mesh, reading begins again with the table of the view. The area is summed up along the edges of
- * what counts; of the table, along all edges, where those between two triangles cancel out. */
+ * Nothing depends on the order of the triangles: counts, extremes, and an area that is an exact sum. The area is summed up along the
+ * edges of what counts; of the table, along all edges, where those between two triangles cancel out. */
 #include "core/exact/sum.h"
-#include "core/mesh/fixed.h"
-#include "core/query/query.h"
 #include "core/refining/angles.h"
-#include "core/set/set.h"
 #include "core/set/view_rows.h"
+#include "core/triangle/pass.h"
 
 #include <stdlib.h>
 
-enum {
-    PIECE = 1024,  /* triangles of the table */
-    RECORDS = 8192 /* triangles as they lie in memory */
-};
-
 struct dt_measure {
-    const struct dt_view *view; /* borrows */
-    bool inside;
-    struct dt_enclosure enclosure; /* of what is inside */
-    bool tabled;                   /* triangles are read from the table */
-    uint32_t record;               /* the next one of the mesh */
-    struct dt_cursor cursor;
+    struct dt_pass pass;
     double cosine2[DT_ANGLE_BINS]; /* of the lower end of each bin */
     struct dt_shapes out;          /* but for area and angles; squares of lengths */
     struct dt_sum area;            /* twice */
     struct dt_angles angles;
-    uint32_t triangle[3 * PIECE];
 };
 
 void dt_measure_free(struct dt_measure *m)
@@ -51,31 +37,23 @@ static void begin_to_count(struct dt_measure *m)
 enum dt_status dt_measure_begin(const struct dt *t, const struct dt_view *view,
                                 struct dt_measure **out)
 {
-    *out = NULL;
-    enum dt_status s = dt_view_readable(t, view, true);
-    if (s != DT_OK)
-        return s;
-    struct dt_measure *m = calloc(1, sizeof *m);
+    struct dt_measure *m = *out = calloc(1, sizeof *m);
     if (m == NULL)
         return DT_NOMEM;
-    m->view = view;
     for (int k = 0; k < DT_ANGLE_BINS; k++)
         m->cosine2[k] = dt_cosine2(k * DT_ANGLE_BIN);
     begin_to_count(m);
-    s = dt_table_begin(t, view, DT_TRIANGLES, false, &m->cursor);
-    if (s == DT_OK)
-        *out = m;
-    else
+    enum dt_status s = dt_pass_begin(&m->pass, t, view);
+    if (s != DT_OK) {
         free(m);
+        *out = NULL;
+    }
     return s;
 }
 
 enum dt_status dt_measure_inside(struct dt_measure *m, const struct dt *t, uint32_t number)
 {
-    if (dt_view_if_changed(t, m->view) != NULL)
-        return DT_UNSURVEYED;
-    m->inside = true;
-    return dt_enclosure_of(t, number, &m->enclosure);
+    return dt_pass_inside(&m->pass, t, number);
 }
 
 /* ---- triangles ---- */
@@ -108,19 +86,15 @@ static void add_triangle(struct dt_measure *m, const struct dt_point p[3])
 
 static bool counts(const struct dt_measure *m, const struct dt_mesh *mesh, uint32_t h)
 {
-    return !dt_is_ghost(mesh, h) &&
-           (!m->inside || dt_encloses(&m->enclosure, dt_face(mesh, dt_base(h))));
+    return !dt_is_ghost(mesh, h) && dt_pass_counts(&m->pass, mesh, h);
 }
 
 static void read_mesh(const struct dt *t, struct dt_measure *m, bool *done)
 {
     const struct dt_mesh *mesh = &t->mesh;
     const struct dt_point *xy = t->points.xy;
-    uint32_t end = mesh->tri_end - m->record < RECORDS ? mesh->tri_end : m->record + RECORDS;
-    for (; m->record < end; m->record++) {
-        uint32_t h = 8 * m->record;
-        if (dt_is_dead(mesh, h) || !counts(m, mesh, h))
-            continue;
+    dt_pass_piece(&m->pass, mesh);
+    for (uint32_t h; dt_pass_next(&m->pass, mesh, &h);) {
         const uint32_t *v = mesh->half + h;
         const struct dt_point p[] = {xy[v[0]], xy[v[1]], xy[v[2]], xy[v[0]]};
         add_triangle(m, p);
@@ -128,41 +102,35 @@ static void read_mesh(const struct dt *t, struct dt_measure *m, bool *done)
             if (!counts(m, mesh, dt_twin(mesh, h + k)))
                 dt_sum_cross(&m->area, p[k], p[k + 1]);
     }
-    *done = m->record == mesh->tri_end;
+    *done = m->pass.record == mesh->tri_end;
 }
 
 static enum dt_status read_table(const struct dt *t, struct dt_measure *m, bool *done)
 {
-    size_t rows, words;
-    enum dt_status s = dt_table_read(t, &m->cursor, m->triangle, 3 * PIECE, PIECE, &rows, &words);
-    if (s == DT_TOOLONG) /* the next call goes on */
-        return DT_OK;
-    for (size_t at = 0; s == DT_OK && at < words; at += 3) {
+    enum dt_status s = dt_pass_read(&m->pass, t, done);
+    for (const uint32_t *row; s == DT_OK && (row = dt_pass_row(&m->pass)) != NULL;) {
         struct dt_point p[4];
-        for (size_t k = 0; k < 3; k++)
-            p[k] = dt_view_place(t, m->view, m->triangle[at + k]);
-        p[3] = p[0];
+        for (size_t k = 0; k < 4; k++)
+            p[k] = dt_view_place(t, m->pass.view, row[k % 3]);
         add_triangle(m, p);
         for (size_t k = 0; k < 3; k++)
             dt_sum_cross(&m->area, p[k], p[k + 1]);
     }
-    *done = s == DT_OK && rows == 0;
     return s;
 }
 
 enum dt_status dt_measure_read(const struct dt *t, struct dt_measure *m, bool *done)
 {
-    enum dt_status s = dt_view_readable(t, m->view, true);
+    enum dt_status s = dt_pass_check(&m->pass, t);
     *done = false;
-    if (s == DT_OK && !m->tabled && dt_view_if_changed(t, m->view) != NULL) {
-        m->tabled = true;
+    if (s != DT_OK)
+        return s;
+    if (dt_pass_is_late(&m->pass, t))
         begin_to_count(m);
-    }
-    if (s == DT_OK && m->tabled)
-        return m->inside ? DT_UNSURVEYED : read_table(t, m, done);
-    if (s == DT_OK)
-        read_mesh(t, m, done);
-    return s;
+    if (m->pass.tabled)
+        return read_table(t, m, done);
+    read_mesh(t, m, done);
+    return DT_OK;
 }
 
 void dt_measure_end(struct dt_measure *m, struct dt_shapes *out)

@@ -12,14 +12,12 @@
 #include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
-#include "core/set/set.h"
 #include "core/set/view_rows.h"
+#include "core/triangle/pass.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { PIECE = 1024 /* triangles that are read at once */ };
 
 #define ROUGH 0x1p-30        /* error of a rounded radius */
 #define RADIUS_MOST 0x1p1020 /* more than any circumradius, which is below 2^997 */
@@ -32,8 +30,7 @@ struct entry {
 };
 
 struct dt_alpha_auto {
-    const struct dt_view *view; /* borrows; NULL: now */
-    struct dt_cursor cursor;
+    struct dt_pass pass;    /* of the table alone */
     uint32_t ids;           /* those that were given out */
     uint32_t points;        /* representatives */
     uint32_t triangles, n;  /* of the set; read so far */
@@ -63,7 +60,6 @@ enum dt_status dt_alpha_auto_begin(const struct dt *t, const struct dt_view *v,
         dt_summary(t, &sum);
     else
         dt_view_summary(v, &sum);
-    a->view = v;
     a->ids = v == NULL ? t->points.next_id : dt_view_next_id(v);
     a->points = sum.points - sum.coincident;
     a->triangles = sum.triangles;
@@ -72,7 +68,7 @@ enum dt_status dt_alpha_auto_begin(const struct dt *t, const struct dt_view *v,
     if (a->corner == NULL || a->place == NULL)
         s = DT_NOMEM;
     else
-        s = dt_table_begin(t, v, DT_TRIANGLES, false, &a->cursor);
+        s = dt_pass_begin(&a->pass, t, v);
     if (s == DT_OK)
         *out = a;
     else
@@ -82,17 +78,12 @@ enum dt_status dt_alpha_auto_begin(const struct dt *t, const struct dt_view *v,
 
 enum dt_status dt_alpha_auto_read(const struct dt *t, struct dt_alpha_auto *a, bool *done)
 {
-    size_t rows, words;
-    uint32_t row[3 * PIECE];
-    enum dt_status s = dt_table_read(t, &a->cursor, row, 3 * PIECE, PIECE, &rows, &words);
-    *done = s == DT_OK && rows == 0;
-    if (s == DT_TOOLONG) /* the next call goes on */
-        return DT_OK;
-    for (size_t i = 0; s == DT_OK && i < words; i++) {
-        a->corner[3 * (size_t)a->n + i] = row[i];
-        a->place[row[i]] = dt_view_place(t, a->view, row[i]);
-    }
-    a->n += s == DT_OK ? (uint32_t)rows : 0;
+    enum dt_status s = dt_pass_read(&a->pass, t, done);
+    for (const uint32_t *row; s == DT_OK && (row = dt_pass_row(&a->pass)) != NULL; a->n++)
+        for (size_t k = 0; k < 3; k++) {
+            a->corner[3 * (size_t)a->n + k] = row[k];
+            a->place[row[k]] = dt_view_place(t, a->pass.view, row[k]);
+        }
     return s;
 }
 

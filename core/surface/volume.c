@@ -27,11 +27,10 @@
 #include "core/exact/box.h"
 #include "core/exact/sum.h"
 #include "core/exact/vectors.h"
-#include "core/mesh/fixed.h"
 #include "core/query/query.h"
-#include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/triangle/clip.h"
+#include "core/triangle/pass.h"
 
 #include "core/delaunay_surface.h"
 
@@ -39,28 +38,22 @@
 #include <stdlib.h>
 
 enum {
-    PIECE = 4096,    /* triangles of the table */
-    RECORDS = 16384, /* heights, or triangles as they lie in memory */
-    SOME = 256       /* heights whose ids are on the stack */
+    PIECE = 16384, /* heights */
+    SOME = 256     /* heights whose ids are on the stack */
 };
 
-enum stage { HEIGHTS, MESH, TABLE, READ };
+enum stage { HEIGHTS, TRIANGLES, READ };
 
 struct dt_volume {
-    const struct dt_view *view;           /* borrows */
+    struct dt_pass pass;
     const struct dt_field *field, *minus; /* borrows; minus: NULL for the level */
     double level, scale;                  /* of values, so that no difference is infinite */
-    bool clipped, inside;
-    struct dt_point lo, hi;        /* of the box, if clipped */
-    struct dt_enclosure enclosure; /* of what is inside */
+    bool clipped;
+    struct dt_point lo, hi; /* of the box, if clipped */
     enum stage stage;
-    bool by_id;     /* heights are: once the set has been edited; until then they are by vertex */
-    double *height; /* owns `room`: scaled */
+    double *height; /* owns `room`: scaled; by vertex, but by id for the table */
     uint32_t room, from;
-    uint32_t record; /* the next one of the mesh */
-    struct dt_cursor cursor;
     struct dt_wide_sum above, below, area; /* six times the volumes, scaled; twice the area */
-    uint32_t triangle[3 * PIECE];
 };
 
 void dt_volume_free(struct dt_volume *v)
@@ -91,25 +84,20 @@ enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
                                const struct dt_field *field, const struct dt_field *minus,
                                double level, struct dt_volume **out)
 {
-    *out = NULL;
-    enum dt_status s = dt_view_readable(t, view, true);
-    if (s != DT_OK)
-        return s;
-    struct dt_volume *v = calloc(1, sizeof *v);
+    struct dt_volume *v = *out = calloc(1, sizeof *v);
     if (v == NULL)
         return DT_NOMEM;
-    v->view = view;
     v->field = field;
     v->minus = minus;
     v->scale = scale_for(field, minus, level);
     v->level = level * v->scale;
     v->room = view == NULL ? t->points.next_id : dt_view_next_id(view);
     v->height = malloc(v->room * sizeof *v->height + 1);
-    s = v->height == NULL ? DT_NOMEM : dt_table_begin(t, view, DT_TRIANGLES, false, &v->cursor);
-    if (s == DT_OK)
-        *out = v;
-    else
+    enum dt_status s = v->height == NULL ? DT_NOMEM : dt_pass_begin(&v->pass, t, view);
+    if (s != DT_OK) {
         dt_volume_free(v);
+        *out = NULL;
+    }
     return s;
 }
 
@@ -127,10 +115,7 @@ void dt_volume_clip(struct dt_volume *v, struct dt_point lo, struct dt_point hi)
 
 enum dt_status dt_volume_inside(struct dt_volume *v, const struct dt *t, uint32_t number)
 {
-    if (dt_view_if_changed(t, v->view) != NULL)
-        return DT_UNSURVEYED;
-    v->inside = true;
-    return dt_enclosure_of(t, number, &v->enclosure);
+    return dt_pass_inside(&v->pass, t, number);
 }
 
 /* ---- heights ---- */
@@ -139,9 +124,9 @@ enum dt_status dt_volume_inside(struct dt_volume *v, const struct dt *t, uint32_
 static void read_some(struct dt_volume *v, const uint32_t *id, uint32_t n)
 {
     double *height = v->height + v->from, low[SOME];
-    dt_field_values(v->field, v->view, id, n, height);
+    dt_field_values(v->field, v->pass.view, id, n, height);
     if (v->minus != NULL)
-        dt_field_values(v->minus, v->view, id, n, low);
+        dt_field_values(v->minus, v->pass.view, id, n, low);
     for (uint32_t i = 0; i < n; i++)
         height[i] = height[i] * v->scale - (v->minus == NULL ? v->level : low[i] * v->scale);
     v->from += n;
@@ -149,15 +134,16 @@ static void read_some(struct dt_volume *v, const uint32_t *id, uint32_t n)
 
 static void read_heights(const struct dt *t, struct dt_volume *v)
 {
-    uint32_t all = v->by_id ? v->room : t->points.end, id[SOME];
-    for (uint32_t done = 0; done < RECORDS && v->from < all; done += SOME) {
+    bool by_id = v->pass.tabled;
+    uint32_t all = by_id ? v->room : t->points.end, id[SOME];
+    for (uint32_t done = 0; done < PIECE && v->from < all; done += SOME) {
         uint32_t n = all - v->from < SOME ? all - v->from : SOME;
         for (uint32_t i = 0; i < n; i++)
-            id[i] = v->by_id ? v->from + i : t->points.id[v->from + i];
+            id[i] = by_id ? v->from + i : t->points.id[v->from + i];
         read_some(v, id, n);
     }
     if (v->from == all)
-        v->stage = v->by_id ? TABLE : MESH;
+        v->stage = TRIANGLES;
 }
 
 /* ---- triangles ---- */
@@ -268,9 +254,9 @@ static void add_scaled(struct dt_wide_sum *sum, const struct dt_scaled *part)
 static void add_part(struct dt_volume *v, const struct dt_point p[3], const uint32_t id[3])
 {
     struct dt_slab slab = {.p = {p[0], p[1], p[2]}};
-    dt_field_values(v->field, v->view, id, 3, slab.top);
+    dt_field_values(v->field, v->pass.view, id, 3, slab.top);
     if (v->minus != NULL)
-        dt_field_values(v->minus, v->view, id, 3, slab.base);
+        dt_field_values(v->minus, v->pass.view, id, 3, slab.base);
     for (int k = 0; k < 3; k++) {
         slab.top[k] *= v->scale;
         slab.base[k] = v->minus == NULL ? v->level : slab.base[k] * v->scale;
@@ -306,49 +292,46 @@ static void read_record(const struct dt *t, struct dt_volume *v, const uint32_t 
         add_in_box(v, p, h, row);
 }
 
-static bool counts(const struct dt_volume *v, const struct dt_mesh *m, uint32_t record)
+static void read_mesh(const struct dt *t, struct dt_volume *v, bool *done)
 {
-    return !v->inside || dt_encloses(&v->enclosure, dt_face(m, 8 * record));
+    dt_pass_piece(&v->pass, &t->mesh);
+    for (uint32_t h; dt_pass_next(&v->pass, &t->mesh, &h);)
+        read_record(t, v, t->mesh.half + h);
+    *done = v->pass.record == t->mesh.tri_end;
 }
 
-static void read_mesh(const struct dt *t, struct dt_volume *v)
+static enum dt_status read_table(const struct dt *t, struct dt_volume *v, bool *done)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t end = m->tri_end - v->record < RECORDS ? m->tri_end : v->record + RECORDS;
-    for (; v->record < end; v->record++) {
-        const uint32_t *corner = m->half + 8 * (size_t)v->record;
-        if (corner[2] < DT_DEAD && counts(v, m, v->record)) /* no ghost either */
-            read_record(t, v, corner);
-    }
-    if (v->record == m->tri_end)
-        v->stage = READ;
-}
-
-static enum dt_status read_table(const struct dt *t, struct dt_volume *v)
-{
-    size_t rows, words;
-    enum dt_status s = dt_table_read(t, &v->cursor, v->triangle, 3 * PIECE, PIECE, &rows, &words);
-    if (s == DT_TOOLONG) /* the next call goes on */
-        return DT_OK;
-    for (size_t at = 0; s == DT_OK && at < words; at += 3) {
+    enum dt_status s = dt_pass_read(&v->pass, t, done);
+    for (const uint32_t *row; s == DT_OK && (row = dt_pass_row(&v->pass)) != NULL;) {
         struct dt_point p[3];
         double h[3];
         for (size_t k = 0; k < 3; k++) {
-            p[k] = dt_view_place(t, v->view, v->triangle[at + k]);
-            h[k] = v->height[v->triangle[at + k]];
+            p[k] = dt_view_place(t, v->pass.view, row[k]);
+            h[k] = v->height[row[k]];
         }
         if (!isnan(h[0] + h[1] + h[2]))
-            add_in_box(v, p, h, &v->triangle[at]);
+            add_in_box(v, p, h, row);
     }
-    if (s == DT_OK && rows == 0)
+    return s;
+}
+
+static enum dt_status read_triangles(const struct dt *t, struct dt_volume *v)
+{
+    bool done;
+    enum dt_status s = DT_OK;
+    if (v->pass.tabled)
+        s = read_table(t, v, &done);
+    else
+        read_mesh(t, v, &done);
+    if (s == DT_OK && done)
         v->stage = READ;
     return s;
 }
 
 /* Begins again, with what the view has saved. */
-static void begin_by_ids(struct dt_volume *v)
+static void begin_again(struct dt_volume *v)
 {
-    v->by_id = true;
     v->stage = HEIGHTS;
     v->from = 0;
     v->above = v->below = v->area = (struct dt_wide_sum){0};
@@ -356,19 +339,13 @@ static void begin_by_ids(struct dt_volume *v)
 
 enum dt_status dt_volume_read(const struct dt *t, struct dt_volume *v, bool *done)
 {
-    enum dt_status s = dt_view_readable(t, v->view, true);
-    bool changed =
-        s == DT_OK && !v->by_id && v->stage != READ && dt_view_if_changed(t, v->view) != NULL;
-    if (changed && v->inside)
-        s = DT_UNSURVEYED;
-    else if (changed)
-        begin_by_ids(v);
+    enum dt_status s = dt_pass_check(&v->pass, t);
+    if (s == DT_OK && v->stage != READ && dt_pass_is_late(&v->pass, t))
+        begin_again(v);
     if (s == DT_OK && v->stage == HEIGHTS)
         read_heights(t, v);
-    else if (s == DT_OK && v->stage == MESH)
-        read_mesh(t, v);
-    else if (s == DT_OK && v->stage == TABLE)
-        s = read_table(t, v);
+    else if (s == DT_OK && v->stage == TRIANGLES)
+        s = read_triangles(t, v);
     *done = s == DT_OK && v->stage == READ;
     return s;
 }
