@@ -18,11 +18,6 @@
  * by less than UNIT of itself. These errors are at most 21 u^2, u = 2^-53, by the bounds of double2.h. */
 #define UNIT 0x1p-100
 
-static struct dt_double2 minus(struct dt_double2 a, struct dt_double2 b)
-{
-    return dt_double2_add(a, dt_double2_negate(b));
-}
-
 static struct dt_double2 times(struct dt_double2 a, struct dt_double2 b)
 {
     return dt_double2_multiply(a, b);
@@ -181,13 +176,15 @@ static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point
     struct dt_double2 cx = dt_double2_difference(c.x, a.x), cy = dt_double2_difference(c.y, a.y);
     struct dt_double2 bb = dt_double2_add(times(bx, bx), times(by, by));
     struct dt_double2 cc = dt_double2_add(times(cx, cx), times(cy, cy));
-    struct dt_double2 area = minus(times(bx, cy), times(by, cx));
+    struct dt_double2 area = dt_double2_subtract(times(bx, cy), times(by, cx));
     double flat = fabs(area.hi), size = fabs(bx.hi * cy.hi) + fabs(by.hi * cx.hi);
     if (!(size < 0x1p40 * flat))
         return false;
     struct dt_double2 twice = {2 * area.hi, 2 * area.lo};
-    struct dt_double2 x = dt_double2_divide(minus(times(bb, cy), times(cc, by)), twice);
-    struct dt_double2 y = dt_double2_divide(minus(times(cc, bx), times(bb, cx)), twice);
+    struct dt_double2 x =
+        dt_double2_divide(dt_double2_subtract(times(bb, cy), times(cc, by)), twice);
+    struct dt_double2 y =
+        dt_double2_divide(dt_double2_subtract(times(cc, bx), times(bb, cx)), twice);
     double x_error = (fabs(bb.hi * cy.hi) + fabs(cc.hi * by.hi) + size * fabs(x.hi)) / flat;
     double y_error = (fabs(cc.hi * bx.hi) + fabs(bb.hi * cx.hi) + size * fabs(y.hi)) / flat;
     bool x_done = round_sum(a.x, x, UNIT * (x_error + fabs(x.hi)), &out->x);
@@ -291,7 +288,7 @@ double dt_bisector_y(struct dt_point p, struct dt_point q, double at)
     double y;
     struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);
     struct dt_double2 w = dt_double2_difference(at, p.x), twice_w = {2 * w.hi, 2 * w.lo};
-    struct dt_double2 along = times(dx, minus(dx, twice_w)), square = times(dy, dy);
+    struct dt_double2 along = times(dx, dt_double2_subtract(dx, twice_w)), square = times(dy, dy);
     struct dt_double2 twice_dy = {2 * dy.hi, 2 * dy.lo};
     struct dt_double2 offset = dt_double2_divide(dt_double2_add(along, square), twice_dy);
     double error = (fabs(along.hi) + square.hi) / fabs(twice_dy.hi) + fabs(offset.hi);

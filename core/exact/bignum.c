@@ -136,55 +136,6 @@ void dt_big_difference(double a, double b, struct dt_big *r)
     dt_big_add(r, &lo, r);
 }
 
-/* ---- rounding ---- */
-
-/* From v to the next double above; from the largest one to 2^1024. */
-static double gap_above(double v)
-{
-    double up = nextafter(v, HUGE_VAL);
-    return isinf(up) ? v - nextafter(v, 0) : up - v;
-}
-
-static bool is_odd(double v)
-{
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (bits & 1) != 0;
-}
-
-/* Whether a, whose distance from v is half of `twice`, is nearer to the double above: by halves of the gap, so that the gap
- * between the least doubles can be halved. */
-static bool is_nearer_above(const struct dt_big *twice, double v)
-{
-    struct dt_big gap;
-    dt_big_of(gap_above(v), &gap);
-    int c = dt_big_compare(twice, &gap);
-    return c > 0 || (c == 0 && is_odd(v));
-}
-
-double dt_big_nearest(const struct dt_big *a)
-{
-    double v = dt_big_to_double(a);
-    v = isinf(v) ? copysign(DBL_MAX, v) : v;
-    for (bool done = false; !done && !isinf(v);) {
-        struct dt_big twice, below;
-        dt_big_of(v, &twice);
-        dt_big_subtract(a, &twice, &twice);
-        dt_big_add(&twice, &twice, &twice);
-        below = twice;
-        below.sign = -below.sign;
-        done = true;
-        if (is_nearer_above(&twice, v)) {
-            v = nextafter(v, HUGE_VAL);
-            done = false;
-        } else if (is_nearer_above(&below, -v)) {
-            v = nextafter(v, -HUGE_VAL);
-            done = false;
-        }
-    }
-    return v;
-}
-
 /* ---- products and quotients ---- */
 
 void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
@@ -228,16 +179,49 @@ void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big
     dt_big_multiply(a, &x, r);
 }
 
-/* The sign of a / b - (v + w) / 2. */
-static int compare_with_middle(const struct dt_big *a, const struct dt_big *b, double v, double w)
+/* ---- rounding ---- */
+
+static bool is_odd(double v)
 {
-    struct dt_big twice, sum, other;
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (bits & 1) != 0;
+}
+
+/* Whether a / b is nearer to the double above v than to v; halfway, to the even one. Above the largest double is 2^1024. The gap is not
+ * halved, since the gap between the least doubles cannot be. */
+static bool is_nearer_above(const struct dt_big *a, const struct dt_big *b, double v)
+{
+    double up = nextafter(v, HUGE_VAL), gap = isinf(up) ? v - nextafter(v, 0) : up - v;
+    struct dt_big twice, middle, more;
     dt_big_add(a, a, &twice);
-    dt_big_of(v, &sum);
-    dt_big_of(w, &other);
-    dt_big_add(&sum, &other, &sum);
-    dt_big_multiply(&sum, b, &sum);
-    return dt_big_compare(&twice, &sum) * b->sign;
+    dt_big_of(v, &middle);
+    dt_big_add(&middle, &middle, &middle);
+    dt_big_of(gap, &more);
+    dt_big_add(&middle, &more, &middle); /* twice as well */
+    dt_big_multiply(&middle, b, &middle);
+    int above = dt_big_compare(&twice, &middle) * b->sign;
+    return above > 0 || (above == 0 && is_odd(v));
+}
+
+/* The double nearest to a / b, ties to even; v is a double near it. */
+static double nearest(const struct dt_big *a, const struct dt_big *b, double v)
+{
+    struct dt_big minus = *a;
+    minus.sign = -minus.sign;
+    v = isinf(v) ? copysign(DBL_MAX, v) : v;
+    while (!isinf(v) && is_nearer_above(a, b, v))
+        v = nextafter(v, HUGE_VAL);
+    while (!isinf(v) && is_nearer_above(&minus, b, -v))
+        v = nextafter(v, -HUGE_VAL);
+    return v;
+}
+
+double dt_big_nearest(const struct dt_big *a)
+{
+    struct dt_big one;
+    dt_big_of(1, &one);
+    return nearest(a, &one, dt_big_to_double(a));
 }
 
 double dt_big_quotient(const struct dt_big *a, const struct dt_big *b)
@@ -246,12 +230,5 @@ double dt_big_quotient(const struct dt_big *a, const struct dt_big *b)
     if (a->sign == 0)
         return 0;
     dt_big_divide(a, b, &q);
-    double near = dt_big_nearest(&q); /* of the quotient, which is rounded */
-    double up = nextafter(near, HUGE_VAL), down = nextafter(near, -HUGE_VAL);
-    if (isinf(up) || isinf(down))
-        return near;
-    int above = compare_with_middle(a, b, near, up), below = compare_with_middle(a, b, near, down);
-    if (above > 0 || (above == 0 && is_odd(near)))
-        return up;
-    return below < 0 || (below == 0 && is_odd(near)) ? down : near;
+    return nearest(a, b, dt_big_to_double(&q));
 }

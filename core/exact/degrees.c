@@ -45,11 +45,6 @@ static const struct dt_double2 degrees = {0x1.ca5dc1a63c1f8p+5,
 static const struct dt_double2 third = {0x1.5555555555555p-2, 0x1.5555555555555p-56};
 static const struct dt_double2 right = {90, 0};
 
-static struct dt_double2 subtract(struct dt_double2 a, struct dt_double2 b)
-{
-    return dt_double2_add(a, dt_double2_negate(b));
-}
-
 /* In degrees, |r| <= 1 / 32. */
 static struct dt_double2 small_angle(struct dt_double2 r)
 {
@@ -59,7 +54,7 @@ static struct dt_double2 small_angle(struct dt_double2 r)
         1. / 5 - z * (1. / 7 - z * (1. / 9 - z * (1. / 11 - z * (1. / 13 - z * (1. / 15)))));
     struct dt_double2 cube = dt_double2_multiply(dt_double2_multiply(r, square), third);
     struct dt_double2 tail = {r.hi * (z * z) * rest, 0};
-    return dt_double2_multiply(dt_double2_add(subtract(r, cube), tail), degrees);
+    return dt_double2_multiply(dt_double2_add(dt_double2_subtract(r, cube), tail), degrees);
 }
 
 /* The angle with the tangent y / x, which is the angle but for the unit; y is at most 2^-298. */
@@ -73,12 +68,12 @@ static double tiny_angle(struct dt_double2 y, struct dt_double2 x)
 static struct dt_double2 angle_of(struct dt_double2 y, struct dt_double2 x)
 {
     if (y.hi > x.hi)
-        return subtract(right, angle_of(x, y));
+        return dt_double2_subtract(right, angle_of(x, y));
     if (y.hi < x.hi * 0x1p-300)
         return (struct dt_double2){tiny_angle(y, x), 0};
     int k = (int)(y.hi / x.hi * STEPS + 0.5);
     struct dt_double2 c = {(double)k / STEPS, 0};
-    struct dt_double2 r = dt_double2_divide(subtract(y, dt_double2_multiply(c, x)),
+    struct dt_double2 r = dt_double2_divide(dt_double2_subtract(y, dt_double2_multiply(c, x)),
                                             dt_double2_add(x, dt_double2_multiply(c, y)));
     return dt_double2_add(table[k], small_angle(r));
 }
@@ -120,9 +115,7 @@ static struct dt_double2 length_of(double a, double b)
 {
     struct dt_double2 x = {a, 0}, y = {b, 0};
     struct dt_double2 square = dt_double2_add(dt_double2_multiply(x, x), dt_double2_multiply(y, y));
-    struct dt_double2 root = {sqrt(square.hi), 0};
-    struct dt_double2 rest = subtract(square, dt_double2_multiply(root, root));
-    return dt_double2_add(root, (struct dt_double2){rest.hi / (2 * root.hi), 0});
+    return dt_double2_root(square, sqrt(square.hi));
 }
 
 double dt_degrees_steep(double dx, double dy)
@@ -140,7 +133,9 @@ double dt_degrees_steep(double dx, double dy)
     if (exponent < -FAR)
         return scale(dt_double2_multiply(length, degrees).hi * power(-FAR), exponent + FAR);
     if (exponent > 0) /* so that both numbers are in the range of angle_of */
-        return subtract(right, angle_of((struct dt_double2){power(-exponent), 0}, length)).hi;
+        return dt_double2_subtract(right,
+                                   angle_of((struct dt_double2){power(-exponent), 0}, length))
+            .hi;
     struct dt_double2 tangent = {length.hi * power(exponent), length.lo * power(exponent)};
     return angle_of(tangent, (struct dt_double2){1, 0}).hi;
 }
@@ -158,7 +153,8 @@ double dt_degrees_downhill(double dx, double dy)
     if (east == 0 || dx == 0)
         return northward ? 0 : 180;
     if (eastward)
-        return northward ? from_north.hi : subtract(half, from_north).hi;
-    double angle = northward ? subtract(whole, from_north).hi : dt_double2_add(half, from_north).hi;
+        return northward ? from_north.hi : dt_double2_subtract(half, from_north).hi;
+    double angle =
+        northward ? dt_double2_subtract(whole, from_north).hi : dt_double2_add(half, from_north).hi;
     return angle < 360 ? angle : 0;
 }

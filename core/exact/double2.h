@@ -118,4 +118,17 @@ static inline struct dt_double2 dt_double2_negate(struct dt_double2 a)
     return (struct dt_double2){-a.hi, -a.lo};
 }
 
+static inline struct dt_double2 dt_double2_subtract(struct dt_double2 a, struct dt_double2 b)
+{
+    return dt_double2_add(a, dt_double2_negate(b));
+}
+
+/* The square root of a > 0, with one step of Newton's method from `near`, the root in doubles. */
+static inline struct dt_double2 dt_double2_root(struct dt_double2 a, double near)
+{
+    struct dt_double2 root = {near, 0};
+    struct dt_double2 rest = dt_double2_subtract(a, dt_double2_multiply(root, root));
+    return dt_double2_add(root, (struct dt_double2){rest.hi / (2 * near), 0});
+}
+
 #endif

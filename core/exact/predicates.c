@@ -234,7 +234,7 @@ int dt_incircle_double2(const struct dt_near_base *k)
     struct dt_bounded2 dt_t = dt_vector2_dot(dt_vector2_of(k->p, k->t), dt_vector2_of(k->s, k->t));
     struct dt_double2 left = dt_double2_multiply(dt_q.value, cr_t.value);
     struct dt_double2 right = dt_double2_multiply(dt_t.value, cr_q.value);
-    struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
+    struct dt_double2 det = dt_double2_subtract(left, right);
     double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
     return fabs(det.hi) > DT_INCIRCLE_BOUND_2 * size ? k->sign * sign_of(det.hi) : 0;
 }

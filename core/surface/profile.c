@@ -295,17 +295,12 @@ static enum dt_status set_out(struct dt_profile *p, enum dt_where where, uint32_
 
 /* ---- rows ---- */
 
-/* The length of the piece: the square root of the sum of two squares, with one step of Newton's method. */
+/* The length of the piece. */
 static struct dt_double2 length_of(struct dt_point p, struct dt_point q)
 {
     struct dt_double2 x = dt_double2_difference(q.x, p.x), y = dt_double2_difference(q.y, p.y);
     struct dt_double2 square = dt_double2_add(dt_double2_multiply(x, x), dt_double2_multiply(y, y));
-    struct dt_double2 root = {sqrt(square.hi), 0};
-    if (square.hi == 0)
-        return root;
-    struct dt_double2 rest =
-        dt_double2_add(square, dt_double2_negate(dt_double2_multiply(root, root)));
-    return dt_double2_add(root, (struct dt_double2){rest.hi / (2 * root.hi), 0});
+    return square.hi == 0 ? square : dt_double2_root(square, sqrt(square.hi));
 }
 
 /* Rounding never makes it less than that of the row before. */

@@ -24,7 +24,7 @@ enum { CORNERS = 9 };
 #define F(name) name##_double2
 #define DIFFERENCE(a, b) dt_double2_difference(a, b)
 #define PLUS(a, b) dt_double2_add(a, b)
-#define MINUS(a, b) dt_double2_add(a, dt_double2_negate(b))
+#define MINUS(a, b) dt_double2_subtract(a, b)
 #define TIMES(a, b) dt_double2_multiply(a, b)
 #define OVER(a, b) dt_double2_divide(a, b)
 #define SIGN(a) ((a).hi)

@@ -26,7 +26,7 @@ static struct determinant determinant_of(struct dt_double2 a, struct dt_double2 
                                          struct dt_double2 b, struct dt_double2 c)
 {
     struct dt_double2 plus = dt_double2_multiply(a, d), minus = dt_double2_multiply(b, c);
-    return (struct determinant){.value = dt_double2_add(plus, dt_double2_negate(minus)),
+    return (struct determinant){.value = dt_double2_subtract(plus, minus),
                                 .size = fabs(plus.hi) + fabs(minus.hi),
                                 .exact = a.lo == 0 && b.lo == 0 && c.lo == 0 && d.lo == 0};
 }
