@@ -5,11 +5,6 @@
 #include "core/arrays/arrays.h"
 #include "core/arrays/workers.h"
 
-static bool is_among(const struct dt_constraint *c, size_t n, const struct dt_constraint *key)
-{
-    return n > 0 && bsearch(key, c, n, sizeof *c, dt_constraint_compare) != NULL;
-}
-
 /* The constraints that there are, without those that are released, and those that are added. */
 static enum dt_status list_constraints(const struct dt *t, const struct dt_split *s,
                                        struct dt_arrays_refined *out)
@@ -21,7 +16,7 @@ static enum dt_status list_constraints(const struct dt *t, const struct dt_split
         return status;
     out->constraint = malloc((n + s->n_added + 1) * sizeof *all);
     for (size_t i = 0; out->constraint != NULL && i < n; i++)
-        if (!is_among(s->released, s->n_released, &all[i]))
+        if (!dt_constraint_among(s->released, s->n_released, &all[i]))
             out->constraint[kept++] = all[i];
     free(all);
     if (out->constraint == NULL)

@@ -13,6 +13,8 @@
 #include "core/delaunay_constraints.h"
 #include "core/points/idmap.h"
 
+#include <stdlib.h>
+
 struct dt_declared_row {
     uint32_t end[2]; /* ids, ascending; end[0] == DT_NONE: free, and next[0] is the next free row */
     uint32_t what;   /* number << 1 | border */
@@ -75,6 +77,13 @@ static inline bool dt_declared_is_live(const struct dt_declared *d, uint32_t row
 static inline struct dt_constraint dt_constraint_ascending(struct dt_constraint c)
 {
     return c.a < c.b ? c : (struct dt_constraint){c.b, c.a, c.border, c.number};
+}
+
+/* Whether it is one of n, which are sorted. */
+static inline bool dt_constraint_among(const struct dt_constraint *c, size_t n,
+                                       const struct dt_constraint *key)
+{
+    return n > 0 && bsearch(key, c, n, sizeof *c, dt_constraint_compare) != NULL;
 }
 
 /* Appends one; DT_NOMEM leaves the list as it was. Cost: constant, amortised. */

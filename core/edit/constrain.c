@@ -118,19 +118,13 @@ static void forget_regions(struct dt *t, const struct dt_constraint *c)
         dt_regions_clear(&t->constraints->regions);
 }
 
-/* The segment between vertices a and b becomes a chain of edges of the live mesh. */
-static enum dt_status enforce(struct dt *t, uint32_t a, uint32_t b, struct dt_stop *work)
-{
-    return dt_enforce_segment(enforcer(t), a, b, work);
-}
-
-/* The same; dt_crossed will name the crossed constraint. */
+/* The segment between the ends becomes a chain of edges of the live mesh, or dt_crossed names the crossed constraint. */
 static enum dt_status enforce_or_name(struct dt *t, const struct dt_constraint *c,
                                       struct dt_stop *work)
 {
     uint32_t a = dt_points_vertex(&t->points, c->a), b = dt_points_vertex(&t->points, c->b);
     forget_regions(t, c);
-    enum dt_status status = enforce(t, a, b, work), named;
+    enum dt_status status = dt_enforce_segment(enforcer(t), a, b, work), named;
     if (status != DT_CROSSES)
         return status;
     named = dt_work(work, t->constraints->declared.rows);
@@ -144,7 +138,7 @@ enum dt_status dt_constrain_row(struct dt *t, uint32_t row, uint32_t a, uint32_t
 {
     if ((t->constraints->declared.row[row].what & 1) != 0)
         dt_regions_clear(&t->constraints->regions);
-    return enforce(t, a, b, work);
+    return dt_enforce_segment(enforcer(t), a, b, work);
 }
 
 void dt_forget_regions(struct dt *t, uint32_t id)

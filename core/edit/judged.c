@@ -342,26 +342,20 @@ static enum dt_status constraints_at(const struct dt *t, const uint32_t *ids, si
                                      struct dt_constraint **out, size_t *count)
 {
     const struct dt_declared *d = &t->constraints->declared;
-    size_t k = 0, room = 0;
+    struct dt_constraint_list list = {NULL, 0, 0};
+    enum dt_status status = DT_OK;
     for (size_t i = 0; i < n; i++)
-        for (uint32_t r = dt_declared_first(d, ids[i]); r != DT_NONE;
+        for (uint32_t r = dt_declared_first(d, ids[i]); r != DT_NONE && status == DT_OK;
              r = dt_declared_next(d, r, ids[i]))
-            room++;
-    struct dt_constraint *c = malloc((room + 1) * sizeof *c);
-    if (c == NULL)
-        return DT_NOMEM;
-    for (size_t i = 0; i < n; i++)
-        for (uint32_t r = dt_declared_first(d, ids[i]); r != DT_NONE;
-             r = dt_declared_next(d, r, ids[i]))
-            c[k++] = dt_declared_get(d, r);
-    qsort(c, k, sizeof *c, dt_constraint_compare);
-    size_t distinct = 0;
-    for (size_t i = 0; i < k; i++)
-        if (i == 0 || dt_constraint_compare(&c[i], &c[i - 1]) != 0)
-            c[distinct++] = c[i];
-    *out = c;
-    *count = distinct;
-    return DT_OK;
+            status = dt_constraint_append(&list, dt_declared_get(d, r));
+    if (list.n > 0)
+        qsort(list.v, list.n, sizeof *list.v, dt_constraint_compare);
+    *count = 0;
+    for (size_t i = 0; i < list.n; i++)
+        if (i == 0 || dt_constraint_compare(&list.v[i], &list.v[i - 1]) != 0)
+            list.v[(*count)++] = list.v[i];
+    *out = list.v;
+    return status;
 }
 
 enum dt_status dt_delete_cascade(struct dt *t, const uint32_t *ids, size_t n,
@@ -374,14 +368,13 @@ enum dt_status dt_delete_cascade(struct dt *t, const uint32_t *ids, size_t n,
         }
     if (!dt_is_constrained(t))
         return dt_delete_many(t, ids, n, opt, deleted, missing);
-    struct dt_constraint *c;
-    size_t k, released = 0, at = 0;
+    struct dt_constraint *c = NULL;
+    size_t k = 0, released = 0, at = 0;
     enum dt_status status = dt_refresh(t, opt);
     if (status == DT_OK)
         status = constraints_at(t, ids, n, &c, &k);
-    if (status != DT_OK)
-        return status;
-    status = dt_release(t, c, k, opt, &released, &at);
+    if (status == DT_OK)
+        status = dt_release(t, c, k, opt, &released, &at);
     if (status == DT_OK)
         status = dt_delete_many(t, ids, n, opt, deleted, missing);
     if (status != DT_OK && released > 0)

@@ -415,16 +415,6 @@ static double deviation_of(const struct plan *s)
     return most;
 }
 
-static int compare_plain(const void *a, const void *b)
-{
-    return dt_constraint_compare(a, b);
-}
-
-static bool is_among(const struct dt_constraint *c, size_t n, const struct dt_constraint *key)
-{
-    return n > 0 && bsearch(key, c, n, sizeof *c, compare_plain) != NULL;
-}
-
 /* Sorts out->added[n], and leaves each once. An even number of borders that have come to lie on one another cancel out,
  * so that closed borders remain closed. A border that is declared already counts. */
 static void settle_added(const struct plan *s, size_t n, struct dt_split *out)
@@ -432,19 +422,19 @@ static void settle_added(const struct plan *s, size_t n, struct dt_split *out)
     const struct dt_declared *d = s->t->constraints == NULL ? NULL : &s->t->constraints->declared;
     struct dt_constraint *c = out->added;
     size_t released = out->n_released;
-    qsort(c, n, sizeof *c, compare_plain);
+    qsort(c, n, sizeof *c, dt_constraint_compare);
     for (size_t i = 0, k = 0; i < n; i += k) {
-        for (k = 1; i + k < n && compare_plain(&c[i], &c[i + k]) == 0; k++)
+        for (k = 1; i + k < n && dt_constraint_compare(&c[i], &c[i + k]) == 0; k++)
             ;
         bool there = d != NULL && d->rows > 0 && dt_declared_find(d, &c[i]) != DT_NONE &&
-                     !is_among(out->released, released, &c[i]);
+                     !dt_constraint_among(out->released, released, &c[i]);
         bool stays = !c[i].border || (k + there) % 2 == 1;
         if (stays && !there)
             c[out->n_added++] = c[i];
         if (!stays && there)
             out->released[out->n_released++] = c[i];
     }
-    qsort(out->released, out->n_released, sizeof *c, compare_plain);
+    qsort(out->released, out->n_released, sizeof *c, dt_constraint_compare);
 }
 
 static enum dt_status write_plan(const struct plan *s, struct dt_split *out)
@@ -463,7 +453,7 @@ static enum dt_status write_plan(const struct plan *s, struct dt_split *out)
         if (s->origin[i].cut && s->origin[i].declared)
             out->released[out->n_released++] = s->origin[i].c;
     }
-    qsort(out->released, out->n_released, sizeof *out->released, compare_plain);
+    qsort(out->released, out->n_released, sizeof *out->released, dt_constraint_compare);
     for (size_t i = 0; i < s->parts; i++) {
         const struct origin *o = &s->origin[s->part[i].origin];
         if (o->cut || !o->declared)

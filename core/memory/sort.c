@@ -32,19 +32,24 @@ static bool is_sorted(const uint32_t *ids, size_t n, struct dt_stop *stop)
     return sorted;
 }
 
+/* Replaces the numbers of items with each digit by the places where these begin. */
+static void to_places(size_t at[DIGITS])
+{
+    for (size_t d = 0, place = 0, here; d < DIGITS; d++, place += here) {
+        here = at[d];
+        at[d] = place;
+    }
+}
+
 /* Sorts by the digit at `shift`, into `out`. */
 static void by_digit(const uint32_t *ids, size_t n, unsigned shift, uint32_t *out,
                      struct dt_stop *stop)
 {
-    size_t at[DIGITS] = {0}, place = 0;
+    size_t at[DIGITS] = {0};
     for (size_t a, b = 0; next(stop, n, &a, &b);)
         for (size_t i = a; i < b; i++)
             at[ids[i] >> shift & (DIGITS - 1)]++;
-    for (size_t d = 0; d < DIGITS; d++) {
-        size_t here = at[d];
-        at[d] = place;
-        place += here;
-    }
+    to_places(at);
     for (size_t a, b = 0; next(stop, n, &a, &b);)
         for (size_t i = a; i < b; i++)
             out[at[ids[i] >> shift & (DIGITS - 1)]++] = ids[i];
@@ -91,16 +96,12 @@ static int compare_keys(const void *a, const void *b)
 /* Sorts by the digit at `shift`, into `out`; false: all have the same one, nothing is done. */
 static bool keys_by_digit(const uint64_t *key, size_t n, unsigned shift, uint64_t *out)
 {
-    size_t at[DIGITS] = {0}, place = 0;
+    size_t at[DIGITS] = {0};
     for (size_t i = 0; i < n; i++)
         at[key[i] >> shift & (DIGITS - 1)]++;
     if (at[key[0] >> shift & (DIGITS - 1)] == n)
         return false;
-    for (size_t d = 0; d < DIGITS; d++) {
-        size_t here = at[d];
-        at[d] = place;
-        place += here;
-    }
+    to_places(at);
     for (size_t i = 0; i < n; i++)
         out[at[key[i] >> shift & (DIGITS - 1)]++] = key[i];
     return true;
