@@ -106,14 +106,12 @@ void dt_crossed(const struct dt *t, struct dt_crossed *out);
 
 /* A plan that lets constraints that would cross share points instead. */
 struct dt_split {
-    struct dt_point
-        *point; /* owns, as the next two: to be added; they get the ids from dt_next_id on */
+    struct dt_point *point; /* owns, as the next two: to be added, with ids from dt_next_id on */
     struct dt_constraint *released; /* declared ones, to be released */
     struct dt_constraint *added;    /* to be declared; all sorted */
     size_t n_points, n_released, n_added;
-    struct dt_values_of *
-        column; /* owns `columns`: of fields that have values at these points; borrows their names */
-    double *value; /* owns; of the columns */
+    struct dt_values_of *column; /* owns `columns`, of fields with values there; borrows names */
+    double *value;               /* owns; of the columns */
     size_t columns;
     size_t split;     /* constraints that are replaced by parts, declared ones and others */
     double deviation; /* the largest distance of such a part from its constraint */
@@ -213,9 +211,8 @@ struct dt_shapes {
     size_t triangles;
     size_t count[DT_ANGLE_BINS]; /* by their least angles: 0 to 5 degrees, ..., 55 to 60 */
     double area;                 /* of them all: the exact one, rounded once */
-    double least,
-        largest; /* angles in degrees, rounded once; nan without triangles, as the next two */
-    double shortest, longest; /* edges, within 2^-51 of the length */
+    double least, largest;       /* angles in degrees, rounded once; all nan without triangles */
+    double shortest, longest;    /* edges, within 2^-51 of the length */
 };
 
 struct dt_measure;

@@ -83,9 +83,8 @@ struct dt_surface {
     bool beyond; /* it goes on beyond the hull */
     bool flat;   /* all values are 0, and there is no field: only where it is counts */
     enum dt_quantity quantity;
-    const struct dt_surface *
-        next; /* borrows; NULL: none; the surface of another field, found in the same search: the same but for
-                                      its pages */
+    /* borrows; NULL: none; the surface of another field, found in the same search: the same but for its pages */
+    const struct dt_surface *next;
 };
 
 /* The number of numbers of a place. */
@@ -197,12 +196,10 @@ enum dt_status dt_bounds_read(const struct dt *t, const struct dt_view *v, struc
 void dt_bounds_grow(const struct dt_bounds *b, struct dt_point *lo, struct dt_point *hi);
 
 struct dt_cells {
-    struct dt_point lo, hi; /* of the box */
-    uint32_t rows;          /* cells of the whole set */
-    const struct dt_cells_made
-        *made; /* borrows: they are read from here; NULL: made as they are read */
-    const struct dt_options
-        *opt; /* borrows: of dt_cells_read, whose flag is polled; NULL: no end */
+    struct dt_point lo, hi;           /* of the box */
+    uint32_t rows;                    /* cells of the whole set */
+    const struct dt_cells_made *made; /* borrows: to be read; NULL: made as they are read */
+    const struct dt_options *opt;     /* borrows: of dt_cells_read, whose flag is polled; or NULL */
     /* private from here on */
     const struct dt_view *view;
     uint32_t id, end;

@@ -6,13 +6,11 @@
 #include "core/set/set.h"
 
 struct dt_arrays {
-    struct dt *t; /* owns */
-    uint32_t
-        *place_of; /* owns; by record of the mesh, as dt_flat_rows has it; NULL: not triangulated */
-    uint32_t *heirs; /* owns; aliases, by representative and then by id; NULL: there are none */
-    uint32_t
-        *first_heir; /* owns; by id: where the aliases of that representative begin; has one more */
-    double size;     /* the sum of the sides of the box of all points */
+    struct dt *t;       /* owns */
+    uint32_t *place_of; /* owns; by record of the mesh, as in dt_flat_rows; NULL: no mesh */
+    uint32_t *heirs;    /* owns; aliases, by representative and then by id; NULL: there are none */
+    uint32_t *first_heir; /* owns n + 1; by id: where the aliases of that representative begin */
+    double size;          /* the sum of the sides of the box of all points */
 };
 
 /* The row of a half edge's triangle in DT_TRIANGLES, DT_NONE for a ghost. */

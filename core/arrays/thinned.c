@@ -13,8 +13,7 @@ struct places {
     struct dt_point *point;
     double *value;
     uint32_t n;
-    struct dt_constraint
-        *constraint; /* owns: between different places, whose indices are the ends */
+    struct dt_constraint *constraint; /* owns: between different places, by their indices */
     size_t constraints;
 };
 

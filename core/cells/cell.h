@@ -45,9 +45,8 @@ struct dt_cell_work {
     struct dt_stop *stop; /* borrows; polled; NULL: none. Stopped: cells have no corners */
 };
 
-enum {
-    DT_CELL_MORE = 16
-}; /* corners at infinity and, of each side, two: beyond those of the ring, at most */
+/* Corners beyond those of the ring, at most: those at infinity and two of each side. */
+enum { DT_CELL_MORE = 16 };
 
 void dt_cell_clear(struct dt_cell_work *w);
 

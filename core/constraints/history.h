@@ -11,9 +11,8 @@
 
 struct dt_history_change {
     struct dt_constraint what;
-    bool added; /* else removed */
-    uint32_t
-        before; /* the place in the array of the change before it of the same id; DT_NONE: none */
+    bool added;      /* else removed */
+    uint32_t before; /* the place in the array of the change of the same id before it; or DT_NONE */
 };
 
 /* Start with {0}. */

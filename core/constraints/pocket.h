@@ -16,9 +16,9 @@
 /* The edge from this corner to the next one. */
 struct dt_side {
     uint32_t origin; /* the corner */
-    uint32_t
-        half; /* the half edge beyond; with DT_SIDE_INNER: a half edge on the inside, of a triangle that is
-                        going to be replaced: what is beyond is its twin, when the triangle here is made */
+    /* the half edge beyond; with DT_SIDE_INNER: a half edge on the inside, of a triangle that is going to be
+     * replaced: what is beyond is its twin, when the triangle here is made */
+    uint32_t half;
     uint32_t prev, next;
 };
 

@@ -23,8 +23,7 @@
 struct dt_region_range {
     uint32_t first, end;
     uint32_t region; /* its index */
-    uint32_t
-        most; /* the largest end in the part of the array whose middle this range is: see dt_regions_of */
+    uint32_t most;   /* the largest end in the part of the array around it: see dt_regions_of */
 };
 
 /* Start with {0}. */

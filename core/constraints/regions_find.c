@@ -41,8 +41,7 @@ struct survey {
     struct dt_stop *work;
     side_key *side; /* owns `cap`, holds `sides` */
     size_t sides, cap;
-    uint32_t
-        *start; /* owns: by the leading bits of a half edge, the first side that is not before it */
+    uint32_t *start; /* owns: by the leading bits of a half edge, the first side not before it */
     unsigned shift;
     uint32_t *enclosing; /* owns, by region: the range under way, DT_NONE if the face is outside */
     uint32_t open;       /* ranges under way */

@@ -8,7 +8,6 @@
 
 #include "core/delaunay.h"
 
-/* Closed: its border belongs to it. */
 /* Of two numbers, without the rules for NaN of fmin and fmax. */
 static inline double dt_lesser(double a, double b)
 {
@@ -20,6 +19,7 @@ static inline double dt_greater(double a, double b)
     return a > b ? a : b;
 }
 
+/* Closed: its border belongs to it. */
 struct dt_box {
     struct dt_point lo, hi;
 };

@@ -7,8 +7,7 @@
 
 /* Start with {0}. */
 struct dt_fields {
-    struct dt_field *
-        *field; /* owns n, in no order; room for DT_MAX_FIELDS; NULL: there has never been one */
+    struct dt_field **field; /* owns n, in no order; room for DT_MAX_FIELDS; NULL: never had one */
     uint32_t n;
     struct dt_field *dropped; /* owns; those that views still read, the earliest first */
     struct dt_shelf shelf;

@@ -38,8 +38,7 @@ struct dt_cavity {
     struct dt_stop *work;         /* borrows: the work left to the edit; NULL: no limit */
     struct dt_enforcer *enforcer; /* borrows; of edits of a mesh with fixed edges */
     uint32_t split; /* an edge that an insertion may cross although it is fixed; DT_NONE: none */
-    const struct dt_changes
-        *changes; /* borrows; notified of the stars that change; NULL: not needed */
+    const struct dt_changes *changes; /* borrows; told of the stars that change; NULL: not needed */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);

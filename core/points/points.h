@@ -32,9 +32,8 @@ struct dt_points {
                            NULL: there has never been an alias */
     uint32_t group_cap;      /* at least cap, or 0 */
     struct dt_places places; /* finds a representative by its place; built when first needed */
-    uint16_t *
-        plan; /* owns one for each vertex: the steps of a build (plan.h), for which the vertices are sorted;
-                       NULL: none */
+    /* owns one for each vertex: the steps of a build (plan.h), for which the vertices are sorted; NULL: none */
+    uint16_t *plan;
     const struct dt_changes *changes; /* borrows; notified of changes; NULL: not needed */
 };
 

@@ -22,8 +22,7 @@ struct flat {
     bool cw;
     uint32_t *start; /* owns one for each id, and one more */
     struct entry *entry;
-    uint32_t
-        *place_of; /* 4 * place + corner, the place from write_triangles on; DT_NONE: no triangle */
+    uint32_t *place_of; /* 4 * place + corner, the place from write_triangles on; DT_NONE: none */
 };
 
 /* Makes start[id + 1] the number of triangles whose smallest id is id, and then the sums. */

@@ -71,8 +71,7 @@ struct around {
     const struct dt *t;
     struct dt_stop work;
     struct dt_ids regions; /* owns */
-    uint32_t faces,
-        last; /* faces, and the one before; a run of triangles of one face counts once */
+    uint32_t faces, last; /* faces, and the one before; triangles of one face in a row count once */
 };
 
 static enum dt_status add_face(struct around *a, uint32_t face)

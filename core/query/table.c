@@ -354,9 +354,7 @@ static inline bool write_keys(struct dt_cursor *c, struct sink *k, uint64_t *key
     return fit == n;
 }
 
-enum {
-    SCAN = 1 << 14
-}; /* points that one call looks at for neighbours, some milliseconds of work */
+enum { SCAN = 1 << 14 }; /* points that one call looks at for neighbours: some milliseconds */
 
 /* Looks for neighbours of c->id among all points from c->sub on: they have it in their stars. False: there may be
  * more. */

@@ -37,8 +37,7 @@ struct region {
     bool disc;
     struct dt_box box;
     struct dt_point centre;
-    double radius, inside,
-        outside; /* rounded squares of distances: <= inside is in the disc, > outside is not */
+    double radius, inside, outside; /* squares: <= inside is in the disc, > outside is not */
 };
 
 static inline bool contains(const struct region *r, struct dt_point p)

@@ -15,9 +15,7 @@
 #include "core/memory/memory.h"
 
 enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3 };
-enum {
-    DROPPED = 16
-}; /* pages of the map that are dropped at a time when no image is read any more */
+enum { DROPPED = 16 }; /* pages of the map dropped at a time when no image is read any more */
 
 void dt_images_clear(struct dt_images *s)
 {

@@ -52,17 +52,16 @@ void dt_touched_note_constraint(struct dt *t, const struct dt_constraint *c, boo
 void dt_touched_note_end(struct dt *t, uint32_t id);
 
 struct dt {
-    struct dt_points points; /* who is where */
-    struct dt_mesh mesh;     /* who is joined to whom; its vertex numbers are those of points */
-    struct dt_hints
-        hints; /* the uniform grid: a half edge near every place; empty until it is wanted */
-    bool triangulated;         /* dt_triangulate has been called */
-    bool current;              /* it is triangulated, and mesh and hints agree with points */
-    uint64_t edits;            /* dt_edits */
-    struct dt_cavity scratch;  /* of edits */
-    uint32_t hinted;           /* vertices that the mesh had when its hints were built */
-    uint64_t steps;            /* that walks have taken since then beyond the usual ones */
-    struct dt_fields fields;   /* values of the points */
+    struct dt_points points;  /* who is where */
+    struct dt_mesh mesh;      /* who is joined to whom; its vertex numbers are those of points */
+    struct dt_hints hints;    /* the grid: a half edge near every place; empty until it is wanted */
+    bool triangulated;        /* dt_triangulate has been called */
+    bool current;             /* it is triangulated, and mesh and hints agree with points */
+    uint64_t edits;           /* dt_edits */
+    struct dt_cavity scratch; /* of edits */
+    uint32_t hinted;          /* vertices that the mesh had when its hints were built */
+    uint64_t steps;           /* that walks have taken since then beyond the usual ones */
+    struct dt_fields fields;  /* values of the points */
     struct dt_touched touched; /* what edits have touched, if somebody follows the set */
     struct dt_views views;     /* readers of earlier moments, and what has been saved for them */
     struct dt_constraints *constraints; /* owns; NULL: none have been declared */

@@ -36,9 +36,8 @@ struct dt_view {
     bool line;           /* all points are on one line, or there are fewer than three */
     uint32_t on_hull;    /* with rings: a point on the hull, DT_NONE if there is none */
     uint32_t next_id;
-    uint64_t
-        constraints; /* the number of the next change of constraints (core/constraints/history.h) */
-    uint64_t serial; /* views are numbered as they begin */
+    uint64_t constraints; /* the next change of constraints (core/constraints/history.h) */
+    uint64_t serial;      /* views are numbered as they begin */
     uint64_t moment[DT_IMAGE_KINDS];
     struct dt_summary sum;
 };

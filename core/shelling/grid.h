@@ -37,8 +37,7 @@ struct dt_grid {
     uint32_t n;
     struct dt_stop *stop; /* borrows; limits what building it and searches cost; NULL: no limit */
     struct dt_cells top;  /* owns */
-    const struct dt_observer
-        *observer; /* borrows; searches are reported to it, in places; may be NULL */
+    const struct dt_observer *observer; /* borrows; is told of searches, in places; may be NULL */
 };
 
 /* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, except stop. xy[n] and from[n] are the

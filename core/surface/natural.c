@@ -52,9 +52,8 @@ enum {
 };
 
 struct crossing {
-    uint32_t half; /* of the disc, to be crossed */
-    uint16_t from,
-        to; /* its triangle, and the vertex where it ends, by their numbers in the disc */
+    uint32_t half;     /* of the disc, to be crossed */
+    uint16_t from, to; /* its triangle, and the vertex where it ends, as numbered in the disc */
 };
 
 struct vertex {

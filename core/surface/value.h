@@ -27,10 +27,8 @@ struct dt_valuer {
     const struct dt_surface *s;    /* borrows */
     struct dt_enclosure enclosure; /* of s->inside */
     struct dt_stop work;
-    uint32_t
-        *fetched; /* owns 2 DT_BLOCKS: the blocks that have been fetched lately; NULL: none are */
-    struct dt_circle *
-        circle; /* owns circle_mask + 1; a triangle has one place among them; NULL: none are kept */
+    uint32_t *fetched; /* owns 2 DT_BLOCKS: blocks that have been fetched lately; NULL: none are */
+    struct dt_circle *circle; /* owns circle_mask + 1, one place for a triangle; NULL: none */
     uint32_t circle_mask;
     uint32_t judged;  /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
     bool is_short;    /* none of them is longer */
@@ -39,8 +37,8 @@ struct dt_valuer {
     const struct dt_surface *sloped_of;
     double slope[2]; /* its numbers */
     struct dt_foot_edge edge;
-    struct dt_smoother *
-        smoother; /* DT_SMOOTH: of the surface whose numbers are computed; owns those of all surfaces, in a ring */
+    /* DT_SMOOTH: of the surface whose numbers are computed; owns those of all surfaces, in a ring */
+    struct dt_smoother *smoother;
     struct dt_weigher weigher;
     struct dt_ids ids; /* owns */
 };

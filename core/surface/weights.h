@@ -41,16 +41,14 @@ struct dt_tour_turn {
 
 /* The work space for one place after the other. It grows to the size of the largest one. Start with {0}. */
 struct dt_weigher {
-    uint32_t *
-        id; /* owns cap: the n points that count, counterclockwise around the place; those of the rim */
+    uint32_t *id;   /* owns cap: the n points that count, counterclockwise; those of the rim */
     double *weight; /* owns cap: their weights, at least 0, with the sum 1 */
     uint32_t n;
     bool long_doubles; /* doubles were not exact enough for them */
     /* private */
     enum dt_interpolation how;
     struct dt_point place;
-    struct dt_tour_step *
-        step; /* owns cap; without steps the weights are there already; linear: the triangle alone */
+    struct dt_tour_step *step; /* owns cap; none: weights are there already; linear: a triangle */
     struct dt_tour_turn *turn; /* owns 2 cap + 3; a stack */
     uint32_t steps, turns, triangles, cap;
 };

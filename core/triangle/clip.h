@@ -17,7 +17,7 @@ struct dt_scaled {
 
 struct dt_slab_parts {
     struct dt_scaled above,
-        below; /* six times the volumes: where the top is above the base, and where it is below */
+        below;             /* six times the volumes where the top is above the base, and below */
     struct dt_scaled area; /* twice the area */
 };
 
