@@ -2,7 +2,6 @@
 #include "core/cells/cell.h"
 
 #include "core/cells/centre.h"
-#include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 
 #include <math.h>

@@ -11,6 +11,7 @@
 #define DT_ENFORCE_H
 
 #include "core/constraints/pocket.h"
+#include "core/control/stop.h"
 
 /* Scratch memory that successive calls reuse. Start with {0}. */
 struct dt_enforcer {

@@ -3,7 +3,6 @@
 #ifndef DT_MEND_H
 #define DT_MEND_H
 
-#include "core/control/stop.h"
 #include "core/mesh/mesh.h"
 #include "core/points/changes.h"
 

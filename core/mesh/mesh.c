@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 
-#include "core/memory/memory.h"
-
 void dt_fixed_end(struct dt_mesh *m)
 {
     if (m->fixed != NULL)

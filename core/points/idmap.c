@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/memory/memory.h"
 #include "core/memory/pages.h"
 
 #define PAGE_BYTES (DT_ID_PAGE * sizeof(uint32_t))

@@ -12,7 +12,6 @@
 #include "core/hints/hints.h"
 #include "core/memory/memory.h"
 #include "core/query/locate.h"
-#include "core/set/set.h"
 
 enum {
     STEPS = 6, /* of walks; one in a hundred is longer */

@@ -16,7 +16,6 @@
 #include "core/hints/jump.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
-#include "core/set/set.h"
 
 #define PATIENCE 16 /* steps from vertex to vertex, or round one; mostly there are one or two */
 

@@ -5,7 +5,6 @@
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
 #include "core/query/locate.h"
-#include "core/set/set.h"
 
 #include <stdlib.h>
 #include <string.h>

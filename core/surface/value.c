@@ -1,7 +1,6 @@
 /* value.c - see value.h. */
 #include "core/surface/value.h"
 
-#include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/fields/column.h"
 #include "core/mesh/fixed.h"

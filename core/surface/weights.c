@@ -18,7 +18,6 @@
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
 #include "core/query/query.h"
-#include "core/set/set.h"
 
 #include <math.h>
 #include <stdlib.h>
