@@ -35,7 +35,7 @@ $(O)/include/delaunay_client.h: $(CLIENT_HEADERS)
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):
 	@mkdir -p $(@D)
-	sed '/^#include "/d' $^ >$@
+	{ echo '#pragma once'; sed '/^#include "/d; /^#pragma once/d' $^; } >$@
 
 # A library exports the functions of its header, and no other name.
 $(O)/lib/libdelaunay.names: $(CLIENT_HEADERS)

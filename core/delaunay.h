@@ -11,8 +11,7 @@
  *
  * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it was. Functions that take a const
  * set may run in several threads at once; any other function needs exclusive access to the set. */
-#ifndef DT_DELAUNAY_H
-#define DT_DELAUNAY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -595,6 +594,4 @@ enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, 
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

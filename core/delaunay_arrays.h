@@ -9,8 +9,7 @@
  *
  * `workers`: on how many threads it may run, at most 64, the caller's included; 0 counts as 1. Threads end with the call, so
  * none is left for a process that forks. Results do not depend on the number. */
-#ifndef DT_DELAUNAY_ARRAYS_H
-#define DT_DELAUNAY_ARRAYS_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
@@ -142,6 +141,4 @@ void dt_arrays_release(void *v); /* free: that of the C library that the core us
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -13,8 +13,7 @@
  *
  * A set without constraints pays nothing for them. With constraints, cells, areas, alpha shapes and natural neighbours
  * are refused (DT_NOTDELAUNAY). */
-#ifndef DT_DELAUNAY_CONSTRAINTS_H
-#define DT_DELAUNAY_CONSTRAINTS_H
+#pragma once
 
 #include "core/delaunay_fields.h"
 
@@ -307,6 +306,4 @@ enum dt_status dt_polygon(const struct dt_point *p, size_t n, const uint32_t *en
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

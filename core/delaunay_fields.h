@@ -6,8 +6,7 @@
  *
  * Functions that take a const set may run in several threads at once, but not beside an edit, also one of the
  * fields. */
-#ifndef DT_DELAUNAY_FIELDS_H
-#define DT_DELAUNAY_FIELDS_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -96,6 +95,4 @@ enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,7 +1,6 @@
 /* delaunay_surface.h - the second part of the core's public header: what is computed from a triangulation when
  * its points carry values or cells. */
-#ifndef DT_DELAUNAY_SURFACE_H
-#define DT_DELAUNAY_SURFACE_H
+#pragma once
 
 #include "core/delaunay_fields.h"
 
@@ -498,6 +497,4 @@ void dt_volume_free(struct dt_volume *v); /* NULL: nothing */
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* arrays.h - the definition of struct dt_arrays; for the files of this room only. */
-#ifndef DT_ARRAYS_H
-#define DT_ARRAYS_H
+#pragma once
 
 #include "core/delaunay_arrays.h"
 #include "core/set/set.h"
@@ -35,5 +34,3 @@ static inline bool dt_place_ok(struct dt_point *q)
  * its position on that edge, from 0 at the origin to 1. */
 uint32_t dt_beside_hull(const struct dt_arrays *a, struct dt_point q, uint32_t half, double tol,
                         double *along);
-
-#endif

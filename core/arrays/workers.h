@@ -1,6 +1,5 @@
 /* workers.h - threads that last as long as one call, and the floating-point environment of a call. */
-#ifndef DT_WORKERS_H
-#define DT_WORKERS_H
+#pragma once
 
 #include <fenv.h>
 
@@ -33,5 +32,3 @@ struct dt_pieces {
 
 /* Runs all pieces; the first failure ends it and is returned. */
 enum dt_status dt_answer_all(const struct dt_pieces *p, size_t n, unsigned workers);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * Corners are exact places rounded once (centre.h), and each is kept or cut by its rounded coordinates; one on a side
  * is kept. Cells that share an edge have the same two corners there, so they decide the same. */
-#ifndef DT_CELL_H
-#define DT_CELL_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/box.h"
@@ -74,5 +73,3 @@ enum { DT_CELL_USUAL = 8 }; /* corners: nearly all cells have at most so many */
  * written: loops whose ends are the same each time are faster. */
 bool dt_cell_make_plain(struct dt_point *centre, uint32_t n, dt_lanes least, dt_lanes most,
                         const struct dt_box *box, struct dt_point *polygon);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * Exact for all coordinates that dt_coordinate_ok accepts, and sides of boxes up to 2^203: a coordinate of a
  * circumcentre is 0 or between 2^-990 and 2^1015. Zero is positive. */
-#ifndef DT_CENTRE_H
-#define DT_CENTRE_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -24,5 +23,3 @@ void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struc
  * dt_bisector_x: the x at which the line y = at meets it, if their x differ. */
 double dt_bisector_y(struct dt_point p, struct dt_point q, double at);
 double dt_bisector_x(struct dt_point p, struct dt_point q, double at);
-
-#endif

@@ -1,6 +1,5 @@
 /* constraints.h - what a set has if it has constraints: those declared, and scratch memory of edits. */
-#ifndef DT_CONSTRAINTS_H
-#define DT_CONSTRAINTS_H
+#pragma once
 
 #include "core/constraints/declared.h"
 #include "core/constraints/enforce.h"
@@ -24,5 +23,3 @@ size_t dt_constraints_memory(const struct dt_constraints *c);
 
 /* Copies the declared constraints into a new *copy. */
 enum dt_status dt_constraints_copy(const struct dt_constraints *c, struct dt_constraints **copy);
-
-#endif

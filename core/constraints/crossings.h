@@ -1,8 +1,7 @@
 /* crossings.h - where segments cross: every pair, and the place, rounded once.
  *
  * Two segments cross if either has the ends of the other on opposite sides. All signs are exact. */
-#ifndef DT_CROSSINGS_H
-#define DT_CROSSINGS_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -27,5 +26,3 @@ enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop
 
 /* The place of the crossing of two segments that cross: each coordinate is the nearest one that dt_coordinate_ok accepts, ties to even. */
 struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b);
-
-#endif

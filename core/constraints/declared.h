@@ -6,8 +6,7 @@
  *      table: what it is -> row; the entry has four bits of a hash, too, so that few rows are looked at in vain
  *
  * In memory: 28 bytes a row, up to 8 of the table, and 4 for each id that is an end. Knows nothing of meshes. */
-#ifndef DT_DECLARED_H
-#define DT_DECLARED_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay_constraints.h"
@@ -88,5 +87,3 @@ static inline bool dt_constraint_among(const struct dt_constraint *c, size_t n,
 
 /* Appends one; DT_NOMEM leaves the list as it was. Cost: constant, amortised. */
 enum dt_status dt_constraint_append(struct dt_constraint_list *list, struct dt_constraint c);
-
-#endif

@@ -7,8 +7,7 @@
  *          '-------'                      '-------'
  *
  * Vertices exactly on the segment divide it into parts. */
-#ifndef DT_ENFORCE_H
-#define DT_ENFORCE_H
+#pragma once
 
 #include "core/constraints/pocket.h"
 #include "core/control/stop.h"
@@ -58,5 +57,3 @@ void dt_enforce_flag(struct dt_enforcer *e, uint32_t flag);
  * the direction of q; DT_NONE: there is none. Cost: the degree. */
 uint32_t dt_chain_next(const struct dt_mesh *m, const struct dt_point *xy, uint32_t near,
                        struct dt_point q);
-
-#endif

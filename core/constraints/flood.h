@@ -1,6 +1,5 @@
 /* flood.h - which triangles a polygon encloses: the sides are the edges that an odd number of constraints cover. */
-#ifndef DT_FLOOD_H
-#define DT_FLOOD_H
+#pragma once
 
 #include "core/constraints/crossings.h"
 #include "core/exact/sum.h"
@@ -19,5 +18,3 @@ void dt_flood_begin(struct dt_mesh *m);
 enum dt_status dt_flood(struct dt_mesh *m, const struct dt_point *xy,
                         const struct dt_segment *loose, size_t n, struct dt_stop *work,
                         struct dt_sum *area);
-
-#endif

@@ -4,8 +4,7 @@
  * from the first change of it since. The changes of an id, of constraints whose smaller end it is, are a list:
  *
  *      last: id -> its last change          change   before: the one before it of the same id */
-#ifndef DT_HISTORY_H
-#define DT_HISTORY_H
+#pragma once
 
 #include "core/constraints/declared.h"
 
@@ -52,5 +51,3 @@ static inline uint32_t dt_history_next(const struct dt_history *h, uint32_t from
  * order. Cost: the changes of the id since, and for these, and for the constraints if there are any, their logarithm. */
 enum dt_status dt_history_undo(const struct dt_history *h, uint64_t moment, uint32_t id,
                                struct dt_constraint_list *list, size_t first);
-
-#endif

@@ -10,8 +10,7 @@
  * on the side of `from`: u is to the right of the way, w to the left. If a vertex lies exactly on the way, the next part
  * begins. All signs are exact, and each step comes nearer to q, so it ends in any triangulation.
  */
-#ifndef DT_MARCH_H
-#define DT_MARCH_H
+#pragma once
 
 #include "core/exact/predicates.h"
 #include "core/mesh/mesh.h"
@@ -43,5 +42,3 @@ static inline uint32_t dt_march_next(const struct dt_mesh *m, uint32_t half, int
     uint32_t g = dt_twin(m, half);
     return side_of_apex > 0 ? dt_next(g) : dt_prev(g);
 }
-
-#endif

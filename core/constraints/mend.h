@@ -1,7 +1,6 @@
 /* mend.h - flips that make a triangulation constrained Delaunay: every edge that is not fixed becomes locally Delaunay
  * under the perturbation, which determines the triangulation (PROTOCOL.md; flip.c says why flips end). */
-#ifndef DT_MEND_H
-#define DT_MEND_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 #include "core/points/changes.h"
@@ -27,5 +26,3 @@ void dt_flip_noting(struct dt_mesh *m, uint32_t h, const struct dt_changes *chan
  * changes, which may be NULL, is notified of the stars that change. Out of memory, it looks at all edges instead. */
 void dt_mend(struct dt_mesh *m, const struct dt_point *xy, struct dt_suspects *s,
              const struct dt_changes *changes);
-
-#endif

@@ -7,8 +7,7 @@
  *         P5 ..... P0               An ear is a corner that turns left and from whose triangle the rest of the polygon stays
  * away. Here every corner is visible from the closing edge, so nothing can lie between a corner and there: a corner that
  * turns left is an ear. There is one as long as the polygon is no triangle, since every triangulation of it has two. */
-#ifndef DT_POCKET_H
-#define DT_POCKET_H
+#pragma once
 
 #include "core/constraints/mend.h"
 #include "core/mesh/mesh.h"
@@ -50,5 +49,3 @@ static inline void dt_pocket_add(struct dt_pocket *p, uint32_t origin, uint32_t 
  * tried again. */
 uint32_t dt_pocket_fill(struct dt_pocket *p, struct dt_mesh *m, const struct dt_point *xy,
                         const uint32_t *spare, uint32_t *spares, struct dt_suspects *suspects);
-
-#endif

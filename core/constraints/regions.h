@@ -12,8 +12,7 @@
  *      |  | 9  |--+  |               to triangle, never change them.
  *      +-------------+
  */
-#ifndef DT_REGIONS_H
-#define DT_REGIONS_H
+#pragma once
 
 #include "core/constraints/declared.h"
 #include "core/mesh/mesh.h"
@@ -78,5 +77,3 @@ static inline bool dt_encloses(const struct dt_enclosure *e, uint32_t face)
     return e->region == DT_NONE ? e->regions->inside[face]
                                 : dt_regions_has(e->regions, e->region, face);
 }
-
-#endif

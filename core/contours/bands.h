@@ -1,6 +1,5 @@
 /* bands.h - what bands.c reads from the surface, and bands_join.c joins to rings. */
-#ifndef DT_BANDS_H
-#define DT_BANDS_H
+#pragma once
 
 #include "core/contours/reading.h"
 #include "core/control/stop.h"
@@ -116,5 +115,3 @@ size_t dt_bands_join_memory(const struct dt_bands *b);
 
 /* Sorts the loops into b->ring (bands_sort.c). */
 enum dt_status dt_bands_sort(struct dt_bands *b, struct dt_stop *stop);
-
-#endif

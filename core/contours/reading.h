@@ -3,8 +3,7 @@
  *
  * First the class of every point is computed, the number of levels that are not above its value. Then most
  * triangles, whose corners have the same class, cost three look-ups. */
-#ifndef DT_READING_H
-#define DT_READING_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 #include "core/triangle/pass.h"
@@ -103,5 +102,3 @@ static inline size_t dt_edge_hash(uint32_t level, struct dt_edge e)
 
 /* The number of slots of a hash table with linear probing, a power of two. */
 size_t dt_edge_slots(size_t n);
-
-#endif

@@ -1,6 +1,5 @@
 /* parallel.h - one pass over an array as slices, on the threads of a pool or on the caller's. */
-#ifndef DT_PARALLEL_H
-#define DT_PARALLEL_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -38,5 +37,3 @@ static inline struct dt_piece dt_slice_pieces(uint32_t n, unsigned i, unsigned s
 {
     return dt_pieces(dt_slice(n, i, slices), dt_slice(n, i + 1, slices));
 }
-
-#endif

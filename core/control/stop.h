@@ -7,8 +7,7 @@
  *     if ((i & DT_WORK_MASK) == 0 && (status = dt_work(work, DT_WORK_BLOCK)) != DT_OK)
  *         return status;
  */
-#ifndef DT_STOP_H
-#define DT_STOP_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -104,5 +103,3 @@ static inline bool dt_next_piece(struct dt_stop *s, struct dt_piece *at)
 {
     return dt_next_piece_of(s, DT_POLL, at);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* divide.h - the fast engine: divide and conquer over the order of a uniform grid. */
-#ifndef DT_DIVIDE_H
-#define DT_DIVIDE_H
+#pragma once
 
 #include "core/divide/order.h"
 #include "core/divide/plan.h"
@@ -30,5 +29,3 @@ enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint
 enum dt_status dt_divide(const struct dt_point *in, const uint32_t *names, uint32_t n,
                          struct dt_point *p, uint32_t *from, struct dt_mesh *m,
                          const struct dt_options *opt);
-
-#endif

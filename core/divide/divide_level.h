@@ -1,7 +1,6 @@
 /* divide_level.h - one grid of the divide engine over one range of points: sorted, by one thread or
  * by several. */
-#ifndef DT_DIVIDE_LEVEL_H
-#define DT_DIVIDE_LEVEL_H
+#pragma once
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
@@ -73,5 +72,3 @@ static inline uint32_t dt_level_range(const struct dt_level *level, uint32_t key
     *hi = level->lo + level->start[((size_t)key + 1) << s];
     return level->lo + level->start[(size_t)key << s];
 }
-
-#endif

@@ -2,8 +2,7 @@
  *
  * They are sorted by counting for each how many precede it: comparisons are unpredictable, and a branch that is
  * mispredicted costs more than all the rest. */
-#ifndef DT_FEW_H
-#define DT_FEW_H
+#pragma once
 
 #include "core/divide/part.h"
 
@@ -30,5 +29,3 @@ bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n);
 /* Sorts DT_BLOCK < n <= DT_FEW points, and their names, for a cut along an axis, which it returns. Equal points become
  * neighbours. Cost: O(n^2), without branches. */
 unsigned dt_few_sort(struct dt_point *p, uint32_t *from, uint32_t n);
-
-#endif

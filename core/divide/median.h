@@ -1,6 +1,5 @@
 /* median.h - parts points at their median, in linear time for every order. */
-#ifndef DT_MEDIAN_H
-#define DT_MEDIAN_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -11,5 +10,3 @@
  * some order. */
 struct dt_piece dt_median_part(struct dt_point *p, uint32_t *from, uint32_t n, unsigned axis,
                                struct dt_stop *stop);
-
-#endif

@@ -16,8 +16,7 @@
  * order; no coordinates are compared.
  *
  * Source: the paper's grid; alternating cuts: Dwyer 1987. */
-#ifndef DT_ORDER_H
-#define DT_ORDER_H
+#pragma once
 
 #include "core/exact/box.h"
 #include "core/memory/arena.h"
@@ -66,5 +65,3 @@ void dt_order_count(const struct dt_order *o, const struct dt_point *p, uint32_t
 void dt_order_scatter(const uint32_t *key, uint32_t n, uint32_t *next, const struct dt_point *p,
                       const uint32_t *from, uint32_t first, struct dt_point *out,
                       uint32_t *out_from);
-
-#endif

@@ -4,8 +4,7 @@
  * Merges allocate nothing. n points always have 2n - 2 triangles, ghosts included (mesh.h). So a triangulated range
  * [lo, hi) of the points owns the records 2 lo .. 2 hi - 3. A merge of [lo, mid) and [mid, hi) adds the two records
  * 2 mid - 2 and 2 mid - 1. */
-#ifndef DT_PART_H
-#define DT_PART_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/bounds.h"
@@ -104,5 +103,3 @@ INLINE void knit_ghost(const struct dt_merging *w, size_t t, uint32_t a, uint32_
     knit_triangle(w, t, a, b, DT_NONE);
     w->leaving[a] = (uint32_t)t;
 }
-
-#endif

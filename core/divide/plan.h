@@ -8,8 +8,7 @@
  *
  * A merge cuts between the last vertex of one part and the first of the next, so there is one for each block but the
  * first, which remembers the axis. So a cut can be recorded before the blocks and cuts on its two sides. */
-#ifndef DT_PLAN_H
-#define DT_PLAN_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -57,5 +56,3 @@ void dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from, ui
 /* n > 0 points at one place become a block of one. */
 void dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
                    uint32_t n);
-
-#endif

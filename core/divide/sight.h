@@ -16,8 +16,7 @@
  *
  * A merge uses one of the two, and calls sight.c where that one cannot decide. It reports how often the close
  * one would have avoided that call, so that the next merge, of a part with a larger box, chooses better. */
-#ifndef DT_SIGHT_H
-#define DT_SIGHT_H
+#pragma once
 
 #include <math.h>
 
@@ -142,5 +141,3 @@ INLINE bool sight_left_wins(const struct dt_merging *w, struct sight_filter *f, 
     return above & SIGHT_LEFT &
            ((det < 0) | (~above >> 1)); /* without a branch: above == LEFT, or det < 0 */
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* arrivals.h - adding many points at once: coincident points, new or existing, are found by sorting all of them
  * (divide.h), without the table of places (core/points/places.h). All vertices of the set are then in the order that a
  * build needs. */
-#ifndef DT_ARRIVALS_H
-#define DT_ARRIVALS_H
+#pragma once
 
 #include "core/points/points.h"
 
@@ -18,5 +17,3 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, si
 /* The same without new points: renumbers the set's vertices in that order; no vertex may be free. DT_CORRUPT: two of them
  * are at one place. */
 enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt);
-
-#endif

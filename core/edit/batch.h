@@ -5,8 +5,7 @@
  * points are searched side by side, as the questions of a pipeline are (core/query/ahead.h). Then each point is
  * inserted, starting at the triangle in which it was found or at one nearby. Without a triangulation, points are
  * looked up in the table of places (core/points/places.h), in the order of arrival. */
-#ifndef DT_BATCH_H
-#define DT_BATCH_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/set/set.h"
@@ -35,5 +34,3 @@ static inline uint32_t dt_batch_index(const struct dt_batch *b, uint32_t i)
  * may be inserted, and nothing deleted, in between. Returns a half edge near the point, DT_NONE if
  * none is known. */
 uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i);
-
-#endif

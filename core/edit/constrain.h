@@ -1,6 +1,5 @@
 /* constrain.h - constraints and the mesh: what the edits of a set with constraints share. */
-#ifndef DT_CONSTRAIN_H
-#define DT_CONSTRAIN_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -46,5 +45,3 @@ enum dt_status dt_constrained_delete(struct dt *t, const uint32_t *ids, size_t n
                                      const struct dt_options *opt);
 enum dt_status dt_constrained_move(struct dt *t, uint32_t id, struct dt_point to,
                                    const struct dt_options *opt);
-
-#endif

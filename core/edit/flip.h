@@ -7,8 +7,7 @@
  *         \  . /   /            circles. Flips end in the canonical triangulation [Lawson 1977]: core/edit/flip.c.
  *          \  Q --'
  */
-#ifndef DT_FLIP_H
-#define DT_FLIP_H
+#pragma once
 
 #include "core/mesh/cavity.h"
 
@@ -33,5 +32,3 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
  * the edges that it had. */
 enum dt_status dt_flip_all(struct dt_mesh *m, const struct dt_point *xy, struct dt_flips *f,
                            const struct dt_cavity *scratch);
-
-#endif

@@ -1,6 +1,5 @@
 /* insert.h - insertion of a vertex into a finished mesh. */
-#ifndef DT_INSERT_H
-#define DT_INSERT_H
+#pragma once
 
 #include "core/mesh/cavity.h"
 
@@ -30,5 +29,3 @@ enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy
  * cavity, which dt_find_cavity has just found for its place, with c->split == DT_NONE. The mesh has triangles, none of the cavity's
  * edges is fixed, and all are inside the hull. */
 void dt_insert_found(struct dt_mesh *m, uint32_t v, struct dt_cavity *c);
-
-#endif

@@ -1,6 +1,5 @@
 /* remove.h - deletion of a vertex from a finished mesh. */
-#ifndef DT_REMOVE_H
-#define DT_REMOVE_H
+#pragma once
 
 #include "core/mesh/cavity.h"
 
@@ -37,5 +36,3 @@ enum dt_status dt_remove_between(struct dt_mesh *m, const struct dt_point *xy, s
  * or a constraint ends at v. */
 bool dt_find_through(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                      const struct dt_cavity *c, struct dt_through *t);
-
-#endif

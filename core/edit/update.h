@@ -1,6 +1,5 @@
 /* update.h - edits of a set: its points, and if it is live its triangulation, change together. */
-#ifndef DT_UPDATE_H
-#define DT_UPDATE_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -37,5 +36,3 @@ enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t
 /* Prefetches what the deletion or a move of vertex v reads first; its triangles are probably where a build has put
  * them. */
 void dt_update_fetch(const struct dt *t, uint32_t v);
-
-#endif

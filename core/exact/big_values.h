@@ -1,7 +1,6 @@
 /* big_values.h - arithmetic of long numbers by value, for formulas that are evaluated in doubles or double words, too. Exact and rounded
  * as the functions of bignum.h that they call. */
-#ifndef CORE_EXACT_BIG_VALUES_H
-#define CORE_EXACT_BIG_VALUES_H
+#pragma once
 
 #include "core/exact/bignum.h"
 
@@ -38,5 +37,3 @@ static inline struct dt_big dt_big_over(struct dt_big a, struct dt_big b)
     dt_big_divide(&a, &b, &a);
     return a;
 }
-
-#endif

@@ -13,8 +13,7 @@
  * Room: a coordinate that dt_coordinate_ok accepts is 0 or a multiple of 2^-194 below 2^202. So a polynomial of degree
  * six of differences of coordinates, the highest of all predicates (dt_compare_circumradius), is a multiple of 2^-1164
  * below 2^1227: it takes at most 39 limbs and is exact. */
-#ifndef DT_BIGNUM_H
-#define DT_BIGNUM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -53,5 +52,3 @@ double dt_big_quotient(const struct dt_big *a, const struct dt_big *b);
 
 /* The sign of a - b. */
 int dt_big_compare(const struct dt_big *a, const struct dt_big *b);
-
-#endif

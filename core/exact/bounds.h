@@ -20,8 +20,7 @@
  * Errors are given to first order in u. The neglected terms are below 100 u of these errors. The
  * rounding of the bound itself takes less than 10 u of the bound. The factors leave room for both.
  * tests/core/exact/bounds_test.c measures the errors against exact integers. */
-#ifndef DT_BOUNDS_H
-#define DT_BOUNDS_H
+#pragma once
 
 #define DT_U 0x1p-53
 
@@ -158,5 +157,3 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  * axis than 1 for each. It errs by 3 u of itself, its distance from the border of a cell by u more:
  * 2^-22. A distance in units errs by 3 u, and its product with the cells of a unit by 2 u. */
 #define DT_RING_ROOM 0x1p-20 /* cells, and of the distance in cells */
-
-#endif

@@ -3,8 +3,7 @@
  * All grids of core/ number the cells of an axis by dt_cell. It is monotone, also as it rounds, and is
  * used for points and for the limits of searches alike. So a cut between two cells is strict, and a
  * search of the cells from one limit to the other misses no point between them. */
-#ifndef DT_BOX_H
-#define DT_BOX_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -92,5 +91,3 @@ static inline uint32_t dt_cell(double at, uint32_t n)
     at = at > 0 ? at : 0;
     return (uint32_t)(at < last ? at : last);
 }
-
-#endif

@@ -13,8 +13,7 @@
  * compiler gets -ffp-contract=off, and a test (two_product_is_exact...) fails if it contracts. Nothing
  * overflows or underflows for what the predicates compute from coordinates that
  * are 0 or of magnitude 2^-142 to 2^201. */
-#ifndef DT_DOUBLE2_H
-#define DT_DOUBLE2_H
+#pragma once
 
 #include <float.h>
 
@@ -130,5 +129,3 @@ static inline struct dt_double2 dt_double2_root(struct dt_double2 a, double near
     struct dt_double2 rest = dt_double2_subtract(a, dt_double2_multiply(root, root));
     return dt_double2_add(root, (struct dt_double2){rest.hi / (2 * near), 0});
 }
-
-#endif

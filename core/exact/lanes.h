@@ -1,7 +1,6 @@
 /* lanes.h - two doubles or four floats side by side, in one register where the machine has vector registers. The types are vectors
  * of gcc and clang; functions add the few instructions that these cannot express. All vectors of core/ are of these types. */
-#ifndef DT_LANES_H
-#define DT_LANES_H
+#pragma once
 
 #include <stdint.h>
 
@@ -140,5 +139,3 @@ static inline dt_floats dt_floats_most(dt_floats a, dt_floats b)
     return (dt_floats)((more & (dt_floats_holds)a) | (~more & (dt_floats_holds)b));
 #endif
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* lanes2.h - rounding errors and double words, two side by side: double2.h in lanes. Every operation gives the same
  * bits in each lane as its original in double2.h. */
-#ifndef DT_LANES2_H
-#define DT_LANES2_H
+#pragma once
 
 #include "core/exact/double2.h"
 #include "core/exact/lanes.h"
@@ -56,5 +55,3 @@ static inline struct dt_lanes2 dt_lanes2_multiply(struct dt_lanes2 a, struct dt_
     struct dt_lanes2 p = dt_lanes2_product(a.hi, as, b.hi, bs);
     return dt_lanes2_fast_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
 }
-
-#endif

@@ -4,8 +4,7 @@
  * floating-point filter first, exact arithmetic where the filter cannot decide [Shewchuk 1997].
  * Exact for all coordinates that dt_coordinate_ok accepts. No state, no allocation. The filters are inline; the
  * stages behind them are in predicates.c. */
-#ifndef DT_PREDICATES_H
-#define DT_PREDICATES_H
+#pragma once
 
 #ifndef __SIZEOF_INT128__
 #error                                                                                             \
@@ -182,5 +181,3 @@ struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct
                                     struct dt_point d);
 int dt_incircle_double2(const struct dt_near_base *k);
 int dt_incircle_big(const struct dt_near_base *k);
-
-#endif

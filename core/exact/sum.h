@@ -5,8 +5,7 @@
  * Digits have signs and are wider than 32 bits, so adding a number touches three of them and carries nothing [Kulisch,
  * Computer Arithmetic and Validity, 2013]. Coordinates that dt_coordinate_ok accepts are multiples of 2^-194 below 2^202,
  * so products are multiples of 2^-388 below 2^404. */
-#ifndef DT_SUM_H
-#define DT_SUM_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -79,5 +78,3 @@ static inline void dt_wide_sum_add(struct dt_wide_sum *s, double a, double b)
 
 /* The sum divided by a small integer, rounded once to the nearest double; infinite beyond the largest one. */
 double dt_wide_sum_over(const struct dt_wide_sum *s, uint32_t divisor);
-
-#endif

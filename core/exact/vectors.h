@@ -1,6 +1,5 @@
 /* vectors.h - vectors between places and their products, in double words and in long numbers. */
-#ifndef DT_VECTORS_H
-#define DT_VECTORS_H
+#pragma once
 
 #include <math.h>
 
@@ -72,5 +71,3 @@ static inline void dt_big_dot(const struct dt_big_vector *a, const struct dt_big
     dt_big_multiply(&a->y, &b->y, &y);
     dt_big_add(r, &y, r);
 }
-
-#endif

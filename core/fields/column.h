@@ -14,8 +14,7 @@
  *
  * So nothing is copied while no view is open, and a page at most once for all views that are open.
  * Pages put aside are in one queue of the set, the earliest first, and go when no view reads them any more. */
-#ifndef DT_COLUMN_H
-#define DT_COLUMN_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay_fields.h"
@@ -127,5 +126,3 @@ void dt_field_close(struct dt_shelf *s, struct dt_field *c, const struct dt_fiel
 
 /* Frees the first page of the queue. */
 void dt_shelf_free_first(struct dt_shelf *s);
-
-#endif

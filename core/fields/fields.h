@@ -1,6 +1,5 @@
 /* fields.h - the fields of a set: named columns of values (column.h), and what edits have put aside for views. */
-#ifndef DT_FIELDS_H
-#define DT_FIELDS_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/fields/column.h"
@@ -49,5 +48,3 @@ static inline bool dt_fields_keep(const struct dt_fields *f)
 /* Takes note of the views: the serials of the last one, and of the latest and the oldest that are read (0 and
  * UINT64_MAX if none is). Frees some of the pages that no view reads. Returns whether something was freed. */
 bool dt_fields_review(struct dt_fields *f, uint64_t serial, uint64_t latest, uint64_t oldest);
-
-#endif

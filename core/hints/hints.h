@@ -14,8 +14,7 @@
  *
  * A cell in which no small triangle has its centroid, and which has no vertex, is empty. It borrows the content of the
  * nearest cell that is not empty, marked by 3 in the two lowest bits. Of a half edge only the triangle counts. */
-#ifndef DT_HINTS_H
-#define DT_HINTS_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/box.h"
@@ -148,5 +147,3 @@ uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const s
 
 /* Enters the triangle of half edge h, which is near q, in the cell of q. */
 void dt_hint_put(struct dt_hints *g, struct dt_point q, uint32_t h);
-
-#endif

@@ -13,8 +13,7 @@
  * [Devroye, Muecke & Zhu, "A note on point location in Delaunay triangulations of random points", 1998] jump to the
  * nearest sampled vertex also to find a triangle, which needs evenly spread points. If all triangles are equally good,
  * as the triangles of one circle, a sample does not help. */
-#ifndef DT_JUMP_H
-#define DT_JUMP_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -29,5 +28,3 @@ uint32_t dt_jump_triangle(const struct dt_mesh *m, const struct dt_point *xy, ui
 /* Returns the vertex nearest to q, up to rounding, among a sample of vertices and `from`. */
 uint32_t dt_jump_vertex(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                         struct dt_point q);
-
-#endif

@@ -1,7 +1,6 @@
 /* arena.h - scratch memory in stack order: a recursion allocates what it needs and releases it by returning to
  * a mark. */
-#ifndef DT_ARENA_H
-#define DT_ARENA_H
+#pragma once
 
 #include <stddef.h>
 
@@ -28,5 +27,3 @@ void *dt_arena_take(struct dt_arena *a, size_t n, size_t size);
 
 struct dt_arena_mark dt_arena_mark(const struct dt_arena *a);
 void dt_arena_return(struct dt_arena *a, struct dt_arena_mark mark);
-
-#endif

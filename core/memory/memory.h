@@ -2,8 +2,7 @@
  *
  * Fresh memory in small pages costs as much as the work done in it, so arrays of several MiB use huge pages
  * where the system has them. They grow by moving pages, not bytes. */
-#ifndef DT_MEMORY_H
-#define DT_MEMORY_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -80,5 +79,3 @@ static inline enum dt_status dt_ids_append(struct dt_ids *ids, uint32_t value)
 {
     return dt_items_append(&ids->v, &ids->n, &ids->cap, &value, sizeof value);
 }
-
-#endif

@@ -7,8 +7,7 @@
  *
  * pages.c does this on Linux. plain/pages.c is for systems without mmap, such as WebAssembly: regions are from malloc, and
  * nothing is kept. A program contains one of the two. */
-#ifndef DT_PAGES_H
-#define DT_PAGES_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -33,5 +32,3 @@ void *dt_region_shrink(struct dt_pages *p, void *region, size_t bytes, size_t ke
 
 /* p: where it was taken. */
 void dt_region_give(struct dt_pages *p, void *region, size_t bytes);
-
-#endif

@@ -1,6 +1,5 @@
 /* sort.h - ids, keys and other items in ascending order; numbers for samples and pivots. */
-#ifndef DT_SORT_H
-#define DT_SORT_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -28,5 +27,3 @@ static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (uint32_t)((*state >> 32) * n >> 32);
 }
-
-#endif

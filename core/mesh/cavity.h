@@ -3,8 +3,7 @@
  * Both edits of a live mesh replace the triangles of a disc by other triangles with the same rim.
  * The closed surface (ghosts included) makes hull and interior alike: a disc of k triangles without
  * inner vertex has k + 2 rim edges. */
-#ifndef DT_CAVITY_H
-#define DT_CAVITY_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/predicates.h"
@@ -84,5 +83,3 @@ static inline void dt_cavity_report(const struct dt_cavity *c)
         if (c->rim[i].origin != DT_NONE)
             dt_changes_star(c->changes, c->rim[i].origin);
 }
-
-#endif

@@ -8,8 +8,7 @@
  *          \   /                     \ | /          the diagonal c->d prev(h).
  *            d                         d
  */
-#ifndef DT_DIAGONAL_H
-#define DT_DIAGONAL_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -18,5 +17,3 @@ void dt_flip(struct dt_mesh *m, uint32_t h);
 
 /* The inverse of dt_flip(m, h). */
 void dt_flip_back(struct dt_mesh *m, uint32_t h);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * Several constraints may cover an edge. An edge that is fixed is covered once, unless the table says how many times
  * more. */
-#ifndef DT_FIXED_H
-#define DT_FIXED_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -64,5 +63,3 @@ enum dt_status dt_fixed_reserve(struct dt_mesh *m, size_t n);
 /* n constraints more, or fewer, cover the edge of h, both sides; n > 0. For more there must be room. */
 void dt_fix(struct dt_mesh *m, uint32_t h, uint32_t n);
 void dt_unfix(struct dt_mesh *m, uint32_t h, uint32_t n);
-
-#endif

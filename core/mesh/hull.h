@@ -9,8 +9,7 @@
  *
  * All points on one line: the cycle runs along one side of the line and back along the other. So a
  * vertex between the ends has two ghosts, one for each direction. */
-#ifndef DT_HULL_H
-#define DT_HULL_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/mesh/mesh.h"
@@ -69,5 +68,3 @@ static inline bool dt_hull_turns(const struct dt_mesh *m, uint32_t g)
  * the end with the smaller id or, clockwise, of the other end. DT_NONE if there is no edge. Cost:
  * O(hull). */
 uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw);
-
-#endif

@@ -24,8 +24,7 @@
  * the one to infinity, so that one read distinguishes hull vertices from interior ones.
  *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
-#ifndef DT_MESH_H
-#define DT_MESH_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "core/memory/memory.h"
@@ -180,5 +179,3 @@ uint32_t dt_mesh_triangles(const struct dt_mesh *m);
 uint32_t dt_mesh_edges(const struct dt_mesh *m);
 uint32_t dt_mesh_hull(const struct dt_mesh *m);
 bool dt_mesh_is_line(const struct dt_mesh *m); /* true also for 0 and 1 vertices */
-
-#endif

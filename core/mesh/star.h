@@ -2,8 +2,7 @@
  *
  * A star is read counterclockwise: the star of an interior vertex from anywhere, the star of a hull vertex
  * from its successor on the hull to its predecessor. */
-#ifndef DT_STAR_H
-#define DT_STAR_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -34,5 +33,3 @@ static inline uint32_t dt_star_words(const struct dt_mesh *m, uint32_t v)
 }
 
 void dt_star_save(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *image);
-
-#endif

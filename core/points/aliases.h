@@ -15,8 +15,7 @@
  *
  * A group without references is free. Knows ids and coordinates only: which id is an alias, and
  * which representative has a group, is the business of points.c. */
-#ifndef DT_ALIASES_H
-#define DT_ALIASES_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay.h"
@@ -102,5 +101,3 @@ uint32_t dt_aliases_unite(struct dt_aliases *a, uint32_t from, uint32_t into);
  * number of the root's aliases that are among them). */
 uint32_t dt_aliases_lowest_but(const struct dt_aliases *a, uint32_t root, const uint32_t *ids,
                                size_t n);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * For code that keeps earlier states of a set, or needs to know what an edit touches. A callback is called for each
  * thing that is about to change, possibly more than once in an edit. */
-#ifndef DT_CHANGES_H
-#define DT_CHANGES_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -44,5 +43,3 @@ static inline void dt_changes_name(const struct dt_changes *w, uint32_t v)
     if (w != NULL)
         w->name(w->ctx, v);
 }
-
-#endif

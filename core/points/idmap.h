@@ -5,8 +5,7 @@
  * proportional to the live ids, not to the largest one. If many ids are added at once, their pages are in
  * blocks; each block is a huge page of the system and is freed as a whole. Looking up any of millions of ids
  * then costs one cache miss, without another one for the address of its page. */
-#ifndef DT_IDMAP_H
-#define DT_IDMAP_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay.h"
@@ -87,5 +86,3 @@ uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n);
 /* DT_OK, or DT_NOMEM, and *copy is cleared. If it is stopped, values are missing; stop may be NULL. */
 enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy, struct dt_stop *stop);
 size_t dt_idmap_memory(const struct dt_idmap *m);
-
-#endif

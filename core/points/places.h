@@ -5,8 +5,7 @@
  * cell of its own) and the cells are hashed. The paper looks for coincident points only in the point's own
  * cell. Here the neighbouring cells within reach are searched as well, so two points on either side of a
  * border are found to coincide. */
-#ifndef DT_PLACES_H
-#define DT_PLACES_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -59,5 +58,3 @@ void dt_places_fetch(const struct dt_places *p, const struct dt_point *xy, const
 
 void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v);
 void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v);
-
-#endif

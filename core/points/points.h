@@ -5,8 +5,7 @@
  * are in order of arrival at first, and in grid order once triangulated, so that neighbours in the plane are
  * neighbours in memory. Ids are the caller's numbers and never change. Aliases are no vertices;
  * they live in a table of their own. */
-#ifndef DT_POINTS_H
-#define DT_POINTS_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/points/aliases.h"
@@ -143,5 +142,3 @@ uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t e
  * are more vertices than ever before. Cost: linear. */
 enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point **xy, uint32_t **id,
                                   uint32_t n, const struct dt_options *opt);
-
-#endif

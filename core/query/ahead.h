@@ -1,7 +1,6 @@
 /* ahead.h - walks side by side, which prefetch what several queries (dt_fetch_places, dt_fetch_ids) or edits
  * (dt_fetch_edits, and those of a batch) will read. */
-#ifndef DT_AHEAD_H
-#define DT_AHEAD_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -20,5 +19,3 @@ enum dt_star_use { DT_STAR_READ, DT_STAR_REMOVE };
 
 /* Around n <= DT_AHEAD vertices, which may include DT_NONE. */
 void dt_walk_stars(const struct dt *t, const uint32_t *v, size_t n, enum dt_star_use use);
-
-#endif

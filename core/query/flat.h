@@ -1,6 +1,5 @@
 /* flat.h - all triangles at once, and where the triangle of each record of the mesh is among them. */
-#ifndef DT_FLAT_H
-#define DT_FLAT_H
+#pragma once
 
 #include "core/delaunay_arrays.h"
 #include "core/set/set.h"
@@ -12,5 +11,3 @@ enum dt_status dt_flat_rows(const struct dt *t, bool cw, uint32_t *triangles, ui
 
 /* Writes halfedges[] of dt_flat (delaunay_arrays.h) for rows with these places. */
 void dt_flat_halfedges(const struct dt *t, bool cw, const uint32_t *place_of, uint32_t *halfedges);
-
-#endif

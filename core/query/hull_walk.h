@@ -2,8 +2,7 @@
  *
  * The position of a walk is a point, given by its id, so that the walk can be resumed at that point after edits. On a
  * line, which has two directions, the previous point is needed as well. */
-#ifndef DT_HULL_WALK_H
-#define DT_HULL_WALK_H
+#pragma once
 
 #include "core/set/view_stars.h"
 
@@ -29,5 +28,3 @@ void dt_hull_walk_step(struct dt_hull_walk *w);
 
 /* On a line: the ring of the point, the next one before the last one, into ring[2]; then a step. Returns its length. */
 uint32_t dt_hull_walk_ring(struct dt_hull_walk *w, uint32_t *ring);
-
-#endif

@@ -1,6 +1,5 @@
 /* locate.h - where a place lies in the mesh: a hint from the grid, then a short exact walk. */
-#ifndef DT_LOCATE_H
-#define DT_LOCATE_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -67,5 +66,3 @@ static inline void dt_way_cross(const struct dt_mesh *m, struct dt_way *w, struc
     else
         w->b = c;
 }
-
-#endif

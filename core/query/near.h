@@ -3,8 +3,7 @@
  * If k results are still wanted, only the nearest k points matter. Now and then the heap is cut down to these; from then
  * on points farther than the last of them are not wanted. So a heap has at most about twice as many points as are
  * wanted. */
-#ifndef DT_NEAR_H
-#define DT_NEAR_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/predicates.h"
@@ -49,5 +48,3 @@ enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_stop 
 
 /* Takes out the nearest; n > 0. */
 struct dt_seen dt_near_pop(struct dt_near *h);
-
-#endif

@@ -10,8 +10,7 @@
  *    q through p. So the nearest k vertices, and all within a radius, are connected by edges.
  *
  * If several vertices tie as nearest, they are the corners of one empty circle around q, which its triangulation connects. */
-#ifndef DT_NEAREST_H
-#define DT_NEAREST_H
+#pragma once
 
 #include "core/exact/predicates.h"
 #include "core/set/set.h"
@@ -68,5 +67,3 @@ enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, ui
 /* Appends the neighbours of v, a vertex nearest to q, that are as near, possibly some of them twice. */
 enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
                                struct dt_stop *work, struct dt_ids *ties);
-
-#endif

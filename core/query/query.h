@@ -1,6 +1,5 @@
 /* query.h - functions that all searches near a place use. */
-#ifndef DT_QUERY_H
-#define DT_QUERY_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -59,5 +58,3 @@ struct dt_neighbours;
 enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
                                uint32_t from, uint32_t k, struct dt_stop *work,
                                struct dt_neighbours *around, struct dt_ids *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* visited.h - a set of small numbers (vertices, triangles) that a search has seen: open addressing,
  * no allocation until it holds more than a few dozen. */
-#ifndef DT_VISITED_H
-#define DT_VISITED_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -20,5 +19,3 @@ void dt_visited_clear(struct dt_visited *s);
 
 /* Adds key (not DT_NONE); *fresh says whether it is new. DT_NOMEM leaves the set as it was. */
 enum dt_status dt_visited_add(struct dt_visited *s, uint32_t key, bool *fresh);
-
-#endif

@@ -19,8 +19,7 @@
  * leads to before all moments that are read, so it is never followed.
  *
  * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
-#ifndef DT_IMAGES_H
-#define DT_IMAGES_H
+#pragma once
 
 #include "core/points/idmap.h"
 
@@ -73,5 +72,3 @@ const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t 
  * is, first a part of the map. Returns whether it did. At the end nothing is left. Cost: the images of the chunk,
  * of 16 KiB unless it has one image only. */
 bool dt_images_trim(struct dt_images *s, uint64_t oldest);
-
-#endif

@@ -1,6 +1,5 @@
 /* set.h - the definition of struct dt; for the files of core/ only. */
-#ifndef DT_SET_H
-#define DT_SET_H
+#pragma once
 
 #include "core/constraints/constraints.h"
 #include "core/fields/fields.h"
@@ -120,5 +119,3 @@ static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uin
     *v = dt_points_vertex(&t->points, id);
     return *v == DT_NONE ? DT_NOPOINT : DT_OK;
 }
-
-#endif

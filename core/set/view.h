@@ -13,8 +13,7 @@
  * may its ring be read.
  *
  * Views are read by view_rows.h and view_stars.h, and edits save by view_save.c. */
-#ifndef DT_VIEW_H
-#define DT_VIEW_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "core/points/changes.h"
@@ -111,5 +110,3 @@ void dt_views_lose_rings(struct dt_views *w);
 /* Removes the views that have ended, finds out which moments the others read, and frees some of the images that
  * no view reads. Returns whether something was freed. Cost: constant for each view that has begun or ended since. */
 bool dt_views_review(struct dt_views *w);
-
-#endif

@@ -1,7 +1,6 @@
 /* view_rows.h - the rows that points had at the moment of a view, NULL for now: their places, and whose aliases they
  * were. */
-#ifndef DT_VIEW_ROWS_H
-#define DT_VIEW_ROWS_H
+#pragma once
 
 #include "core/set/set.h"
 
@@ -50,5 +49,3 @@ enum {
 
 void dt_view_save_row(const struct dt *t, uint32_t id, uint32_t *image);
 void dt_view_save_family(const struct dt *t, uint32_t group, uint32_t *image);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * A view of NULL means now. The view must be readable; passing it through dt_view_if_changed first makes
  * the function faster. */
-#ifndef DT_VIEW_STARS_H
-#define DT_VIEW_STARS_H
+#pragma once
 
 #include "core/mesh/star.h"
 #include "core/set/set.h"
@@ -63,5 +62,3 @@ enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, u
 /* Whether the id is in the ring; *beside: the next id counterclockwise or clockwise, DT_NONE if the outside of the
  * hull comes next. Cost: its degree. */
 bool dt_neighbours_have(const struct dt_neighbours *n, uint32_t id, bool ccw, uint32_t *beside);
-
-#endif

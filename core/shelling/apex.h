@@ -1,6 +1,5 @@
 /* apex.h - the paper's third-point search: which point completes the Delaunay triangle to the left of an edge. */
-#ifndef DT_APEX_H
-#define DT_APEX_H
+#pragma once
 
 #include "core/shelling/grid.h"
 
@@ -10,5 +9,3 @@
  * and the points that are not removed; it is undefined if the search has to stop. Cost: constant expected on evenly
  * spread points, counted by g->stop. */
 uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b);
-
-#endif

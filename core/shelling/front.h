@@ -12,8 +12,7 @@
  * The apex of an edge, once searched, is remembered with it. An edge is awake if it can make progress: its apex
  * has not been searched yet, or makes a triangle that touches the disc properly. The awake edges form a second
  * circular list, in the order of the front; it replaces the paper's queue. */
-#ifndef DT_FRONT_H
-#define DT_FRONT_H
+#pragma once
 
 #include "core/control/stop.h"
 
@@ -61,5 +60,3 @@ void dt_front_left_touch(struct dt_front *f, uint32_t a, uint32_t h);
 
 /* Puts edge a to sleep, in the two other cases. */
 void dt_front_sleep(struct dt_front *f, uint32_t a);
-
-#endif

@@ -14,8 +14,7 @@
  *
  * A point that is removed leaves a NaN at its place: it lies on no side of any line and is at no
  * distance, so that searches skip it without a test. */
-#ifndef DT_GRID_H
-#define DT_GRID_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/exact/box.h"
@@ -95,5 +94,3 @@ static inline uint32_t dt_cells_index(const struct dt_cells *c, struct dt_point 
 
 /* The first of the crowded cells numbered >= cell, as an index into sub and sub_cell. */
 uint32_t dt_cells_first_sub(const struct dt_cells *c, uint32_t cell);
-
-#endif

@@ -10,8 +10,7 @@
  * There are two kinds of scan. The first uses rounded values, and can say afterwards whether they were precise
  * enough: no other point was near the best one, and none was near the edge's line. The exact one uses exact
  * predicates where rounded values cannot decide. */
-#ifndef DT_SCAN_H
-#define DT_SCAN_H
+#pragma once
 
 #include "core/exact/lanes.h"
 #include "core/shelling/segment.h"
@@ -48,5 +47,3 @@ double dt_scan_bound(const struct dt_scan *q);
 
 /* Whether the best point is the best of all scanned with certainty. */
 bool dt_scan_is_certain(const struct dt_scan *q);
-
-#endif

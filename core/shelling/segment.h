@@ -1,6 +1,5 @@
 /* segment.h - where to look for the apex of an edge: circle segments, and the cells they touch. */
-#ifndef DT_SEGMENT_H
-#define DT_SEGMENT_H
+#pragma once
 
 #include "core/shelling/grid.h"
 
@@ -62,5 +61,3 @@ static inline bool dt_window_line(const struct dt_window *w, uint32_t j, uint32_
  * touches. */
 double dt_segment_reach(const struct dt_edge *e, const struct dt_segment *g,
                         const struct dt_cells *c);
-
-#endif

@@ -1,7 +1,6 @@
 /* shelling.h - the paper's triangulation: grid, third-point search and circular edge list put
  * together. */
-#ifndef DT_SHELLING_H
-#define DT_SHELLING_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 #include "core/shelling/front.h"
@@ -45,5 +44,3 @@ void dt_shell_clear(struct dt_shell *s);
 /* Links the ghosts along the convex hull, which is walked by the grid-structure-based method of the
  * paper: from any point that remains in the grid along the pointers to the next one. */
 void dt_shell_close(struct dt_shell *s);
-
-#endif

@@ -11,8 +11,7 @@
  *
  * A cell on an edge or at a corner is looked up by itself. The first cell of a row, some cells after many triangles
  * without cells, and cells to the west of the hull are, too. */
-#ifndef DT_RASTER_ROWS_H
-#define DT_RASTER_ROWS_H
+#pragma once
 
 #include "core/surface/value.h"
 
@@ -30,5 +29,3 @@ enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint
  * for each row that an edge meets, a byte for each 8 cells, and 256 KB. */
 enum dt_status dt_mask_by_edges(const struct dt *t, uint32_t number, const struct dt_raster *r,
                                 const struct dt_options *opt, uint8_t *bits, bool *few);
-
-#endif

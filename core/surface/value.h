@@ -2,8 +2,7 @@
  *
  * The value is a function of the points and values alone. If it depends on an order of corners, that order begins with
  * the smallest id. Data that is kept from place to place equals what would be computed again. */
-#ifndef DT_VALUE_H
-#define DT_VALUE_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay_surface.h"
@@ -197,5 +196,3 @@ bool dt_natural_mean(struct dt_valuer *v, struct dt_point q, uint32_t first, dou
 
 /* From now on, keeps circles for a scan of n places. DT_NOMEM. */
 enum dt_status dt_natural_keep(struct dt_valuer *v, size_t n);
-
-#endif

@@ -16,8 +16,7 @@
  *
  * Strictly: corners of a cocircular polygon are all in the disc or only its rim, so the tour does not depend on
  * how ties were broken. It copies the places that it meets, so that weights are computed without the mesh. */
-#ifndef DT_WEIGHTS_H
-#define DT_WEIGHTS_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 #include "core/set/set.h"
@@ -86,5 +85,3 @@ uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
  * enough. It takes no steps. Cost: the same; some ten times more if doubles are not enough, and some thousand times
  * more if double words are not. The flag is polled. */
 enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work);
-
-#endif

@@ -1,6 +1,5 @@
 /* clip.h - what is between a triangle and another one below it, in a box. */
-#ifndef DT_CLIP_H
-#define DT_CLIP_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -25,5 +24,3 @@ struct dt_slab_parts {
  * They depend on the slab and the box alone. Cost: constant; some hundred times as much where they are very small beside those of
  * the whole slab. */
 struct dt_slab_parts dt_slab_clip(const struct dt_slab *s, struct dt_point lo, struct dt_point hi);
-
-#endif

@@ -1,6 +1,5 @@
 /* cut.h - where a straight way cuts an edge, in numbers. */
-#ifndef DT_CUT_H
-#define DT_CUT_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "core/exact/double2.h"
@@ -14,5 +13,3 @@ struct dt_cut {
 /* Of the way from p to q, which crosses the edge from a, on its right, to b, on its left; all four strictly. Cost: constant;
  * some hundred times more for crossings at very small angles or near the middle of two doubles. */
 struct dt_cut dt_cut_of(struct dt_point p, struct dt_point q, struct dt_point a, struct dt_point b);
-
-#endif
