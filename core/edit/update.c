@@ -210,38 +210,49 @@ void dt_update_take_back(struct dt *t, uint32_t n)
     dt_points_take_back(&t->points, n);
 }
 
-/* A walk from point to point of a batch; steps == 0: the batch uses the grid. */
-struct trail {
-    uint32_t half, steps; /* where it is; how many triangles it may still pass */
+/* The way in which points of a batch find triangles near them. */
+struct guide {
+    enum {
+        BY_TURNS,
+        BY_WALK,
+        ALONE
+    } way;                /* of batch.h; from point to point; every point by the grid */
+    uint32_t half, steps; /* of a walk: where it is; how many triangles it may still pass */
 };
 
-/* Walks on to q. Returns a half edge there, DT_NONE if that is not known. */
-static uint32_t walk_on(struct dt *t, struct trail *w, struct dt_point q,
+/* Walks on to q. Returns a half edge there, DT_NONE if that is not known. A walk that is too long ends: a grid is made. */
+static uint32_t walk_on(struct dt *t, struct guide *w, struct dt_point q,
                         const struct dt_stop *work)
 {
     if (dt_mesh_is_line(&t->mesh))
         return DT_NONE;
     if (dt_walk_within(&t->mesh, t->points.xy, w->half, q, &w->steps, &w->half))
         return w->half;
-    w->steps = 0;
+    w->way = ALONE;
     dt_tend(t, work);
     return DT_NONE;
 }
 
-static uint32_t near_turn(struct dt *t, struct dt_batch *b, uint32_t i, struct trail *w,
-                          bool walking, const struct dt_stop *work)
+/* A half edge near the point whose turn is i; DT_NONE: none is known. */
+static uint32_t near_turn(struct dt *t, struct dt_batch *b, uint32_t i, struct guide *w,
+                          const struct dt_stop *work)
 {
-    if (!walking)
+    switch (w->way) {
+    case BY_TURNS:
         return dt_batch_turn(t, b, i);
-    return w->steps == 0 ? DT_NONE : walk_on(t, w, b->q[dt_batch_index(b, i)], work);
+    case BY_WALK:
+        return walk_on(t, w, b->q[dt_batch_index(b, i)], work);
+    case ALONE:
+        break;
+    }
+    return DT_NONE;
 }
 
 static enum dt_status add_batch(struct dt *t, const struct dt_point *q, size_t n,
-                                struct dt_stop *work, struct trail w, struct dt_added *out)
+                                struct dt_stop *work, struct guide w, struct dt_added *out)
 {
     struct dt_batch b;
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
-    bool walking = w.steps > 0;
     enum dt_status status = dt_points_reserve(&t->points, n, work);
     if (status == DT_OK)
         status = index_places(t, work);
@@ -252,7 +263,7 @@ static enum dt_status add_batch(struct dt *t, const struct dt_point *q, size_t n
     t->scratch.work = work;
     uint32_t i = 0;
     for (; i < n; i++) {
-        uint32_t near = near_turn(t, &b, i, &w, walking, work), k = dt_batch_index(&b, i);
+        uint32_t near = near_turn(t, &b, i, &w, work), k = dt_batch_index(&b, i);
         status = dt_work(work, 4);
         if (status == DT_OK)
             status = add_one(t, done.first + k, q[k], near, &done);
@@ -277,14 +288,14 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
     if (n == 1)
         dt_hint_fetch_cells(&t->hints, q[0]); /* they arrive while room is made */
     dt_tend(t, work);                         /* the batch needs a grid */
-    return add_batch(t, q, n, work, (struct trail){DT_NONE, 0}, out);
+    return add_batch(t, q, n, work, (struct guide){.way = BY_TURNS}, out);
 }
 
 enum dt_status dt_update_add_walking(struct dt *t, const struct dt_point *q, size_t n,
                                      struct dt_stop *work, struct dt_added *out)
 {
     enum { SHARE = 8 }; /* the grid costs as much as walks past some triangles for each vertex */
-    struct trail w = {t->mesh.hull, t->mesh.vertices / SHARE};
+    struct guide w = {BY_WALK, t->mesh.hull, t->mesh.vertices / SHARE};
     if (!dt_is_live(t) || !dt_lacks_grid(t) || n > w.steps / SHARE)
         return dt_update_add(t, q, n, work, out);
     return add_batch(t, q, n, work, w, out);
