@@ -169,18 +169,6 @@ static void fill_at_hull(struct hole *w, uint32_t n)
     dt_link(w->m, before, w->rim[n - 1].beyond);
 }
 
-/* Constraints run from P[0] to P[k] and cover the edge between the two pockets from now on; P[n] = P[0]. */
-static void fill_both_sides(struct hole *w, uint32_t k, uint32_t n, const struct dt_through *t)
-{
-    set_bounds(w, 0, k);
-    w->face = t->face[0];
-    uint32_t one = fill_pocket(w, 0, k);
-    set_bounds(w, k, n);
-    w->face = t->face[1];
-    dt_link(w->m, one, fill_pocket(w, k, n));
-    dt_fix(w->m, one, t->covers);
-}
-
 /* leaving[] of the rim vertices, which may have pointed into the star. */
 static void settle_rim(struct dt_mesh *m, const struct dt_cavity *c)
 {
@@ -191,21 +179,14 @@ static void settle_rim(struct dt_mesh *m, const struct dt_cavity *c)
 
 /* At most DT_STAR_SMALL corners. */
 static void fill_small(struct dt_mesh *m, const struct dt_point *xy, const struct dt_cavity *c,
-                       const struct dt_through *t)
+                       uint32_t face)
 {
-    struct dt_point p[DT_STAR_SMALL + 1];
-    struct dt_rim turned[DT_STAR_SMALL + 1]; /* P[0] is at t->at[0] */
-    struct hole w = {m, c->rim, p, c->record, c->records, t->face[0], {0, 0}};
-    bool at_hull = c->rim[0].origin == DT_NONE, divided = t->n == 2 && !at_hull;
-    for (uint32_t i = 0; divided && i <= c->rims; i++)
-        turned[i] = c->rim[(t->at[0] + i) % c->rims];
-    if (divided)
-        w.rim = turned;
-    for (uint32_t i = at_hull; i < c->rims + divided; i++)
+    struct dt_point p[DT_STAR_SMALL];
+    struct hole w = {m, c->rim, p, c->record, c->records, face, {0, 0}};
+    bool at_hull = c->rim[0].origin == DT_NONE;
+    for (uint32_t i = at_hull; i < c->rims; i++)
         p[i] = xy[w.rim[i].origin];
-    if (divided) {
-        fill_both_sides(&w, t->at[1] - t->at[0], c->rims, t);
-    } else if (at_hull) {
+    if (at_hull) {
         m->ghosts -= 2;
         fill_at_hull(&w, c->rims);
     } else {
@@ -219,10 +200,11 @@ static void fill_small(struct dt_mesh *m, const struct dt_point *xy, const struc
 static enum dt_status fill_star(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                                 struct dt_cavity *c, const struct dt_through *t)
 {
+    if (t->n == 2 && c->rim[0].origin != DT_NONE)
+        return dt_remove_between(m, xy, c, t);
     if (c->rims > DT_STAR_SMALL)
-        return t->n == 2 && c->rim[0].origin != DT_NONE ? dt_remove_between(m, xy, c, t)
-                                                        : dt_remove_large(m, xy, v, c, t->face[0]);
-    fill_small(m, xy, c, t);
+        return dt_remove_large(m, xy, v, c, t->face[0]);
+    fill_small(m, xy, c, t->face[0]);
     return DT_OK;
 }
 
