@@ -46,23 +46,28 @@ void dt_queue_push(struct dt_queue *q, uint32_t level, const struct dt_waiting *
         q->first[level] = i;
     q->last[level] = i;
     q->filled[level >> 6] |= bit;
+    q->any |= (uint64_t)1 << (level >> 6);
     q->n++;
+}
+
+static uint32_t highest(uint64_t bits)
+{
+    return 63 - (uint32_t)__builtin_clzll(bits);
 }
 
 bool dt_queue_pop(struct dt_queue *q, struct dt_waiting *w)
 {
-    uint32_t k = DT_LEVELS / 64;
     if (q->n == 0)
         return false;
-    while (q->filled[k - 1] == 0)
-        k--;
-    uint32_t level = 64 * (k - 1) + 63 - (uint32_t)__builtin_clzll(q->filled[k - 1]);
+    uint32_t k = highest(q->any), bit = highest(q->filled[k]), level = 64 * k + bit;
     uint32_t i = q->first[level];
     *w = q->item[i];
     if (w->next == DT_NONE)
-        q->filled[k - 1] &= ~((uint64_t)1 << (level & 63));
+        q->filled[k] ^= (uint64_t)1 << bit;
     else
         q->first[level] = w->next;
+    if (q->filled[k] == 0)
+        q->any ^= (uint64_t)1 << k;
     q->item[i].next = q->free_list;
     q->free_list = i;
     q->n--;

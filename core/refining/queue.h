@@ -18,7 +18,8 @@ struct dt_queue {
     struct dt_waiting *item; /* owns `cap` */
     uint32_t end, cap, free_list;
     uint32_t first[DT_LEVELS], last[DT_LEVELS];
-    uint64_t filled[DT_LEVELS / 64]; /* which levels are not empty */
+    uint64_t filled[DT_LEVELS / 64]; /* which levels are not empty, */
+    uint64_t any;                    /* and of which words of `filled` some bit is set */
     uint32_t n;
 };
 
