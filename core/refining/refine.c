@@ -72,14 +72,9 @@ static enum dt_status list_hull(struct plan *s)
 
 static enum dt_status list_constraints(struct plan *s)
 {
-    const struct dt_declared *d = s->t->constraints == NULL ? NULL : &s->t->constraints->declared;
-    enum dt_status status = DT_OK;
-    for (uint32_t i = 0; d != NULL && i < d->end && status == DT_OK; i++)
-        if (dt_declared_is_live(d, i))
-            status = dt_constraint_append(&s->old, dt_declared_get(d, i));
+    uint32_t from = 0;
+    enum dt_status status = dt_constraints_read(s->t, NULL, &from, SIZE_MAX, &s->old);
     s->declared = s->old.n;
-    if (status == DT_OK && s->old.n > 0)
-        qsort(s->old.v, s->old.n, sizeof *s->old.v, dt_constraint_compare);
     if (status == DT_OK && !dt_has_borders(s->t))
         status = list_hull(s);
     return status;
@@ -456,7 +451,8 @@ enum dt_status dt_plan_refine(struct dt *t, const struct dt_quality *q,
     s.r.keep = q->keep;
     dt_queue_init(&s.r.queue);
     dt_wanted_of(q, &s.r.wanted);
-    dt_tend(t, &work); /* values are looked up */
+    if (t->fields.n > 0) /* values will be looked up */
+        dt_tend(t, &work);
     status = plan(&s, out);
     if (status != DT_OK)
         dt_split_clear(&out->change);
