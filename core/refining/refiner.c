@@ -86,14 +86,18 @@ static enum dt_status append_part(struct dt_part_list *l, struct dt_part part)
     return DT_OK;
 }
 
-/* The level of a triangle: the shorter the shortest edge of one with a small angle, the higher; then the larger ones. */
+/* The level of a triangle. First come those with a small angle, or with a long edge and a much shorter one: the shorter the shortest
+ * edge, the higher. So points advance in rows from short edges. Then the larger ones. (At 6 to 7 the fewest points are added.) */
 static uint32_t level_of(const struct dt_shape *s, unsigned breaks)
 {
+    const double thin = 6.5; /* 32 degrees, of a triangle with two equal sides */
+    bool rows = (breaks & DT_LONG) != 0 && s->qr + s->rp > thin * s->pq;
+    bool first = rows || (breaks & DT_SHARP) != 0;
     int exponent;
-    double part = frexp((breaks & DT_SHARP) != 0 ? s->pq : s->qr + s->rp, &exponent);
+    double part = frexp(first ? s->pq : s->qr + s->rp, &exponent);
     int rank = 2 * exponent + (part >= 0.75);
-    int level = (breaks & DT_SHARP) != 0 ? 3072 - rank : 1024 + rank;
-    level = (breaks & DT_SHARP) != 0 && level < 2048 ? 2048 : level;
+    int level = first ? 3072 - rank : 1024 + rank;
+    level = first && level < 2048 ? 2048 : level;
     return level < 0 ? 0 : level >= DT_LEVELS ? DT_LEVELS - 1 : (uint32_t)level;
 }
 
@@ -387,18 +391,16 @@ static bool is_there(const struct dt_refiner *r, const struct dt_part *p)
 /* ---- a triangle ---- */
 
 /* The greatest distance of the new point from the shortest edge, in lengths of that edge; 0: any distance. A triangle with edges that
- * are too long, but no small angle, gets its point where both new sides over its shortest edge are almost as long as the limit. This
- * also holds if the shortest edge is longer. Beside edges that are kept it gets the centre, which is less often behind them.
+ * are too long gets its point at most where both new sides over its shortest edge are almost as long as the limit. Beside edges that are kept it gets the centre, which is less often behind them.
  * (At 0.94 to 0.98 of the limit the fewest points are added.) */
 static double reach_of(const struct dt_refiner *r, const struct dt_shape *s, unsigned breaks)
 {
     const struct dt_wanted *w = &r->wanted;
     const double part = 0.96;
     double side = part * w->length;
-    if ((breaks & DT_SHARP) != 0)
-        return w->off;
-    if (r->keep || (breaks & DT_LONG) == 0 || !(4 * side * side > s->pq))
-        return 0;
+    bool sharp = (breaks & DT_SHARP) != 0;
+    if ((breaks & DT_LONG) == 0 || !(4 * side * side > s->pq) || (r->keep && !sharp))
+        return sharp ? w->off : 0;
     double reach = sqrt(side * side / s->pq - 0.25);
     return w->off > 0 && w->off < reach ? w->off : reach;
 }

@@ -12,7 +12,8 @@
  *
  * A triangle with an edge that is too long gets its point nearer, too: where the sides over its shortest edge are 0.96 of the limit.
  *
- * Triangles with the shortest edges come first [Shewchuk, Triangle 1.6].
+ * Triangles with the shortest edges come first [Shewchuk, Triangle 1.6]; if no angle is small and no edge is much longer than another,
+ * the largest.
  *
  * The refiner works on a set of its own, which has been built in one way, and where vertices are numbered by arrival. So all that it
  * does depends on what that was built from alone. */
