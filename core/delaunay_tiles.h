@@ -64,9 +64,6 @@ struct dt_tile_counts {
 };
 void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out); /* cost: constant */
 
-/* The box of the own points: x0, y0, x1, y1. False: there are none, and the box is unchanged. Cost: constant. */
-bool dt_tile_box(const struct dt_tile *tile, double box[4]);
-
 /* Inserts n foreign points p[n] with the global ids id[n], in any order. Points that the tile has already are ignored. DT_RANGE: a
  * coordinate; or a point coincides with a point of another id, or an own id arrives from outside. DT_TOOBIG, DT_NOMEM. An error
  * changes nothing. Cost: that of dt_add_many. */
@@ -87,10 +84,6 @@ enum dt_status dt_tile_insert(struct dt_tile *tile, const struct dt_point *p, co
  * first call, in the points inserted at later ones; O(log tiles) for each face near the border and each pair. */
 enum dt_status dt_tile_open(struct dt_tile *tile, const double *box, size_t tiles, size_t me,
                             int64_t *offset, struct dt_ids *vertex);
-
-/* The places and global ids of n local ids. DT_NOPOINT: there is no such local id. */
-enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex, size_t n,
-                              struct dt_point *p, uint64_t *id);
 
 /* The triangles that this tile outputs: global ids, counterclockwise from the smallest one, rows ascending. Numbers are uint64_t if `wide`,
  * otherwise uint32_t. triangle has room for 3 of them for each of dt_tile_counts.triangles rows. *rows: how many were written;

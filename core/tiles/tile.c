@@ -27,15 +27,6 @@ void dt_tile_counts(const struct dt_tile *tile, struct dt_tile_counts *out)
                                    sum.triangles, tile->postponed.n};
 }
 
-bool dt_tile_box(const struct dt_tile *tile, double box[4])
-{
-    if (tile->own == 0)
-        return false;
-    const struct dt_box *b = &tile->box;
-    memcpy(box, (double[]){b->lo.x, b->lo.y, b->hi.x, b->hi.y}, 4 * sizeof *box);
-    return true;
-}
-
 /* ---- own points ---- */
 
 static bool is_ascending(const uint64_t *id, size_t n)
@@ -61,13 +52,6 @@ static enum dt_status reserve_ids(struct dt_tile *tile, size_t n)
     return DT_OK;
 }
 
-/* -0 is 0. */
-static struct dt_box box_of(const struct dt_point *p, uint32_t n)
-{
-    struct dt_box b = dt_box_of(p, n);
-    return (struct dt_box){{b.lo.x + 0.0, b.lo.y + 0.0}, {b.hi.x + 0.0, b.hi.y + 0.0}};
-}
-
 /* The own points of a new tile. */
 struct points {
     struct dt_tile *tile;
@@ -88,7 +72,7 @@ static enum dt_status begin(void *ctx, const struct dt_options *opt)
         return s;
     if (in->n > 0) {
         memcpy(tile->id, in->id, in->n * sizeof *in->id);
-        tile->box = box_of(in->p, (uint32_t)in->n);
+        tile->box = dt_box_of(in->p, (uint32_t)in->n);
     }
     tile->own = tile->points = (uint32_t)in->n;
     tile->coincident = added.coincident;
@@ -242,15 +226,4 @@ enum dt_status dt_tile_insert(struct dt_tile *tile, const struct dt_point *p, co
     enum dt_status s = insert(tile, p, id, n);
     dt_call_end(&caller);
     return s;
-}
-
-enum dt_status dt_tile_points(const struct dt_tile *tile, const uint32_t *vertex, size_t n,
-                              struct dt_point *p, uint64_t *id)
-{
-    for (size_t i = 0; i < n; i++) {
-        if (vertex[i] >= tile->points || dt_get(tile->t, vertex[i], &p[i]) != DT_OK)
-            return DT_NOPOINT;
-        id[i] = tile->id[vertex[i]];
-    }
-    return DT_OK;
 }

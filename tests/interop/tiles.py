@@ -12,7 +12,6 @@ import dask
 import numpy as np
 
 sys.path.insert(0, "clients/python")
-from delaunayd._tile import Tile  # noqa: E402
 from delaunayd.dask import triangulate  # noqa: E402
 from delaunayd.spatial import Delaunay  # noqa: E402
 from tests.test_tile import cut, run_rounds  # noqa: E402
@@ -39,8 +38,7 @@ def same(what, got, want):
 
 
 def compare(points, parts):
-    tiles = [Tile(points[part], part) for part in parts]
-    run_rounds(tiles)
+    tiles = run_rounds(points, parts)
     want = Delaunay(points)
     rows = np.concatenate([tile.triangles(np.uint32) for tile in tiles])
     same("triangles", rows[np.lexsort(rows.T[::-1])], want.simplices)

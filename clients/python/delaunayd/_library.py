@@ -117,10 +117,8 @@ _FUNCTIONS = {
     "dt_arrays_release": [c_void_p],
     "dt_tile_new": [c_void_p, c_void_p, c_size_t, c_void_p, c_uint, POINTER(c_void_p)],
     "dt_tile_counts": [c_void_p, c_void_p],
-    "dt_tile_box": [c_void_p, c_void_p],
     "dt_tile_insert": [c_void_p, c_void_p, c_void_p, c_size_t],
     "dt_tile_open": [c_void_p, c_void_p, c_size_t, c_size_t, c_void_p, POINTER(Ids)],
-    "dt_tile_points": [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p],
     "dt_tile_triangles": [c_void_p, c_bool, c_void_p, POINTER(c_size_t)],
     "dt_tile_free": [c_void_p],
 }
@@ -128,7 +126,6 @@ _NO_STATUS = frozenset(
     ["dt_arrays_counts", "dt_arrays_free", "dt_arrays_release", "dt_arrays_twins", "dt_pages_release", "dt_split_clear", "dt_tile_counts",
      "dt_tile_free"]
 )
-_OTHERS = {"dt_tile_box": c_bool}  # which return neither a status nor nothing
 
 _loaded: Any = None
 pages: Optional[int] = None  # the keeper of pages of all triangulations
@@ -164,7 +161,7 @@ def library() -> Any:
             for name, arguments in _FUNCTIONS.items():
                 function = getattr(opened, name)
                 function.argtypes = arguments
-                function.restype = None if name in _NO_STATUS else _OTHERS.get(name, c_int)
+                function.restype = None if name in _NO_STATUS else c_int
         except AttributeError:
             raise ImportError(
                 "%s is of another version of delaunayd, it lacks %s: `make lib` or `pip install` again" % (opened._name, name)

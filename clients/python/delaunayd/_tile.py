@@ -4,7 +4,7 @@ its proof. `delaunayd.dask` distributes the tiles."""
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Tuple
 
 import numpy as np
 
@@ -55,8 +55,7 @@ def _check_points(points: Floats, status: int, otherwise: str) -> None:
 
 
 class Tile:
-    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `points` and `triangles` needs exclusive access to
-    the tile."""
+    """Of own points xy, of shape (n, 2), with ascending global ids. Every method but `triangles` needs exclusive access to the tile."""
 
     _handle: Any = None
 
@@ -82,14 +81,6 @@ class Tile:
         self._library.dt_tile_counts(self._handle, words)
         return Counts(*words)
 
-    @property
-    def box(self) -> Optional[Tuple[float, float, float, float]]:
-        """x0, y0, x1, y1 of the own points; None if there are none."""
-        corners = (ctypes.c_double * 4)()
-        if not self._library.dt_tile_box(self._handle, corners):
-            return None
-        return corners[0], corners[1], corners[2], corners[3]
-
     def insert(self, xy: Any, ids: Any) -> None:
         """Inserts points of other tiles; points that it has already are ignored."""
         points = _points(xy)
@@ -98,9 +89,9 @@ class Tile:
         _check_points(points, status, _REFUSED)
 
     def open(self, boxes: Any, me: int) -> Tuple[NDArray[Any], NDArray[Any]]:
-        """What other tiles need that was not returned before: offsets, of t + 1 numbers, and vertices. Those for tile k are
-        vertices[offsets[k] : offsets[k + 1]]. boxes: of all t tiles, of shape (t, 4), nan for an empty tile; me: the number
-        of this one. Nothing is left to be sent when all tiles return no vertices."""
+        """What other tiles need that was not returned before: offsets, of t + 1 numbers, and rows of own points. Those for tile k are
+        rows[offsets[k] : offsets[k + 1]]. boxes: of all t tiles, of shape (t, 4), nan for an empty tile; me: the number
+        of this one. Nothing is left to be sent when all tiles return no rows."""
         corners = np.ascontiguousarray(boxes, dtype=np.float64)
         if corners.ndim != 2 or corners.shape[1] != 4:
             raise ValueError("boxes have the shape (t, 4), not %s" % (corners.shape,))
@@ -121,16 +112,6 @@ class Tile:
         finally:
             self._library.dt_arrays_release(found.v)
         return offsets, vertices
-
-    def points(self, vertices: Any) -> Tuple[Floats, NDArray[Any]]:
-        """The places, of shape (k, 2), and the global ids of vertices that `open` returned."""
-        rows = np.ascontiguousarray(vertices, dtype=np.uint32)
-        xy, ids = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.uint64)
-        status = self._library.dt_tile_points(
-            self._handle, rows.ctypes.data, len(rows), xy.ctypes.data, ids.ctypes.data
-        )
-        check(status, "a vertex")
-        return xy, ids
 
     def triangles(self, dtype: Any) -> NDArray[Any]:
         """The triangles that this tile outputs, of shape (m, 3): global ids, counterclockwise from the smallest one, rows

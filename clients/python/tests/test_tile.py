@@ -22,28 +22,25 @@ def cut(points, ids, tiles):
     return cut(points, ids[low], tiles // 2) + cut(points, ids[~low], tiles - tiles // 2)
 
 
-def boxes_of(tiles):
-    return np.array([tile.box or (np.nan,) * 4 for tile in tiles])
-
-
-def run_rounds(tiles):
-    """Until nothing is sent; far more rounds than any set needs are an error."""
-    boxes = boxes_of(tiles)
+def run_rounds(points, parts, base=0):
+    """Tiles of these rows, when nothing is left to be sent; far more rounds than any set needs are an error."""
+    ids = [part.astype(np.uint64) + np.uint64(base) for part in parts]
+    tiles = [Tile(points[part], own) for part, own in zip(parts, ids)]
+    boxes = np.array([(*points[part].min(0), *points[part].max(0)) if len(part) > 0 else (np.nan,) * 4 for part in parts])
     for _ in range(10):
         opened = [tile.open(boxes, me) for me, tile in enumerate(tiles)]
-        if not any(len(vertices) for _, vertices in opened):
-            return
-        for tile, (offsets, vertices) in zip(tiles, opened):
+        if not any(len(rows) for _, rows in opened):
+            return tiles
+        for part, own, (offsets, rows) in zip(parts, ids, opened):
             for to, other in enumerate(tiles):
-                other.insert(*tile.points(vertices[offsets[to] : offsets[to + 1]]))
+                sent = rows[offsets[to] : offsets[to + 1]]
+                other.insert(points[part[sent]], own[sent])
     raise AssertionError("the rounds do not end")
 
 
 def triangles_of(points, tiles, dtype="uint32", base=0):
     points = np.asarray(points, dtype=np.float64)
-    parts = cut(points, np.arange(len(points)), tiles)
-    made = [Tile(points[part], part.astype(np.uint64) + np.uint64(base)) for part in parts]
-    run_rounds(made)
+    made = run_rounds(points, cut(points, np.arange(len(points)), tiles), base)
     rows = np.concatenate([tile.triangles(dtype) for tile in made])
     return rows[np.lexsort(rows.T[::-1])]
 
@@ -85,13 +82,10 @@ class Tiles(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "does not fit"):
             triangles_of(points, 3, np.uint32, 1 << 40)
 
-    def test_counts_and_box(self):
+    def test_counts(self):
         tile = Tile([(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)], [1, 3, 5, 8, 9])
         tile.insert([(9, 9), (4, 4)], np.array([2, 5], dtype=np.uint32))
         self.assertEqual(tuple(tile.counts), (5, 1, 1, 4, 0))
-        self.assertEqual(tile.box, (0, 0, 4, 4))
-        self.assertEqual(tile.points([4])[1].tolist(), [9])
-        self.assertIsNone(Tile(np.empty((0, 2)), []).box)
 
     def test_wrong_arguments_are_refused_and_change_nothing(self):
         tile = Tile([(0, 0), (1, 0), (0, 1)], [0, 1, 2])
@@ -107,8 +101,6 @@ class Tiles(unittest.TestCase):
         for boxes, me, what in (([[0, 0, 1, 1]], 1, "no tile 1"), ([[0, 0, 1, 1], [3, 0, 2, 1]], 0, "box"), ([0, 0, 1, 1], 0, "shape")):
             with self.assertRaisesRegex(ValueError, what):
                 tile.open(boxes, me)
-        with self.assertRaisesRegex(ValueError, "exist"):
-            tile.points([3])
         with self.assertRaisesRegex(ValueError, "uint32"):
             tile.triangles(np.int32)
         self.assertEqual(tuple(tile.counts), (3, 0, 0, 1, 0))

@@ -118,15 +118,20 @@ static void build(struct run *r)
     for (size_t k = 0; k < in->tiles; k++) {
         size_t from = in->begin[k], n = in->begin[k + 1] - from;
         struct dt_point *p = room(n, sizeof *p);
-        for (size_t i = 0; i < n; i++)
+        double *box = r->box + 4 * k;
+        for (unsigned i = 0; i < 4; i++)
+            box[i] = (double)NAN;
+        for (size_t i = 0; i < n; i++) {
             p[i] = in->p[in->id[from + i]];
+            box[0] = fmin(box[0], p[i].x);
+            box[1] = fmin(box[1], p[i].y);
+            box[2] = fmax(box[2], p[i].x);
+            box[3] = fmax(box[3], p[i].y);
+        }
         double start = measure_cpu();
         must(dt_tile_new(p, in->id + from, n, in->pages, 1, &r->tile[k]));
         r->f->build += measure_cpu() - start;
         free(p);
-        for (unsigned i = 0; i < 4; i++)
-            r->box[4 * k + i] = (double)NAN;
-        dt_tile_box(r->tile[k], r->box + 4 * k);
     }
 }
 
@@ -134,7 +139,10 @@ static void deliver(struct run *r, size_t from, size_t to, const uint32_t *verte
 {
     struct dt_point *p = room(n, sizeof *p);
     uint64_t *id = room(n, sizeof *id);
-    must(dt_tile_points(r->tile[from], vertex, n, p, id));
+    for (size_t i = 0; i < n; i++) {
+        id[i] = r->in->id[r->in->begin[from] + vertex[i]];
+        p[i] = r->in->p[id[i]];
+    }
     must(dt_tile_insert(r->tile[to], p, id, n));
     free(p);
     free(id);

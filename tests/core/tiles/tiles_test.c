@@ -19,8 +19,11 @@ struct plan {
     const struct dt_point *p;
     uint32_t n;
     unsigned tiles;
-    unsigned tile_of[MOST]; /* by id */
-    bool has[TILES][MOST];  /* whether the point, by id, is foreign in the tile */
+    bool wide;                 /* global ids do not fit 32 bits */
+    unsigned tile_of[MOST];    /* by id */
+    bool has[TILES][MOST];     /* whether the point, by id, is foreign in the tile */
+    uint32_t own[TILES][MOST]; /* the ids of own points, by local id */
+    double box[4 * TILES];
 };
 
 /* Cuts the ids id[n] into `tiles` parts along x and y in turn. Equal coordinates stay together, so parts may be empty. */
@@ -75,54 +78,61 @@ static uint64_t global(uint32_t id, bool wide)
     return 7 * (uint64_t)id + 3 + (wide ? (uint64_t)1 << 40 : 0);
 }
 
-static struct dt_tile *tile_of_plan(const struct plan *plan, unsigned tile, bool wide)
+static void extend(double *box, struct dt_point p)
+{
+    box[0] = fmin(box[0], p.x);
+    box[1] = fmin(box[1], p.y);
+    box[2] = fmax(box[2], p.x);
+    box[3] = fmax(box[3], p.y);
+}
+
+static struct dt_tile *tile_of_plan(struct plan *plan, unsigned tile)
 {
     struct dt_point p[MOST];
     uint64_t id[MOST];
     uint32_t n = 0;
     struct dt_tile *made;
+    for (unsigned k = 0; k < 4; k++)
+        plan->box[4 * tile + k] = (double)NAN;
     for (uint32_t i = 0; i < plan->n; i++)
         if (plan->tile_of[i] == tile) {
+            extend(plan->box + 4 * (size_t)tile, plan->p[i]);
+            plan->own[tile][n] = i;
             p[n] = plan->p[i];
-            id[n++] = global(i, wide);
+            id[n++] = global(i, plan->wide);
         }
     CHECK(dt_tile_new(p, id, n, NULL, 1, &made) == DT_OK);
     return made;
 }
 
-static void deliver(const struct dt_tile *from, struct dt_tile *to, const uint32_t *vertex,
-                    size_t n)
+static void deliver(struct plan *plan, unsigned from, unsigned to, struct dt_tile *tile,
+                    const uint32_t *vertex, size_t n)
 {
     struct dt_point p[MOST];
     uint64_t id[MOST];
     CHECK(n <= MOST);
-    CHECK(dt_tile_points(from, vertex, n, p, id) == DT_OK);
-    CHECK(dt_tile_insert(to, p, id, n) == DT_OK);
-    if (n > 0 && test_below(8) == 0) /* as if a worker had died after it */
-        CHECK(dt_tile_insert(to, p, id, n) == DT_OK);
-}
-
-static void note(struct plan *plan, const struct dt_tile *from, unsigned to, const uint32_t *vertex,
-                 size_t n)
-{
+    if (n == 0)
+        return;
     for (size_t i = 0; i < n; i++) {
-        struct dt_point p;
-        uint64_t id;
-        CHECK(dt_tile_points(from, vertex + i, 1, &p, &id) == DT_OK);
-        plan->has[to][(uint32_t)(id - 3) / 7] =
-            true; /* the low 32 bits are those of global(id, false) */
+        uint32_t own = plan->own[from][vertex[i]];
+        plan->has[to][own] = true;
+        p[i] = plan->p[own];
+        id[i] = global(own, plan->wide);
     }
+    CHECK(dt_tile_insert(tile, p, id, n) == DT_OK);
+    if (test_below(8) == 0) /* as if a worker had died after it */
+        CHECK(dt_tile_insert(tile, p, id, n) == DT_OK);
 }
 
 /* All tiles are opened, then everything is delivered. Returns how many points were sent. */
-static size_t round_of(struct plan *plan, struct dt_tile **tile, const double *box)
+static size_t round_of(struct plan *plan, struct dt_tile **tile)
 {
     unsigned tiles = plan->tiles;
     int64_t offset[TILES][TILES + 1];
     struct dt_ids vertex[TILES] = {0};
     size_t sent = 0;
     for (unsigned k = 0; k < tiles; k++) {
-        CHECK(dt_tile_open(tile[k], box, tiles, k, offset[k], &vertex[k]) == DT_OK);
+        CHECK(dt_tile_open(tile[k], plan->box, tiles, k, offset[k], &vertex[k]) == DT_OK);
         CHECK(offset[k][0] == 0 && offset[k][tiles] == (int64_t)vertex[k].n);
         CHECK(offset[k][k] == offset[k][k + 1]);
         sent += vertex[k].n;
@@ -131,8 +141,7 @@ static size_t round_of(struct plan *plan, struct dt_tile **tile, const double *b
         for (unsigned to = 0; to < tiles && vertex[k].n > 0; to++) {
             const uint32_t *first = vertex[k].v + offset[k][to];
             size_t n = (size_t)(offset[k][to + 1] - offset[k][to]);
-            note(plan, tile[k], to, first, n);
-            deliver(tile[k], tile[to], first, n);
+            deliver(plan, k, to, tile[to], first, n);
         }
     for (unsigned k = 0; k < tiles; k++)
         free(vertex[k].v);
@@ -141,15 +150,9 @@ static size_t round_of(struct plan *plan, struct dt_tile **tile, const double *b
 
 static void run_rounds(struct plan *plan, struct dt_tile **tile)
 {
-    unsigned tiles = plan->tiles;
-    double box[4 * TILES];
     size_t sent, rounds = 0;
-    for (unsigned k = 0; k < 4 * tiles; k++)
-        box[k] = (double)NAN;
-    for (unsigned k = 0; k < tiles; k++)
-        dt_tile_box(tile[k], box + 4 * (size_t)k);
     do {
-        sent = round_of(plan, tile, box);
+        sent = round_of(plan, tile);
     } while (sent > 0 && rounds++ < MOST);
     CHECK(sent == 0);
 }
@@ -214,12 +217,12 @@ static void check_tiles(struct plan *plan, const char *what)
 {
     struct dt_tile *tile[TILES];
     struct dt_ids got = {0}, want = {0};
-    bool wide = test_below(2) == 0;
+    plan->wide = test_below(2) == 0;
     for (unsigned k = 0; k < plan->tiles; k++)
-        tile[k] = tile_of_plan(plan, k, wide);
+        tile[k] = tile_of_plan(plan, k);
     run_rounds(plan, tile);
     for (unsigned k = 0; k < plan->tiles; k++)
-        append_rows(tile[k], wide, &got);
+        append_rows(tile[k], plan->wide, &got);
     if (got.n > 0)
         qsort(got.v, got.n / 3, 3 * sizeof *got.v, compare_rows);
     if (plan->n <= SMALL) {
@@ -411,17 +414,6 @@ TEST(postponed_faces_are_judged_by_the_next_call_also_after_a_repeated_point)
         free(v.v);
         dt_tile_free(tile);
     }
-}
-
-TEST(local_ids_that_do_not_exist_have_no_points)
-{
-    struct dt_tile *tile = square_tile();
-    struct dt_point p;
-    uint64_t id;
-    CHECK(dt_tile_points(tile, (uint32_t[]){4}, 1, &p, &id) == DT_OK && id == 9 && p.x == 0);
-    CHECK(dt_tile_points(tile, (uint32_t[]){5}, 1, &p, &id) == DT_NOPOINT);
-    CHECK(dt_tile_points(tile, (uint32_t[]){DT_NONE}, 1, &p, &id) == DT_NOPOINT);
-    dt_tile_free(tile);
 }
 
 static const struct dt_point far[] = {{6, 1}, {9, 9}};
