@@ -4,7 +4,7 @@ its proof. `delaunayd.dask` distributes the tiles."""
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple
 
 import numpy as np
 
@@ -88,10 +88,9 @@ class Tile:
         status = self._library.dt_tile_insert(self._handle, points.ctypes.data, numbers.ctypes.data, len(points))
         _check_points(points, status, _REFUSED)
 
-    def open(self, boxes: Any, me: int) -> Tuple[NDArray[Any], NDArray[Any]]:
-        """What other tiles need that was not returned before: offsets, of t + 1 numbers, and rows of own points. Those for tile k are
-        rows[offsets[k] : offsets[k + 1]]. boxes: of all t tiles, of shape (t, 4), nan for an empty tile; me: the number
-        of this one. Nothing is left to be sent when all tiles return no rows."""
+    def open(self, boxes: Any, me: int) -> Dict[int, NDArray[Any]]:
+        """What other tiles need that was not returned before: for each of them, rows of own points. boxes: of all t tiles, of shape (t, 4), nan
+        for an empty tile; me: the number of this one. Nothing is left to be sent when no tile returns anything."""
         corners = np.ascontiguousarray(boxes, dtype=np.float64)
         if corners.ndim != 2 or corners.shape[1] != 4:
             raise ValueError("boxes have the shape (t, 4), not %s" % (corners.shape,))
@@ -106,12 +105,12 @@ class Tile:
             if status == _library.RANGE:
                 raise ValueError("a box is not x0 <= x1, y0 <= y1 of points, nor nan")
             check(status, "%d tiles" % tiles)
-            vertices = np.empty(found.n, dtype=np.uint32)
+            rows = np.empty(found.n, dtype=np.uint32)
             if found.n > 0:
-                ctypes.memmove(vertices.ctypes.data, found.v, vertices.nbytes)
+                ctypes.memmove(rows.ctypes.data, found.v, rows.nbytes)
         finally:
             self._library.dt_arrays_release(found.v)
-        return offsets, vertices
+        return {int(k): rows[offsets[k] : offsets[k + 1]] for k in np.flatnonzero(np.diff(offsets))}
 
     def triangles(self, dtype: Any) -> NDArray[Any]:
         """The triangles that this tile outputs, of shape (m, 3): global ids, counterclockwise from the smallest one, rows

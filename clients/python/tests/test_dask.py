@@ -12,8 +12,7 @@ try:
     import dask
     import numpy as np
 
-    from delaunayd.dask import triangulate
-    from delaunayd.dask.chunks import of_array
+    from delaunayd.dask import making, triangulate
     from delaunayd.dask.engine import Engine
     from delaunayd.dask.tiling import Cut, Tiling, tiling_of
     from delaunayd.spatial import Delaunay
@@ -33,20 +32,34 @@ def of_process(points):
     return Delaunay(points).simplices.astype(np.uint32) if len(points) > 0 else np.empty((0, 3), dtype=np.uint32)
 
 
-def with_tiling(points, tiling):
-    """As triangulate(), with tiles that it would not choose."""
-    from delaunayd.dask.making import tin_of
-
-    return tin_of(Engine(None, False), tempfile.mkdtemp(), of_array(points, None), (), tiling, True)
+def lines_of(contours):
+    """All that contour lines have, to be compared."""
+    return [(line.level, line.closed, np.asarray(line.line).tobytes()) for line in contours]
 
 
-@unittest.skipIf(dask is None, "NumPy or dask is missing")
-class Triangles(unittest.TestCase):
+def with_tiling(points, tiling, values=None, before=0):
+    """As triangulate(), with tiles that it would not choose, and with points before the first."""
+    engine, folder = Engine(None, False), tempfile.mkdtemp()
+    return making.tin_of(engine, folder, making.reading.chunks_of(points, values, engine, folder), tiling, True, before)
+
+
+def python(*words, **options):
+    """A Python that has this package."""
+    return subprocess.Popen([sys.executable, *words], env={**os.environ, "PYTHONPATH": HERE}, text=True, stdout=subprocess.PIPE, **options)
+
+
+class Synchronous(unittest.TestCase):
+    """Tasks run in this process."""
+
     def setUp(self):
+        super().setUp()
         setting = dask.config.set(scheduler="synchronous")
         setting.__enter__()
         self.addCleanup(setting.__exit__, None, None, None)
 
+
+@unittest.skipIf(dask is None, "NumPy or dask is missing")
+class Triangles(Synchronous):
     def check(self, tin, points, what):
         with tin:
             got = in_order(tin.triangles.compute())
@@ -140,7 +153,8 @@ class WithoutDask(unittest.TestCase):
             "import sys\nsys.modules['dask'] = None\nimport delaunayd, delaunayd.client\n"
             "try:\n    import delaunayd.dask\nexcept ImportError:\n    pass\nelse:\n    raise AssertionError\n"
         )
-        subprocess.run([sys.executable, "-c", text], env={**os.environ, "PYTHONPATH": HERE}, check=True)
+        with python("-c", text) as process:
+            self.assertEqual(process.wait(), 0)
 
 
 if __name__ == "__main__":

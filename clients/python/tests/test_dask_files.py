@@ -6,6 +6,7 @@ import io
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -20,11 +21,12 @@ try:
     import dask.array
     import numpy as np
 
-    from delaunayd.dask import limits, making, reading, triangulate
+    from delaunayd.dask import laser, limits, reading, triangulate
     from delaunayd.dask.engine import Engine
+    from delaunayd.dask.tiling import tiling_of
     from delaunayd.spatial import Delaunay
 
-    from .test_dask import in_order, of_process
+    from .test_dask import Synchronous, in_order, lines_of, of_process, python, with_tiling
 except ImportError:
     dask = None
 
@@ -37,18 +39,14 @@ try:
 except ImportError:
     distributed = None
 
-HERE = str(Path(__file__).resolve().parent.parent)
-
 
 @unittest.skipIf(dask is None, "NumPy or dask is missing")
-class Files(unittest.TestCase):
+class Files(Synchronous):
     def setUp(self):
+        super().setUp()
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
-        setting = dask.config.set(scheduler="synchronous")
-        setting.__enter__()
-        self.addCleanup(setting.__exit__, None, None, None)
         self.points = np.random.default_rng(1).random((500, 2))
         self.z = self.points @ [3.0, 4.0]
 
@@ -91,22 +89,50 @@ class Files(unittest.TestCase):
             self.check(self.points, self.z, True)
 
     def test_laser_points(self):
-        parts = [self.points[:100], self.points[100:]]
+        whole = np.random.default_rng(2).integers(-(10**6), 10**9, (500, 3)).astype("<i4")
+        for version, kind, record, scale, offset in ((2, 1, 28, 0.001, 1e5), (4, 6, 33, 0.01, 2.5), (3, 3, 34, 0.03, 0.1)):
+            header = bytearray(375 if version == 4 else 227)
+            header[:4], header[24:26] = b"LASF", bytes([1, version])
+            struct.pack_into("<HII", header, 94, len(header), len(header) + 5, 0)
+            struct.pack_into("<BHI", header, 104, kind, record, 0 if version == 4 else 500)
+            struct.pack_into("<6d", header, 131, *[scale] * 3, *[offset] * 3)
+            if version == 4:
+                struct.pack_into("<Q", header, 247, 500)
+            rows = np.zeros((500, record), dtype=np.uint8)
+            rows[:, :12] = whole.view(np.uint8)
+            Path(self.path("a.las")).write_bytes(bytes(header) + b"stuff" + rows.tobytes())
+            # Decimal fractions are those that a program reads from their text.
+            want = [[float("%.3f" % (w * scale + offset)) for w in row] for row in whole.tolist()] if scale < 0.03 else whole * scale + offset
+            with mock.patch("delaunayd.dask.laser.ROWS", 200):
+                got = np.concatenate(list(laser.blocks_of(self.path("a.las"))))
+            self.assertEqual(got.tolist(), np.asarray(want).tolist())
+            with triangulate(self.path("a.las"), tile=90) as tin:
+                self.assertEqual(in_order(tin.triangles.compute()).tobytes(), of_process(got[:, :2]).tobytes())
+        good = bytes(header) + b"stuff" + rows.tobytes()
+        for at, part, message in (
+            (0, b"F", "not a file of LAS"), (25, b"\5", "1.0 to 1.4"), (104, b"\x83", "compressed"), (104, b"\x0b", "header"),
+            (105, b"\x21", "header"), (131, bytes(8), "header"), (109, b"\x09", "ends before"),
+        ):
+            Path(self.path("a.las")).write_bytes(good[:at] + part + good[at + len(part) :])
+            with self.assertRaisesRegex(ValueError, r"a\.las .*" + message, msg=at):
+                triangulate(self.path("a.las"))
 
-        class Reader:
+    def test_compressed_laser_points(self):
+        class Reader(contextlib.nullcontext):
+            header = types.SimpleNamespace(scales=[0.5, 0.25, 0.1], offsets=[0.0, 100.0, 0.0])
+
             def __enter__(self):
                 return self
 
-            def __exit__(self, *error):
-                pass
-
             def chunk_iterator(self, size):
-                return (types.SimpleNamespace(x=p[:, 0], y=p[:, 1], z=p @ [3.0, 4.0]) for p in parts)
+                return (types.SimpleNamespace(X=p[0], Y=p[1], Z=p[2]) for p in (np.arange(30).reshape(3, 10), np.arange(9).reshape(3, 3)))
 
+        path = self.path("a.LAZ", "")
         with mock.patch.dict(sys.modules, {"laspy": types.SimpleNamespace(open=lambda path: Reader())}):
-            self.check(self.path("a.laz", ""), has_values=True)
-        with mock.patch.dict(sys.modules, {"laspy": None}), self.assertRaisesRegex(ImportError, "a.laz needs laspy"):
-            triangulate(self.path("a.laz"))
+            got = np.concatenate(list(laser.blocks_of(path)))
+        self.assertEqual(got[[1, 12]].tolist(), [[0.5, 102.75, 2.1], [1.0, 101.25, 0.8]])
+        with mock.patch.dict(sys.modules, {"laspy": None}), self.assertRaisesRegex(ImportError, "a.LAZ needs laspy, which is not installed"):
+            triangulate(path)
 
     def test_collections_of_dask(self):
         array = dask.array.from_array(self.points, chunks=(130, 1))
@@ -207,25 +233,49 @@ class Files(unittest.TestCase):
             written = np.load(target)
             self.assertEqual(written.dtype, np.uint32)
             self.assertEqual(written.tobytes(), tin.triangles.compute().tobytes())
+            tin.to_npy(target)
+            with mock.patch("os.link", side_effect=OSError):  # as on another file system
+                tin.to_npy(self.path("copy.npy"))
+            self.assertEqual(Path(self.path("copy.npy")).read_bytes(), Path(target).read_bytes())
+            self.assertNotEqual(os.stat(self.path("copy.npy")).st_ino, os.stat(target).st_ino)
             with self.assertRaises(OSError):
                 tin.to_npy(self.path("missing/triangles.npy"))
             with mock.patch("importlib.util.find_spec", return_value=None), self.assertRaisesRegex(ImportError, "pyarrow or fastparquet"):
                 tin.to_parquet(self.path("triangles"))
-        self.assertEqual(os.listdir(self.folder), ["triangles.npy"])
+        self.assertEqual(sorted(os.listdir(self.folder)), ["copy.npy", "triangles.npy"])
+        self.assertEqual(in_order(np.load(target)).tobytes(), of_process(self.points).tobytes())
+
+    def test_the_disk_holds_each_triangle_once(self):
+        """Triangles that have been gathered are removed tile by tile, and the file of to_npy is the one of the spill folder."""
+        sizes, run = [], Engine.run
+
+        def watched(engine, name, function, calls, ended=None):
+            def noted(i):
+                ended(i)
+                sizes.append(sum(os.stat(path).st_blocks * 512 for path in Path(self.folder).rglob("*") if path.is_file()))
+
+            return run(engine, name, function, calls, noted if function.__name__ == "copy" else ended)
+
+        points = np.random.default_rng(1).random((100000, 2))
+        patches = mock.patch.object(Engine, "run", watched), mock.patch("delaunayd.dask.tasks._BLOCK", 10000)
+        with patches[0], patches[1], triangulate(points, tile=20000, keep=False, spill=self.folder) as tin:
+            tin.to_npy(self.path("triangles.npy"))
+            here = [path for path in Path(self.folder).rglob("triangles*")]
+            self.assertEqual([path.stat().st_nlink for path in here], [2, 2])
+        self.assertGreater(len(sizes), 20)
+        self.assertLess(max(sizes), 24 * 1.15 * len(points))
 
     def test_numbers_beyond_32_bits(self):
-        shifted = np.arange(0, 500, 100)
-        engine, folder = Engine(None, False), tempfile.mkdtemp(dir=self.folder)
-        chunks = [chunk for chunk in making.reading.chunks_of(self.points, None, engine, folder).chunks]
-        job = making.Job(folder, (), "<u8", (2**33,))  # as if other files were before this one
-        course = making.Course(engine, job, chunks, making.tiling_of(self.points, 5), True)
-        course.split()
-        with making.Tin(engine, course.run(), True) as tin:
+        tiling, before, box = tiling_of(self.points, 5), 2**33, (0, 0, 1, 1)
+        with with_tiling(self.points, tiling, self.z, before) as tin, with_tiling(self.points, tiling, self.z) as small:
             got = tin.triangles.compute()
             self.assertEqual(got.dtype, np.uint64)
-            np.testing.assert_array_equal(in_order(got) - np.uint64(2**33), of_process(self.points).astype(np.uint64))
-            np.testing.assert_array_equal(tin.locate(self.points[shifted]).min(axis=1) >= 2**33, True)
-            np.testing.assert_array_equal(np.sort(tin.hull()), np.unique(Delaunay(self.points).convex_hull) + 2**33)
+            np.testing.assert_array_equal(in_order(got) - np.uint64(before), of_process(self.points).astype(np.uint64))
+            np.testing.assert_array_equal(tin.locate(self.points), small.locate(self.points) + np.uint64(before))
+            np.testing.assert_array_equal(np.sort(tin.hull()), np.unique(Delaunay(self.points).convex_hull) + before)
+            for method in ("linear", "nearest"):
+                self.assertEqual(tin.raster(box, (20, 30), method).compute().tobytes(), small.raster(box, (20, 30), method).compute().tobytes())
+            self.assertEqual(lines_of(tin.contours([2, 3, 5])), lines_of(small.contours([2, 3, 5])))
 
     def test_too_little_memory_is_an_error_before_anything_is_read(self):
         class Small(Engine):
@@ -258,15 +308,15 @@ class Files(unittest.TestCase):
             "import os, resource, sys, dask, numpy as np\nfrom delaunayd.dask import triangulate\n"
             "dask.config.set(scheduler='synchronous')\n"
             "resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))\n"
-            "try:\n    with triangulate(np.random.default_rng(1).random((20000, 2)), tile=3000, spill=sys.argv[1]) as tin:\n"
+            "try:\n    with triangulate(sys.argv[1] + '/p.npy', tile=3000, spill=sys.argv[1]) as tin:\n"
             "        tin.to_npy(sys.argv[1] + '/triangles.npy')\n"
             "except OSError as error:\n    print(error.strerror, os.path.basename(error.filename))\n"
         )
-        env = {**os.environ, "PYTHONPATH": HERE}
-        for limit, kind in ((1000, "piece-"), (59000, "done-"), (200000, "triangles.npy.")):
-            said = subprocess.check_output([sys.executable, "-c", text, self.folder, str(limit)], text=True, env=env)
+        np.save(self.path("p.npy"), np.random.default_rng(1).random((20000, 2)))
+        for limit, kind in ((1000, "piece-"), (59000, "done-"), (200000, "triangles")):
+            said = python("-c", text, self.folder, str(limit)).communicate()[0]
             self.assertTrue(said.startswith("File too large " + kind), said)
-            self.assertEqual(os.listdir(self.folder), [])
+            self.assertEqual(os.listdir(self.folder), ["p.npy"])
 
 
 @unittest.skipIf(dask is None, "NumPy or dask is missing")
@@ -279,10 +329,7 @@ class KilledProcesses(unittest.TestCase):
         )
 
         def started():
-            process = subprocess.Popen(
-                [sys.executable, "-c", text, folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-                env={**os.environ, "PYTHONPATH": HERE},
-            )
+            process = python("-c", text, folder, stdin=subprocess.PIPE)
             return process, os.path.basename(process.stdout.readline().strip())
 
         def ended(process):
@@ -318,10 +365,8 @@ class CommandLine(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             np.save(folder + "/p.npy", np.column_stack([points, points[:, 0]]))
             words = "%s/p.npy --out %s/out --tile 800 --workers 1 --memory 1GB --quiet --contours 0.5 --raster 0.2 0.2 0.8 0.8 6 3"
-            env = {**os.environ, "PYTHONPATH": HERE}
-            command = [sys.executable, "-m", "delaunayd.dask", *(words % (folder, folder)).split()]
-            said = subprocess.run(command, env=env, check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            self.assertEqual(json.loads(said.stdout)["points"], 3000)
+            said = python("-m", "delaunayd.dask", *(words % (folder, folder)).split()).communicate()[0]
+            self.assertEqual(json.loads(said)["points"], 3000)
             self.assertEqual(sorted(os.listdir(folder + "/out")), ["contours.geojson", "raster.npy", "triangles.npy"])
             self.assertEqual(in_order(np.load(folder + "/out/triangles.npy")).tobytes(), of_process(points).tobytes())
             np.testing.assert_allclose(np.load(folder + "/out/raster.npy"), [[0.25, 0.35, 0.45, 0.55, 0.65, 0.75]] * 3, atol=1e-12)
@@ -333,10 +378,9 @@ class CommandLine(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             pipe = folder + "/p.csv"
             os.mkfifo(pipe)
-            command = [sys.executable, "-m", "delaunayd.dask", pipe, "--out", folder + "/out", "--workers", "1", "--quiet", "--tile", "1000"]
-            env = {**os.environ, "PYTHONPATH": HERE}
+            words = [pipe, "--out", folder + "/out", "--workers", "1", "--quiet", "--tile", "1000"]
             heeds = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background job ignores it
-            process = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=heeds)
+            process = python("-m", "delaunayd.dask", *words, stderr=subprocess.DEVNULL, preexec_fn=heeds)
             writer = None
             while writer is None and process.poll() is None:
                 try:
@@ -345,17 +389,26 @@ class CommandLine(unittest.TestCase):
                     time.sleep(0.05)
             self.assertIsNotNone(writer)
             process.send_signal(signal.SIGINT)
-            self.assertEqual(process.wait(), 130)
+            process.communicate()
+            self.assertEqual(process.returncode, 130)
             os.close(writer)
             self.assertEqual(os.listdir(folder + "/out"), [])
 
     def test_errors_are_one_line(self):
         from delaunayd.dask.__main__ import main
 
-        said = io.StringIO()
-        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(said):
-            self.assertEqual(main([folder + "/p.npy", "--out", folder, "--memory", "much"]), 1)
-        self.assertEqual(said.getvalue(), "delaunayd.dask: --memory much is not a size such as 3GB\n")
+        for words, message in (
+            (["--memory", "much"], "--memory much is not a size such as 3GB\n"),
+            (["--raster", *"0011", "0", "9"], "a raster needs a box of finite numbers, and at least one row and one column\n"),
+            (["--raster", *"0011", "some", "9"], "invalid literal for int() with base 10: 'some'\n"),
+        ):
+            said = io.StringIO()
+            with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(said):
+                self.assertEqual(main([folder + "/p.npy", "--out", folder, *words]), 1)
+            self.assertEqual(said.getvalue(), "delaunayd.dask: " + message)
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(said):
+            main(["p.npy", "--out", "p", "--workers", "0"])
+        self.assertIn("argument --workers: invalid natural value: '0'", said.getvalue())
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """What delaunayd.dask reads from the tiles of a surface equals what a daemon answers, on all families."""
 
-import tempfile
 import unittest
 
 from .common import WithDaemon
@@ -11,12 +10,10 @@ try:
     import numpy as np
 
     from delaunayd.dask import triangulate
-    from delaunayd.dask.chunks import of_array
-    from delaunayd.dask.engine import Engine
-    from delaunayd.dask.making import tin_of
     from delaunayd.dask.tiling import Cut, Tiling
 
     from .sets import families, lattice
+    from .test_dask import Synchronous, lines_of, with_tiling
 except ImportError:
     dask = None
 try:
@@ -52,23 +49,14 @@ def places_near(points):
 
 
 @unittest.skipIf(dask is None, "NumPy or dask is missing")
-class BesideTheDaemon(WithDaemon):
-    def setUp(self):
-        super().setUp()
-        setting = dask.config.set(scheduler="synchronous")
-        setting.__enter__()
-        self.addCleanup(setting.__exit__, None, None, None)
-
+class BesideTheDaemon(Synchronous, WithDaemon):
     def check(self, name, points, z, tile):
         self.client.load("t", points, fields={"z": z})
         self.client.triangulate("t")
         with triangulate(points, z, tile=tile) as tin:
             self.assertEqual(tin.hull().tolist(), np.asarray(self.client.hull("t")).tolist(), name)
             levels = [-1, 0, 0.5, 1, 2]
-            want, got = self.client.contours("t", "z", levels=levels), tin.contours(levels)
-            self.assertEqual([(line.level, line.closed) for line in got], [(line.level, line.closed) for line in want], name)
-            for a, b in zip(got, want):
-                self.assertEqual(a.line.tobytes(), np.asarray(b.line).tobytes(), name)
+            self.assertEqual(lines_of(tin.contours(levels)), lines_of(self.client.contours("t", "z", levels=levels)), name)
             box, (rows, columns) = box_of(name, points)
             for method in ("linear", "nearest"):
                 want = self.client.raster("t", "z", box, columns, rows, method=method)
@@ -110,8 +98,7 @@ class BesideTheDaemon(WithDaemon):
             z = np.arange(len(points), dtype=float)
             self.client.load("t", points, fields={"z": z})
             self.client.triangulate("t")
-            chunks = of_array(points, z[:, None])
-            with tin_of(Engine(None, False), tempfile.mkdtemp(), chunks, ("z",), Tiling(tiling), True) as tin:
+            with with_tiling(points, Tiling(tiling), z) as tin:
                 self.assertGreater(tin.stats()["tiles"], 2)
                 box = (-12, -6, 12, 100)
                 want = self.client.raster("t", "z", box, 31, 211, method="nearest")
@@ -136,9 +123,7 @@ class BesideTheDaemon(WithDaemon):
                     got = tin.raster(box, (30, 20), method, list(two)).compute()
                     np.testing.assert_array_equal(got, want)
                     np.testing.assert_array_equal(tin.raster(box, (30, 20), method, two[1]).compute(), want[:, :, 1])
-                want, got = self.client.contours("t", "w", levels=[100, 250]), tin.contours([100, 250], last)
-                self.assertEqual([(a.level, a.closed, a.line.tobytes()) for a in got],
-                                 [(a.level, a.closed, np.asarray(a.line).tobytes()) for a in want])
+                self.assertEqual(lines_of(tin.contours([100, 250], last)), lines_of(self.client.contours("t", "w", levels=[100, 250])))
                 for wrong in (3, -1, "u"):
                     with self.assertRaisesRegex(ValueError, "no field"):
                         tin.contours([1], wrong)
@@ -180,6 +165,9 @@ class BesideTheDaemon(WithDaemon):
             for box in ((1, 1, 0, 0), (0, 1, 1, 0), (5, 5, 6, 6)):
                 want = self.client.raster("t", "z", box, 9, 7)
                 np.testing.assert_array_equal(tin.raster(box, (7, 9)).compute(), want)
+            for box, shape in (((0, 0, 1, np.nan), (7, 9)), ((0, 0, 1, np.inf), (7, 9)), ((0, 0, 1, 1), (0, 9)), ((0, 0, 1, 1), (7, -1))):
+                with self.assertRaisesRegex(ValueError, "a box of finite numbers, and at least one row"):
+                    tin.raster(box, shape)
 
     def test_what_is_missing_is_said(self):
         points = np.random.default_rng(3).random((50, 2))

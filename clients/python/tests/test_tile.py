@@ -29,12 +29,11 @@ def run_rounds(points, parts, base=0):
     boxes = np.array([(*points[part].min(0), *points[part].max(0)) if len(part) > 0 else (np.nan,) * 4 for part in parts])
     for _ in range(10):
         opened = [tile.open(boxes, me) for me, tile in enumerate(tiles)]
-        if not any(len(rows) for _, rows in opened):
+        if not any(opened):
             return tiles
-        for part, own, (offsets, rows) in zip(parts, ids, opened):
-            for to, other in enumerate(tiles):
-                sent = rows[offsets[to] : offsets[to + 1]]
-                other.insert(points[part[sent]], own[sent])
+        for part, own, sent in zip(parts, ids, opened):
+            for to, rows in sent.items():
+                tiles[to].insert(points[part[rows]], own[rows])
     raise AssertionError("the rounds do not end")
 
 

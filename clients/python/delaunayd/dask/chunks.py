@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Tuple, cast
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple, cast
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from .._types import Floats, NDArray, Numbers
+    from .._types import Floats, Numbers
 
 ROWS = 1 << 21  # rows of a chunk, where the input does not have chunks of its own
 
@@ -17,31 +17,24 @@ LEAST, MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates other than 0
 
 class Chunk(NamedTuple):
     """`name`: of the source, for messages. `first_row`: the number of the first row in that source. `n`: how many rows there are.
-    `path`: a file of NumPy, whose rows from `start` on are these; or `array`, which has them. `values`: the same of values, of shape
-    (n, fields), if they are not behind the coordinates."""
+    `path`: a file of NumPy, whose rows from `start` on are these."""
 
     name: str
     first_row: int
     n: int
-    path: Optional[str] = None
-    start: int = 0
-    array: Any = None
-    values_path: Optional[str] = None
-    values: Any = None
+    path: str
+    start: int
 
     def rows(self) -> Any:
-        """The rows, of shape (n, 2) or more, mapped rather than read."""
-        return self.array if self.path is None else np.load(self.path, mmap_mode="r")[self.start : self.start + self.n]
+        """The rows, coordinates and values, mapped rather than read."""
+        return np.load(self.path, mmap_mode="r")[self.start : self.start + self.n]
 
     def read(self) -> Tuple[Floats, Floats]:
         """The coordinates, and the values, of shape (n, fields). ValueError names a row that is not a point."""
-        rows = np.asarray(self.rows())
+        rows = self.rows()
         xy: Floats = np.ascontiguousarray(rows[:, :2], dtype=np.float64)
         self._check(xy)
-        z = rows[:, 2:] if self.values is None else self.values
-        if self.values_path is not None:
-            z = np.load(self.values_path, mmap_mode="r")[self.start : self.start + self.n]
-        return xy, np.asarray(z, dtype=np.float64)
+        return xy, np.asarray(rows[:, 2:], dtype=np.float64)
 
     def _check(self, xy: Floats) -> None:
         size = np.abs(xy)
@@ -60,26 +53,17 @@ class Chunk(NamedTuple):
         if size < self.n:
             chosen = np.unique(np.random.default_rng(seed).integers(0, self.n, size))
         xy: Floats = np.asarray(rows[chosen, :2], dtype=np.float64)
-        kept: Floats = xy[np.isfinite(xy).all(axis=1)]
+        kept: Floats = xy[(np.abs(xy) <= MOST).all(axis=1)]
         return kept
 
 
-def of_array(points: NDArray[Any], values: Optional[NDArray[Any]]) -> List[Chunk]:
-    """Chunks of an array in memory."""
-    return [
-        Chunk("points", start, len(points[start : start + ROWS]), array=points[start : start + ROWS],
-              values=None if values is None else values[start : start + ROWS])
-        for start in range(0, len(points), ROWS)
-    ]
+def of_file(name: str, path: str, n: int) -> List[Chunk]:
+    """Chunks of a file of n rows."""
+    return [Chunk(name, start, min(ROWS, n - start), path, start) for start in range(0, n, ROWS)]
 
 
-def npy_header(array: Any) -> bytes:
-    """What a .npy file has before the data of a C-contiguous array of this shape and type."""
-    return npy_header_of(array.shape, array.dtype)
-
-
-def npy_header_of(shape: Tuple[int, ...], dtype: Any = "<f8") -> bytes:
-    """The same of a shape and a type. Its length is 128 bytes, for two dimensions at most."""
+def npy_header(shape: Tuple[int, ...], dtype: Any = "<f8") -> bytes:
+    """What a .npy file has before the data of a C-contiguous array of this shape and type: 128 bytes, for two dimensions at most."""
     content, npy = io.BytesIO(), cast(Any, np.lib.format)
     npy.write_array_header_1_0(content, {"descr": npy.dtype_to_descr(np.dtype(dtype)), "fortran_order": False, "shape": shape})
     return content.getvalue()

@@ -137,11 +137,11 @@ class Contours(Sequence[Contour]):
     @property
     def ends(self) -> Any:
         before = np.cumsum([0, *map(len, self._places)]).tolist()
-        parts = [spill.lazy(path, True) + first for path, first in zip(self._paths["ends"], before)]
+        parts = [spill.lazy(path, -1) + first for path, first in zip(self._paths["ends"], before)]
         return array.concatenate(parts) if parts else array.zeros(0, dtype=np.int64)
 
     def _lazy(self, kind: str, none: Any) -> Any:
-        parts = [spill.lazy(path, True) for path in self._paths[kind]]
+        parts = [spill.lazy(path, -1) for path in self._paths[kind]]
         return array.concatenate(parts) if parts else array.from_array(none)
 
 

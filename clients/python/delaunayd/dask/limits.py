@@ -29,7 +29,7 @@ def check_memory(engine: Engine, tile: int, fields: int) -> None:
 def check_disk(folder: str, total: int, fields: int) -> None:
     """OSError: the spill folder has too little space for so many points and their triangles."""
     number = 4 if total < 2**32 else 8
-    need = total * (20 + 8 * fields + 6 * number)
+    need = total * (20 + 8 * fields + max(6 * number, 16 + 8 * fields))  # points, and triangles or the input
     free = shutil.disk_usage(folder).free
     if need > free:
         raise OSError("%d points need about %s in the spill folder %s, which has %s" % (total, _size(need), folder, _size(free)))

@@ -5,6 +5,7 @@ The band of a tile (band.py) has every triangle that the tile has without such a
 
 from __future__ import annotations
 
+import operator
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
 
 import numpy as np
@@ -36,6 +37,14 @@ class Grid(NamedTuple):
         """The centres of cells, which are counted row by row."""
         x, y = self.centres()
         return np.column_stack([x[cells % self.columns], y[cells // self.columns]])
+
+
+def grid_of(bounds: Any, shape: Any) -> Grid:
+    """Of a box, two opposite corners (x0, y0, x1, y1), and (rows, columns). ValueError: it has no cells."""
+    (x0, y0, x1, y1), (rows, columns) = map(float, bounds), map(operator.index, shape)
+    if not np.isfinite([x0, y0, x1, y1]).all() or rows < 1 or columns < 1:
+        raise ValueError("a raster needs a box of finite numbers, and at least one row and one column")
+    return Grid((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), rows, columns)
 
 
 def linear(job: Job, tile: Tile, grid: Grid, fields: Sequence[int], name: str) -> None:

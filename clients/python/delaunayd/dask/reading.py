@@ -1,5 +1,5 @@
-"""Finds out what the input is, and makes chunks of it. Files of text and blocks of dask arrays are written to the spill folder first,
-because their rows must be counted before points have numbers."""
+"""Finds out what the input is, and makes chunks of it. Everything but .npy files is written to the spill folder first: workers may not see the memory
+of this process, and the rows of text and of dask arrays must be counted before points have numbers."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple, Opti
 
 import numpy as np
 
-from . import chunks, spill
+from . import chunks, laser, spill
 from .chunks import Chunk
 from .engine import Engine
-from .imported import array, dask, module
+from .imported import array, dask
 
 if TYPE_CHECKING:
     from .._types import Floats
@@ -39,24 +39,29 @@ def chunks_of(points: Any, values: Optional[Any], engine: Engine, folder: str) -
         return _of_files([os.fspath(path) for path in points], values, engine, folder)
     if dask.is_dask_collection(points):
         return _of_collection(points, values, engine, folder)
-    return _of_array(np.asarray(points), values, engine, folder)
+    return _of_array(np.asarray(points), values, folder)
 
 
 # ---- arrays ----
 
 
-def _of_array(rows: Any, values: Optional[Any], engine: Engine, folder: str) -> Input:
+def _of_array(rows: Any, values: Optional[Any], folder: str) -> Input:
     width = _width(rows.shape, "points")
     if rows.dtype.kind == "c":
         raise ValueError("points are complex numbers; their coordinates must be columns")
-    if values is None:
-        z, names = None, _third(width)
-    else:
-        z, names = _columns(values)
-        if z.shape[:1] != rows.shape[:1]:
-            raise ValueError("values must have the shape (%d,) or (%d, fields), not %s" % (len(rows), len(rows), np.shape(values)))
-    found = chunks.of_array(rows, z)
-    return Input(found if engine.client is None else _stored(found, rows, z, folder), names)
+    z, names = (rows[:, 2:], _third(width)) if values is None else _columns(values)
+    if len(z) != len(rows):
+        raise ValueError("values must have the shape (%d,) or (%d, fields), not %s" % (len(rows), len(rows), z.shape))
+    path = spill.path_of(folder, "points")
+    blocks = (_table(rows[at : at + chunks.ROWS], z[at : at + chunks.ROWS]) for at in range(0, len(rows), chunks.ROWS))
+    spill.write(path, itertools.chain([chunks.npy_header((len(rows), 2 + len(names)))], blocks))
+    return Input(chunks.of_file("points", path, len(rows)), names)
+
+
+def _table(rows: Any, z: Any) -> Floats:
+    """The coordinates in rows with values behind them, contiguous."""
+    table: Floats = np.ascontiguousarray(np.column_stack([rows[:, :2], z]), dtype=np.float64)
+    return table
 
 
 def _width(shape: Any, name: str) -> int:
@@ -70,7 +75,7 @@ def _third(width: int) -> Tuple[str, ...]:
     return ("z",) * (width - 2)
 
 
-def _columns(values: Any) -> Tuple[Floats, Tuple[str, ...]]:
+def _columns(values: Any) -> Tuple[Any, Tuple[str, ...]]:
     """Values as an array of shape (n, fields), and the names of the fields."""
     if isinstance(values, Mapping):
         columns = [np.asarray(column, dtype=np.float64) for column in values.values()]
@@ -89,18 +94,6 @@ def _numbered(fields: int) -> Tuple[str, ...]:
     return ("z",) if fields == 1 else tuple(map(str, range(fields)))
 
 
-def _stored(found: List[Chunk], rows: Any, z: Any, folder: str) -> List[Chunk]:
-    """The chunks in files, for other processes."""
-    paths = [os.path.join(folder, name) for name in ("points.npy", "values.npy")]
-    for path, content in zip(paths, (rows, z)):
-        if content is not None:
-            spill.write(path, [chunks.npy_header(content), np.ascontiguousarray(content)])
-    values_path = None if z is None else paths[1]
-    return [
-        chunk._replace(array=None, values=None, path=paths[0], values_path=values_path, start=chunk.first_row) for chunk in found
-    ]
-
-
 # ---- collections of dask ----
 
 
@@ -115,7 +108,9 @@ def _of_collection(points: Any, values: Optional[Any], engine: Engine, folder: s
         if values is not None:
             columns, names = _blocks(points, values)
     calls = [(folder, number, block, column) for number, (block, column) in enumerate(zip(blocks, columns or [None] * len(blocks)))]
-    return Input(_written(folder, "points", engine.run_blocks("read", write_block, calls)), names)
+    counts = engine.run_blocks("read", write_block, calls)
+    first = itertools.accumulate(counts, initial=0)
+    return Input([Chunk("points", row, n, spill.path_of(folder, "block", k), 0) for k, (row, n) in enumerate(zip(first, counts))], names)
 
 
 def _chosen(frame: Any, values: Optional[Any]) -> Tuple[str, ...]:
@@ -145,15 +140,8 @@ def _blocks(points: Any, values: Any) -> Tuple[List[Any], Tuple[str, ...]]:
 def write_block(folder: str, number: int, block: Any, column: Any) -> int:
     """Writes a block, with its columns of values if they are apart; returns the number of rows."""
     rows: Floats = np.asarray(block, dtype=np.float64)
-    if column is not None:
-        rows = np.column_stack([rows[:, :2], np.asarray(column, dtype=np.float64)])
-    spill.write(spill.path_of(folder, "block", number), [chunks.npy_header(rows), np.ascontiguousarray(rows)])
+    spill.write_array(spill.path_of(folder, "block", number), rows if column is None else _table(rows, column))
     return len(rows)
-
-
-def _written(folder: str, name: str, counts: List[int]) -> List[Chunk]:
-    first = [0, *itertools.accumulate(counts)]
-    return [Chunk(name, first[k], n, path=spill.path_of(folder, "block", k)) for k, n in enumerate(counts)]
 
 
 # ---- files ----
@@ -176,10 +164,7 @@ def _of_files(paths: List[str], values: Optional[Any], engine: Engine, folder: s
         width = _width(rows.shape, path)
         if len(rows) > 0:
             widths[path] = width
-        found += [
-            Chunk(path, start, min(chunks.ROWS, len(rows) - start), path=source, start=start)
-            for start in range(0, len(rows), chunks.ROWS)
-        ]
+        found += chunks.of_file(path, source, len(rows))
     if len(set(widths.values())) > 1:
         raise ValueError("%s has values, and %s has none" % (max(widths, key=widths.__getitem__), min(widths, key=widths.__getitem__)))
     return Input(found, _third(max(widths.values(), default=2)))
@@ -209,7 +194,7 @@ def least(points: Any) -> int:
 
 def convert(path: str, folder: str, number: int) -> str:
     """Writes the rows of a file as a .npy file; returns its name."""
-    blocks = _laser(path) if path.lower().endswith(_LASER) else _text(path)
+    blocks = laser.blocks_of(path) if path.lower().endswith(_LASER) else _text(path)
     raw, width, n = spill.path_of(folder, "raw", number), 2, 0
 
     def counted() -> Iterator[Floats]:
@@ -220,7 +205,7 @@ def convert(path: str, folder: str, number: int) -> str:
 
     # The header needs the number of rows, so its place stays free until they are written.
     try:
-        spill.write_behind(raw, counted(), lambda: chunks.npy_header_of((n, width)))
+        spill.write_behind(raw, counted(), lambda: chunks.npy_header((n, width)))
     except (UnicodeDecodeError, EOFError, gzip.BadGzipFile, zlib.error) as error:
         raise ValueError("%s, after row %d: %s" % (path, n, error)) from None
     return raw
@@ -270,10 +255,3 @@ def _parsed(path: str, row: int, lines: List[str]) -> Floats:
         width = len(lines[0].split(","))
         bad = next((k for k, line in enumerate(lines) if not _numbers(line) or len(line.split(",")) != width), 0)
         raise ValueError("%s, row %d: %r is not a point" % (path, row + bad, lines[bad].strip())) from None
-
-
-def _laser(path: str) -> Iterator[Floats]:
-    laspy = module("laspy", path)
-    with laspy.open(path) as file:
-        for points in file.chunk_iterator(chunks.ROWS):
-            yield np.column_stack([points.x, points.y, points.z]).astype(np.float64)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import itertools
 import math
 import operator
 import os
@@ -13,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 import numpy as np
 
 from .._triangulation import Triangulation
-from . import contours, nearest, rasters, spill, surfaces, tasks
+from . import contours, nearest, rasters, spill, surfaces
 from .band import points_type, xy_of
-from .chunks import npy_header_of
+from .chunks import npy_header
 from .engine import Engine
 from .folders import remove_folder
-from .imported import array, dask, module
+from .imported import module
 from .rounds import Outcome
 
 if TYPE_CHECKING:
@@ -48,31 +47,13 @@ class Tin:
     def triangles(self) -> Any:
         """A dask array of shape (m, 3), one chunk for each tile: numbers of points, counterclockwise, the smallest first; each triangle
         exactly once. uint32 below 2^32 points, otherwise uint64."""
-        dtype = np.dtype(self._job.dtype)
-        parts = [
-            array.from_delayed(
-                dask.delayed(tasks.triangles, pure=True)(self._job.folder, tile.number, self._job.dtype), (tile.triangles, 3), dtype
-            )
-            for tile in self._outcome.tiles
-        ]
-        return array.concatenate(parts) if parts else array.zeros((0, 3), dtype=dtype)
+        rows = tuple(tile.triangles for tile in self._outcome.tiles)
+        return spill.lazy(spill.path_of(self._job.folder, "triangles"), rows or -1)
 
     def to_npy(self, path: str) -> None:
-        """Writes the triangles to one .npy file; the tiles write at the same time. There is no such file until it is complete."""
-        path = os.path.abspath(path)
-        tiles = self._outcome.tiles
-        first = [0, *itertools.accumulate(tile.triangles for tile in tiles)]
-        header = npy_header_of((first[-1], 3), self._job.dtype)
-        scratch = spill.scratch_of(path)
-        try:
-            spill.allocate(scratch, header, len(header) + first[-1] * 3 * np.dtype(self._job.dtype).itemsize)
-            at = [len(header) + row * 3 * np.dtype(self._job.dtype).itemsize for row in first]
-            calls = [(self._job.folder, tile.number, scratch, here) for tile, here in zip(tiles, at)]
-            self._engine.run("triangles", tasks.copy, calls)
-            os.replace(scratch, path)
-        except BaseException:
-            spill.remove(scratch)
-            raise
+        """Writes the triangles to one .npy file. There is no such file until it is complete. On the file system of the spill folder it is a
+        link to the file there, and takes no more space; do not write into it while this object uses that file."""
+        spill.publish(spill.path_of(self._job.folder, "triangles"), os.path.abspath(path))
 
     def to_parquet(self, path: str) -> None:
         """Writes the triangles as a folder of Parquet files with the columns a, b and c. Needs pandas, and pyarrow or fastparquet."""
@@ -107,8 +88,7 @@ class Tin:
         self._needs_points()
         several = isinstance(field, (list, tuple))
         fields = tuple(map(self._field, field if several else [field]))
-        x0, y0, x1, y1 = map(float, bounds)
-        grid = rasters.Grid((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), *map(int, shape))
+        grid = rasters.grid_of(bounds, shape)
         name = self._new("raster")
         calls = [(self._job, tile, grid, fields, name) for tile in self._outcome.tiles]
         try:
@@ -136,7 +116,7 @@ class Tin:
         """Writes the raster: what tiles have written, and `last`, cells and their values. fields: 0 for one without an axis of its own."""
         shape = (grid.rows, grid.columns) + (fields,) * (fields > 0)
         with spill.complete(spill.path_of(self._job.folder, name)) as file:
-            file.write(npy_header_of(shape))
+            file.write(npy_header(shape))
             os.posix_fallocate(file.fileno(), 0, spill.HEADER + 8 * math.prod(shape))
             out = np.memmap(file.name, dtype="<f8", mode="r+", offset=spill.HEADER, shape=(grid.rows * grid.columns, max(fields, 1)))
             out[:] = np.nan

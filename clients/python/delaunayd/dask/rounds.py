@@ -4,13 +4,15 @@ It runs in the process of the caller, which knows numbers alone: of tiles, of ro
 
 from __future__ import annotations
 
+import itertools
+import os
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
 from .._triangulation import Triangulation
 from . import spill, tasks
-from .chunks import Chunk
+from .chunks import Chunk, npy_header
 from .engine import Engine
 from .tiling import Tiling
 
@@ -43,7 +45,8 @@ class _State:
 
     def __init__(self, chunks: Tuple[int, ...], points: int):
         self.chunks, self.points = chunks, points
-        self.coincident = self.halo = self.done = 0
+        self.coincident = self.halo = 0
+        self.done: Tuple[int, ...] = ()
         self.last, self.deferred = 1, False
         self.ends: Optional[Floats] = None
 
@@ -68,6 +71,7 @@ class Course:
             tile: _State(tuple(number for number, _ in rows), sum(count for _, count in rows)) for tile, rows in sorted(found.items())
         }
         self._job = self._job._replace(boxes=boxes)
+        spill.remove(*{chunk.path for chunk in self._chunks if os.path.dirname(chunk.path) == self._job.folder})
 
     def run(self) -> Outcome:
         """Everything after the split."""
@@ -125,12 +129,24 @@ class Course:
 
     def _finish(self, turn: int) -> Outcome:
         calls = [(self._job, tile, state.last) for tile, state in self.tiles.items()]
-        rest = self._engine.run("triangles", tasks.finish, calls)
-        tiles = [
-            Tile(tile, state.chunks, state.points, state.coincident, state.halo, state.last, state.done + more)
-            for (tile, state), more in zip(self.tiles.items(), rest)
-        ]
+        parts: List[Tuple[str, int]] = []
+        tiles: List[Tile] = []
+        for (tile, state), more in zip(self.tiles.items(), self._engine.run("triangles", tasks.finish, calls)):
+            files = [spill.path_of(self._job.folder, "done", tile, k) for k in range(len(state.done))]
+            parts += zip([*files, spill.path_of(self._job.folder, "rest", tile)], [*state.done, more])
+            tiles.append(Tile(tile, state.chunks, state.points, state.coincident, state.halo, state.last, sum(state.done) + more))
+        self._gather(parts)
         return Outcome(self._job, tiles, turn)
+
+    def _gather(self, parts: List[Tuple[str, int]]) -> None:
+        """Moves the triangles from files to one, so that the disk has each of them once, but for those on their way. A part: a file, and the
+        number of its triangles."""
+        path, row = spill.path_of(self._job.folder, "triangles"), 3 * np.dtype(self._job.dtype).itemsize
+        header = npy_header((sum(n for _, n in parts), 3), self._job.dtype)
+        *first, size = itertools.accumulate((row * n for _, n in parts), initial=len(header))
+        spill.begin(path, header, size)
+        calls = [(part, path, at) for (part, _), at in zip(parts, first)]
+        self._engine.run("triangles", spill.copy, calls, lambda i: spill.remove(parts[i][0]))
 
 
 def _joined(box: Any, other: Any) -> Any:

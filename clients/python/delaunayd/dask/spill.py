@@ -9,12 +9,13 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import uuid
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List
 
 import numpy as np
 
-from .chunks import npy_header_of
+from .chunks import npy_header
 from .imported import array, dask
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 
 HEADER = 128  # bytes, of a .npy file with a table
+_BLOCK = 1 << 20  # bytes that are copied at once
 
 
 def path_of(folder: str, kind: str, *numbers: int) -> str:
@@ -34,12 +36,21 @@ def complete(path: str) -> Iterator[Any]:
     """A file that gets its name when everything is written. OSError names the file; there is then no file of this name, or the old one."""
     scratch = scratch_of(path)
     try:
-        with open(scratch, "wb", buffering=0) as out:
+        with naming(path), open(scratch, "wb", buffering=0) as out:
             yield out
         os.replace(scratch, path)
-    except BaseException as error:
+    except BaseException:
         remove(scratch)
-        if isinstance(error, OSError) and error.filename is None and error.errno is not None:
+        raise
+
+
+@contextlib.contextmanager
+def naming(path: str) -> Iterator[None]:
+    """An OSError that names no file names this one."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno is not None:
             raise OSError(error.errno, error.strerror, path) from None
         raise
 
@@ -56,14 +67,32 @@ def scratch_of(path: str) -> str:
     return "%s.%s" % (path, uuid.uuid4().hex)
 
 
-def allocate(path: str, header: bytes, size: int) -> None:
-    """Makes a file of this size that begins with the header. OSError: there is no space for it."""
-    with open(path, "wb", buffering=0) as out:
+def begin(path: str, header: bytes, size: int) -> None:
+    """Makes a file of this size that begins with the header. The disk has no more of it until it is written."""
+    with naming(path), open(path, "wb", buffering=0) as out:
         out.write(header)
+        out.truncate(size)
+
+
+def copy(source: str, path: str, at: int) -> None:
+    """Copies a whole file into one that exists, from byte `at` on."""
+    with naming(path), open(source, "rb", buffering=0) as file, open(path, "r+b") as out:
+        out.seek(at)
+        shutil.copyfileobj(file, out, _BLOCK)
+
+
+def publish(source: str, path: str) -> None:
+    """Gives a complete file this name, too. On another file system, or on one without links, it is copied."""
+    scratch = scratch_of(path)
+    try:
         try:
-            os.posix_fallocate(out.fileno(), 0, size)
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, path) from None
+            os.link(source, scratch)
+        except OSError:
+            with naming(path):
+                shutil.copyfile(source, scratch)
+        os.replace(scratch, path)
+    finally:
+        remove(scratch)  # it remains if it is the same file as `path`
 
 
 def write(path: str, parts: Iterable[Any]) -> None:
@@ -97,21 +126,20 @@ def read_arrays(path: str) -> Dict[str, NDArray[Any]]:
 
 def write_array(path: str, rows: NDArray[Any]) -> None:
     """Writes one array as a .npy file."""
-    write(path, [npy_header_of(rows.shape, rows.dtype), np.ascontiguousarray(rows)])
+    write(path, [npy_header(rows.shape, rows.dtype), np.ascontiguousarray(rows)])
 
 
 def rows_of(path: str, first: int, after: int) -> NDArray[Any]:
-    """These rows of a .npy file, mapped rather than read."""
-    rows: NDArray[Any] = np.load(path, mmap_mode="r")[first:after]
-    return rows
+    """These rows of a .npy file."""
+    return np.array(np.load(path, mmap_mode="r")[first:after])
 
 
-def lazy(path: str, whole: bool = False) -> Any:
-    """The array of a .npy file as an array of dask, whose tasks read it, in chunks that dask chooses, or as one."""
+def lazy(path: str, chunks: Any = "auto") -> Any:
+    """The array of a .npy file as an array of dask, whose tasks read it. `chunks` of rows, as dask has them; -1: one."""
     found = np.load(path, mmap_mode="r")
     shape, dtype = found.shape, found.dtype
-    chunks = shape[:1] if whole else array.core.normalize_chunks(("auto", *(-1 for _ in shape[1:])), shape, dtype=dtype)[0]
-    after = np.cumsum([0, *chunks]).tolist()
+    rows = array.core.normalize_chunks((chunks, *(-1 for _ in shape[1:])), shape, dtype=dtype)[0]
+    after = np.cumsum([0, *rows]).tolist()
     read = dask.delayed(rows_of, pure=True)
     return array.concatenate([array.from_delayed(read(path, a, b), (b - a, *shape[1:]), dtype) for a, b in zip(after, after[1:])])
 

@@ -21,7 +21,7 @@ from .tiling import Tiling
 if TYPE_CHECKING:
     from .._types import Floats, NDArray, Numbers
 
-_BLOCK = 1 << 20  # triangles that are numbered at once
+_BLOCK = 1 << 21  # triangles of a file
 
 
 class Job(NamedTuple):
@@ -49,7 +49,7 @@ class Sent(NamedTuple):
     to: Tuple[int, ...]
     deferred: bool
     halo: int = 0
-    done: int = 0
+    done: Tuple[int, ...] = ()
     coincident: int = 0
     ends: Any = None
 
@@ -107,9 +107,9 @@ def build(job: Job, tile: int, chunks: Tuple[int, ...]) -> Sent:
         band_rows = np.sort(band_rows)
         to = _to_all(job, tile, band.ends(xy[band_rows]))
     else:
-        offsets, rows = own.open(job.boxes, tile)
-        band_rows = np.unique(np.concatenate([rows, *_postponed(own, job, tile).values()])).astype(np.int64)
-        to = _to(offsets, np.searchsorted(band_rows, rows))
+        first, later = own.open(job.boxes, tile), _open(own, job, tile)
+        band_rows = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *first.values(), *later.values()]))
+        to = {other: np.searchsorted(band_rows, rows) for other, rows in first.items()}
     triangles = own.triangles(np.uint32)
     del own
     done, walls = band.divide(triangles, band_rows, len(ids))
@@ -129,32 +129,24 @@ def _to_all(job: Job, tile: int, rows: Numbers) -> Dict[int, Numbers]:
 
 
 def _open(tile: Tile, job: Job, number: int) -> Dict[int, Numbers]:
-    """What other tiles need of this one, by all of its faces."""
-    found = _to(*tile.open(job.boxes, number))
-    for other, rows in _postponed(tile, job, number).items():
-        found[other] = np.concatenate([found[other], rows]) if other in found else rows
-    return found
-
-
-def _postponed(tile: Tile, job: Job, number: int) -> Dict[int, Numbers]:
     """What Tile.open returns until it has judged all faces."""
     found: Dict[int, Numbers] = {}
-    while tile.counts.postponed > 0:
-        for other, rows in _to(*tile.open(job.boxes, number)).items():
+    more = True
+    while more:
+        for other, rows in tile.open(job.boxes, number).items():
             found[other] = np.concatenate([found[other], rows]) if other in found else rows
+        more = tile.counts.postponed > 0
     return found
 
 
-def _to(offsets: NDArray[Any], rows: Numbers) -> Dict[int, Numbers]:
-    """What Tile.open returns, tile by tile."""
-    return {int(k): rows[offsets[k] : offsets[k + 1]] for k in np.flatnonzero(np.diff(offsets))}
-
-
-def _write_done(job: Job, tile: int, triangles: Any, done: NDArray[np.bool_], ids: NDArray[Any]) -> int:
-    blocks = range(0, len(triangles), _BLOCK)
-    rows = (ids[triangles[at : at + _BLOCK][done[at : at + _BLOCK]]] for at in blocks)
-    spill.write(spill.path_of(job.folder, "done", tile), rows)
-    return int(np.count_nonzero(done))
+def _write_done(job: Job, tile: int, triangles: Any, done: NDArray[np.bool_], ids: NDArray[Any]) -> Tuple[int, ...]:
+    """Writes them to several files, so that they can be removed one by one; returns the number of triangles in each."""
+    counts = []
+    for part, at in enumerate(range(0, len(triangles), _BLOCK)):
+        rows = ids[triangles[at : at + _BLOCK][done[at : at + _BLOCK]]]
+        spill.write(spill.path_of(job.folder, "done", tile, part), [rows])
+        counts.append(len(rows))
+    return tuple(counts)
 
 
 def _points(job: Job, xy: Floats, ids: NDArray[Any], z: Floats, rows: Any) -> NDArray[Any]:
@@ -217,21 +209,3 @@ def band_of(folder: str, tile: int, last: int) -> Tuple[NDArray[Any], band.Band]
     points = np.concatenate([found["points"], spill.read_arrays(spill.path_of(folder, "state", tile, last))["foreign"]])
     order = np.argsort(points["id"], kind="stable")
     return points[order], band.Band(points[order], order < len(found["points"]), found["walls"])
-
-
-def copy(folder: str, tile: int, path: str, at: int) -> None:
-    """Writes the triangles of a tile into a file that exists, from byte `at` on."""
-    with open(path, "r+b", buffering=0) as out:
-        out.seek(at)
-        for kind in ("done", "rest"):
-            with open(spill.path_of(folder, kind, tile), "rb") as file:
-                rest = os.fstat(file.fileno()).st_size
-                while rest > 0:
-                    rest -= os.copy_file_range(file.fileno(), out.fileno(), rest)
-
-
-def triangles(folder: str, tile: int, dtype: str) -> NDArray[Any]:
-    """The triangles that a tile outputs, those in its interior first."""
-    rows = [np.fromfile(spill.path_of(folder, kind, tile), dtype=dtype) for kind in ("done", "rest")]
-    found: NDArray[Any] = np.concatenate(rows).reshape(-1, 3)
-    return found
