@@ -1,82 +1,9 @@
-// From bytes to replies and from points to bytes: PROTOCOL.md, sections 2 and 7.
+// Words of requests, results of replies, and points as bytes: PROTOCOL.md, sections 2 and 7.
 'use strict';
 
 const { endianness } = require('node:os');
 
-const LF = 10;
 const BIG_ENDIAN = endianness() === 'BE';
-
-/** Bytes that arrive in pieces and are read as lines or blocks. Pieces are joined only when a line or block spans several. */
-class Input {
-  #pieces = [];
-  #length = 0;
-  #scanned = 0; // pieces without LF
-
-  push(piece) {
-    this.#pieces.push(piece);
-    this.#length += piece.length;
-  }
-
-  take(n) {
-    if (this.#length < n) return null;
-    const taken = [];
-    let missing = n;
-    while (missing > 0) {
-      const first = this.#pieces[0];
-      if (first.length <= missing) {
-        taken.push(this.#pieces.shift());
-        missing -= first.length;
-      } else {
-        taken.push(first.subarray(0, missing));
-        this.#pieces[0] = first.subarray(missing);
-        missing = 0;
-      }
-    }
-    this.#length -= n;
-    this.#scanned = 0;
-    return taken.length === 1 ? taken[0] : Buffer.concat(taken, n);
-  }
-
-  line() {
-    let before = 0;
-    for (let i = 0; i < this.#scanned; i++) before += this.#pieces[i].length;
-    for (; this.#scanned < this.#pieces.length; this.#scanned++) {
-      const at = this.#pieces[this.#scanned].indexOf(LF);
-      if (at >= 0) {
-        const text = this.take(before + at + 1).toString('utf8');
-        return text.slice(0, text.endsWith('\r\n') ? -2 : -1);
-      }
-      before += this.#pieces[this.#scanned].length;
-    }
-    return null;
-  }
-}
-
-/** The number and the words after OK or EVENT. */
-function parseLine(line, kind) {
-  const [first, count, ...words] = line.split(' ');
-  if (first !== kind || !/^\d+$/.test(count)) throw new Error(`not a reply of this protocol: ${line.slice(0, 80)}`);
-  const keys = {};
-  for (const word of words) {
-    const at = word.indexOf('=');
-    if (at > 0) keys[word.slice(0, at)] = word.slice(at + 1);
-  }
-  return { keys, words, expected: Number(count) };
-}
-
-/** {keys, rows, data} of the status line, with `expected` rows to come. */
-function parseStatus(line) {
-  const { keys, expected } = parseLine(line, 'OK');
-  return { keys, rows: [], data: null, expected };
-}
-
-/** {event: {set, version, reset, more, dropped}, rows}, with `expected` rows to come. */
-function parseEvent(line) {
-  const { keys, words, expected } = parseLine(line, 'EVENT');
-  const event = { set: keys.set, version: Number(keys.version) };
-  for (const word of ['reset', 'more', 'dropped']) event[word] = words.includes(word);
-  return { event, rows: [], expected };
-}
 
 const NUMBER = /^-?\d+(\.\d+)?(e[+-]?\d+)?$/;
 
@@ -160,7 +87,6 @@ function doubleBytes(flat) {
 }
 
 module.exports = {
-  Input,
   checkField,
   checkSet,
   doubleBytes,
@@ -170,8 +96,6 @@ module.exports = {
   number,
   numbers,
   option,
-  parseEvent,
-  parseStatus,
   pointBytes,
   table,
   text,

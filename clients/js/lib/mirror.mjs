@@ -1,10 +1,8 @@
 // A mirror: a copy of a set that follows it by WATCH, over a connection of its own.
 import { EventEmitter } from 'node:events';
-import connections from './connection.js';
 import errors from './errors.js';
 import { Gathered, eachTriangle, hasTriangle } from './rings.mjs';
 
-const { Connection } = connections;
 const { Disconnected } = errors;
 const FIRST_RETRY_MS = 50;
 const LONGEST_RETRY_MS = 5000;
