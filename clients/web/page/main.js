@@ -19,7 +19,11 @@ function listenToPanel() {
   $('angles').addEventListener('toggle', refreshSoon);
   $('png').addEventListener('click', () => follower.set !== null && savePNG(follower.set));
   $('svg').addEventListener('click', () => follower.set !== null && saveSVG(follower.set));
-  $('file').addEventListener('change', () => $('file').files.length > 0 && openFile($('file').files[0]));
+  $('file').addEventListener('change', () => {
+    const [file] = $('file').files;
+    $('file').value = ''; // so that the same file may be chosen again
+    if (file !== undefined) openFile(file);
+  });
   addEventListener('dragover', (e) => e.preventDefault());
   addEventListener('drop', (e) => {
     e.preventDefault();

@@ -117,6 +117,9 @@ test('a file becomes a new set after a question; a bad one is refused with its l
   await waitFor(page, () => /new set places of/.test(document.getElementById('notice').textContent));
   await press('Cancel');
   assert.equal((await ask('SETS')).some((row) => /^places /.test(row)), false);
+  await waitFor(page, () => document.getElementById('notice').hidden);
+  await (await page.$('#file')).uploadFile(join(folder, 'places.geojson'));
+  await waitFor(page, () => /new set places of/.test(document.getElementById('notice').textContent));
   await page.close();
 });
 
