@@ -1,14 +1,14 @@
 // The page follows a set: a copy of it, a field and names. The layers are asked for again when the set or the view has changed.
 import { showAngles } from './angles.js';
 import { given, givenView } from './address.js';
-import { connection, fetchAll, isOpen, request } from './daemon.js';
+import { connection, fetchAll, isLocal, isOpen, request } from './daemon.js';
 import { parse } from './data/files.js';
 import { Follower } from './data/follow.js';
 import { showField } from './layers.js';
 import { $, fillSelect, list, report, say } from './panel.js';
 import { draw, mesh, overlay, scene, show, view } from './stage.js';
 
-const MOST_POINTS = 4e6; // of a set that is mirrored whole; `most` in the address
+const MOST_POINTS = 250000; // of a daemon's set that is mirrored whole; `most` in the address
 const REFRESH_MS = 400; // layers of the overlay are asked for so long after the last change
 const SMALL = 3000; // points of a set whose layers are asked for at every change
 
@@ -36,7 +36,7 @@ export const follower = new Follower({
   fetchAll,
   mesh,
   view,
-  most: Number(given('most') ?? MOST_POINTS),
+  most: isLocal ? Infinity : Number(given('most') ?? MOST_POINTS),
   onShow: (box, dots) => {
     handlers.onSet(follower.set);
     const isWhole = follower.kind === 'whole';

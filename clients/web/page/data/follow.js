@@ -1,6 +1,7 @@
 // Follows one set: the mesh is a copy of it, or of a part of it, and stays so. A set that is not too large is mirrored whole. Of a
 // larger one the mesh has the points in a box around the view and the triangles between them, if they are few enough; otherwise a
 // sample.
+import { contains, emptyBox, extend } from './box.js';
 import { Gathered } from './rings.js';
 import { boxAround, sampleOf } from './sample.js';
 
@@ -11,17 +12,10 @@ const AGAIN_MS = 1000; // between samples while the set is edited
 const NOWHERE = '1e50 1e50 1e50 1e50'; // a box without points: its events say that the set has changed
 const BYTES_OF_TRIANGLE = 12;
 
-const contains = (a, b) => a[0] <= b[0] && a[1] <= b[1] && a[2] >= b[2] && a[3] >= b[3];
-
 /** The box around the points of a mesh. */
 function boxOf({ xy, ids }) {
-  const found = [Infinity, Infinity, -Infinity, -Infinity];
-  for (let k = 0; k < 2 * ids; k += 2) {
-    if (xy[k] < found[0]) found[0] = xy[k];
-    if (xy[k] > found[2]) found[2] = xy[k];
-    if (xy[k + 1] < found[1]) found[1] = xy[k + 1];
-    if (xy[k + 1] > found[3]) found[3] = xy[k + 1];
-  }
+  const found = emptyBox();
+  for (let k = 0; k < 2 * ids; k += 2) extend(found, xy[k], xy[k + 1]);
   return found[0] <= found[2] ? found : [0, 0, 1, 1];
 }
 
@@ -34,7 +28,7 @@ export class Follower {
   #gathered = new Gathered(); // the event that is arriving in parts
   #isPart = false; // the set is too large to be mirrored whole
   #box = null; // of a mesh that is a box
-  #seen = ''; // the view of the sample
+  #seen = null; // the view of the sample
   #isStale = false; // the set has changed since the sample
   #sampledAt = 0;
   #following = 0; // how often another set was chosen
@@ -115,14 +109,14 @@ export class Follower {
    * has not too many triangles. Resolves to whether the mesh fits. A set that is being loaded is not examined. */
   async look() {
     if (this.set === null || !this.#isPart) return true;
-    const { x, y, scale, width, height } = this.view;
-    const seen = [x, y, scale, width, height].join(' ');
-    if (this.kind === 'box' && contains(this.#box, this.view.box())) return true;
-    if (this.kind === 'sample' && seen === this.#seen && !this.#isStale) return true;
-    if (this.kind === 'sample' && seen === this.#seen && Date.now() - this.#sampledAt < AGAIN_MS) return false;
+    const seen = this.view.copy();
+    const isSampled = this.kind === 'sample' && seen.equals(this.#seen);
+    if (this.kind === 'box' && contains(this.#box, seen.box())) return true;
+    if (isSampled && !this.#isStale) return true;
+    if (isSampled && Date.now() - this.#sampledAt < AGAIN_MS) return false;
     const turn = this.#following;
     if (this.kind === 'box') await this.#watch(` WITHIN ${NOWHERE}`);
-    const sample = await sampleOf(this.fetchAll, this.set, this.view, this.field);
+    const sample = await sampleOf(this.fetchAll, this.set, seen, this.field);
     if (turn !== this.#following) return true;
     this.mesh.loadSample(sample.triangles, sample.places, sample.version);
     this.#seen = seen;

@@ -1,6 +1,7 @@
 // The page's copy of a set, or of a part of it: points by number, and triangles in numbered slots, as the graphics memory holds them. An
 // event changes the slots of a few triangles, so that little has to be sent to the graphics memory. In the copy of a whole set the
 // number of a point is its id; a part numbers its points as they come.
+import { emptyBox, extend } from './box.js';
 import { eachTriangle } from './rings.js';
 
 /** The triangle with its smallest corner first, as text: equal triangles have equal keys. */
@@ -184,14 +185,8 @@ export class Mesh {
   apply(gathered, version) {
     const { points, rings, gone } = this.#numbered(gathered);
     const ids = new Set([...points.keys(), ...rings.keys(), ...gone]);
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
-    const around = (id) => {
-      const [x, y] = this.xy.subarray(2 * id, 2 * id + 2);
-      if (x < box[0]) box[0] = x;
-      if (y < box[1]) box[1] = y;
-      if (x > box[2]) box[2] = x;
-      if (y > box[3]) box[3] = y;
-    };
+    const box = emptyBox();
+    const around = (id) => extend(box, this.xy[2 * id], this.xy[2 * id + 1]);
     const before = this.#trianglesAt(ids);
     for (const { corners } of before.values()) corners.forEach(around);
     for (const id of gone) this.#forget(id, around);

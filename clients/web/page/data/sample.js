@@ -1,7 +1,7 @@
 // A sample of the triangles in view, those at the places of a grid: it can be known at once for a set of any size. It has all triangles
 // that are larger than a cell of the grid; of smaller ones it has one for each cell.
 
-const PLACES = 20000; // of the grid
+const PLACES = 40000; // of the grid
 const LEAST_CELL = 3; // pixels
 const LINE = 4000; // ids in a line of GET
 const FAR = 1e50; // beyond all points
@@ -15,17 +15,16 @@ export async function sampleOf(fetchAll, set, view, field) {
   const cell = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES));
   const grid = gridOf(view, cell);
   const [{ keys }, located] = await fetchAll([`STAT ${set}`, [`LOCATEB ${set} ${grid.length / 2}`, grid]]);
-  const { triangles, hits } = distinct(new Uint32Array(located.data.buffer));
-  const places = await placesOf(fetchAll, set, new Set(triangles), field);
+  const found = distinct(new Uint32Array(located.data.buffer));
+  const places = await placesOf(fetchAll, set, new Set(found.flatMap(({ corners }) => corners)), field);
   const known = [];
   const small = [];
   const cellArea = (cell / view.scale) ** 2;
   let estimate = 0;
-  for (let k = 0; k < hits.length; k++) {
-    const corners = triangles.slice(3 * k, 3 * k + 3);
+  for (const { corners, hits } of found) {
     if (!corners.every((id) => places.has(id))) continue; // deleted meanwhile
     const area = areaOf(corners.map((id) => places.get(id)));
-    estimate += (hits[k] * cellArea) / area;
+    estimate += (hits * cellArea) / area;
     known.push(...corners);
     if (area < 2 * cellArea) small.push(corners[0]);
   }
@@ -41,23 +40,17 @@ function gridOf(view, cell) {
   return Float64Array.from(places);
 }
 
-/** The different triangles among those at places, and at how many places each is. */
+/** The different triangles among those at places, {corners, hits}; hits: at how many places it is. */
 function distinct(located) {
-  const triangles = [];
-  const hits = [];
-  const seen = new Map();
+  const found = new Map();
   for (let k = 0; k < located.length; k += 3) {
-    const corners = located.subarray(k, k + 3);
+    const corners = [...located.subarray(k, k + 3)];
     if (corners[0] === NOWHERE) continue;
     const key = corners.join(' ');
-    if (!seen.has(key)) {
-      seen.set(key, hits.length);
-      triangles.push(...corners);
-      hits.push(0);
-    }
-    hits[seen.get(key)]++;
+    if (!found.has(key)) found.set(key, { corners, hits: 0 });
+    found.get(key).hits++;
   }
-  return { triangles, hits };
+  return [...found.values()];
 }
 
 const areaOf = ([[ax, ay], [bx, by], [cx, cy]]) => Math.abs((bx - ax) * (cy - ay) - (cx - ax) * (by - ay)) / 2;

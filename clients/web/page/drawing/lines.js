@@ -1,6 +1,6 @@
 // Lines over the triangles that are asked for: hull and constraints, Voronoi cells, contours, and triangles that reach out of a mesh that
 // covers only a box. Each is asked for again when the set has changed, or when the view has left the box it was asked for.
-
+import { contains, emptyBox, extend } from '../data/box.js';
 import { placesOf } from '../data/sample.js';
 import { stepOf } from './steps.js';
 
@@ -76,8 +76,6 @@ export class Lines {
   }
 }
 
-const contains = (a, b) => a[0] <= b[0] && a[1] <= b[1] && a[2] >= b[2] && a[3] >= b[3];
-
 /** The triangles that meet a box and have a corner that the mesh does not have. */
 async function reachingOut(fetchAll, set, box, mesh) {
   const [{ data }] = await fetchAll([`TRIANGLES ${set} WITHIN ${box} BINARY`]);
@@ -119,13 +117,10 @@ function cellsOf(data) {
     const id = view.getUint32(at, true);
     const corners = view.getUint32(at + 4, true);
     const places = new Float64Array(2 * corners);
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
     at += 8;
-    for (let k = 0; k < places.length; k++, at += 8) {
-      places[k] = view.getFloat64(at, true);
-      box[k % 2] = Math.min(box[k % 2], places[k]);
-      box[2 + (k % 2)] = Math.max(box[2 + (k % 2)], places[k]);
-    }
+    for (let k = 0; k < places.length; k++, at += 8) places[k] = view.getFloat64(at, true);
+    const box = emptyBox();
+    for (let k = 0; k < places.length; k += 2) extend(box, places[k], places[k + 1]);
     cells.push({ id, closed: true, places, box });
   }
   return cells;

@@ -1,15 +1,14 @@
 // The layers over the triangles, drawn by a 2D canvas: hull, constraints, Voronoi cells, contours, points and their names, and a scale
 // bar. If the mesh covers only a box, the triangles in view that reach out of the box are drawn here, too.
 
+import { meets } from '../data/box.js';
 import { writeLabels } from './labels.js';
 import { Lines } from './lines.js';
 import { niceStep } from './steps.js';
-import { meets } from './tiles.js';
 
 const MOST_COLOURED = 3000; // cells on the screen that get colours of their own
 const LEAST_SPACING = 14; // pixels between points, about, from which on they are drawn
 const MOST_ROUND = 700; // points on the screen that are drawn as circles
-const MOST_SCANNED = 500000; // points of a mesh of which those in view are looked for
 const MOST_THIN = 60000; // triangles of a mesh of which thin ones are looked for
 const THIN = 4; // pixels of height, below which a triangle is thin
 const LONG = 12; // pixels of length, from which on that is seen
@@ -119,7 +118,6 @@ export class Overlay {
   }
 
   #drawPoints(context, view, { xy, ids }) {
-    if (ids > MOST_SCANNED) return;
     const [x0, y0, x1, y1] = view.box();
     const most = (view.width * view.height) / LEAST_SPACING ** 2;
     const seen = [];

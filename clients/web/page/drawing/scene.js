@@ -3,14 +3,10 @@
 //
 // Changes since the last frame are drawn again in their part of the picture, from the tiles of triangles that meet them.
 
-import { Tiles, meets, widen } from './tiles.js';
+import { emptyBox, meets, widen } from '../data/box.js';
+import { Tiles } from './tiles.js';
 
 const ROW = 4096; // texels in a row of the texture of points
-const MOST_DRAWN = 500000; // slots of a mesh of which every triangle is drawn: so every pixel in the hull is covered
-const SMALL = 3; // pixels that a triangle of a larger mesh is long, below which it is not drawn; dots stand for such triangles
-const DOT = 3; // pixels along a side
-const COVER = 3; // how often dots cover the pixels of a tile, at most
-const MOST_PARTS = 32; // that are drawn again in a frame; more, and the whole picture is
 
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D;`;
@@ -75,7 +71,7 @@ void main() {
   colour = paint(value, line * (1.0 - 0.78 * smoothstep(0.06, 0.4, max(width.x, max(width.y, width.z)))), light);
 }`;
 
-/** Dots stand for triangles that are smaller than a pixel or two. */
+/** Dots stand for the small triangles of a sample. */
 const DOT_VERTEX = `${HEAD}${PLACE}${PAINT}
 uniform float size;
 flat out vec4 dot_colour;
@@ -90,7 +86,7 @@ flat in vec4 dot_colour;
 out vec4 colour;
 void main() { colour = dot_colour; }`;
 
-/** Begins to compile a program; at: the places of its uniforms, once uniformsOf() has waited for it. */
+/** Begins to compile a program; use() waits for it. */
 function compile(gl, vertex, fragment) {
   const program = gl.createProgram();
   for (const [type, source] of [
@@ -104,19 +100,16 @@ function compile(gl, vertex, fragment) {
   }
   gl.bindAttribLocation(program, 0, 'id');
   gl.linkProgram(program);
-  return { program, at: null };
+  return program;
 }
 
-function uniformsOf(gl, program) {
+/** Uses a program. Returns a function that returns the place of a uniform; null: the program does not have it. */
+function use(gl, program) {
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
     throw new Error([gl.getProgramInfoLog(program), ...gl.getAttachedShaders(program).map((shader) => gl.getShaderInfoLog(shader))].join('\n'));
   }
-  const names = {};
-  for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-    const { name } = gl.getActiveUniform(program, i);
-    names[name] = gl.getUniformLocation(program, name);
-  }
-  return names;
+  gl.useProgram(program);
+  return (name) => gl.getUniformLocation(program, name);
 }
 
 export class Scene {
@@ -130,8 +123,7 @@ export class Scene {
   #rows = 0; // of the texture of points
   #room = 0; // slots in the buffer of corners
   #view = null; // that the picture shows; null: there is no picture
-  #drawn; // its place and size in pixels
-  #changed = []; // boxes of the plane that events have changed since the last frame
+  #changed = emptyBox(); // of the plane: what events have changed since the last frame
 
   /** onStale() is called when the picture should be drawn again. */
   constructor(canvas, onStale) {
@@ -156,17 +148,13 @@ export class Scene {
   #begin() {
     const gl = this.#gl;
     this.#view = null;
-    this.mesh_ = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
-    this.dots_ = compile(gl, DOT_VERTEX, DOT_FRAGMENT);
+    this.meshProgram = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
+    this.dotProgram = null;
     this.points = this.#texture();
     this.values = this.#texture();
     this.corners = gl.createBuffer();
     this.dots = gl.createBuffer();
-    this.array = gl.createVertexArray();
-    gl.bindVertexArray(this.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.enableVertexAttribArray(0);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.disable(gl.DEPTH_TEST);
   }
 
@@ -174,19 +162,12 @@ export class Scene {
     const gl = this.#gl;
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    for (const [name, value] of [
-      [gl.TEXTURE_MIN_FILTER, gl.NEAREST],
-      [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
-      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
-      [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
-    ]) {
-      gl.texParameteri(gl.TEXTURE_2D, name, value);
-    }
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
     return texture;
   }
 
   /** Shows another mesh, whose slots it reorders, with all points in the box; below it dots of some size at some of its points. */
-  show(mesh, box, dots = { points: new Uint32Array(0), size: DOT }) {
+  show(mesh, box, dots = null) {
     this.#mesh = mesh;
     this.#dots = dots;
     this.#tiles = new Tiles(mesh, box);
@@ -271,34 +252,23 @@ export class Scene {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
     this.counts.bytes += 20 * points.length + 12 * slots.length;
-    if (box !== null) this.#change(box);
-  }
-
-  #change(box) {
-    const last = this.#changed.at(-1);
-    if (last !== undefined && meets(last, box)) {
-      widen(last, box);
-    } else if (this.#changed.push(box) > MOST_PARTS) {
-      this.#view = null;
-    }
+    if (box === null) return;
+    widen(this.#changed, box);
     this.onStale();
   }
 
   /** Draws the picture of a view, which must not change; if it is the view of the last picture, only what has changed. */
   draw(view) {
     if (this.#mesh === null || this.isLost) return;
-    const parts = this.#changed;
-    this.#changed = [];
+    const changed = this.#changed;
+    this.#changed = emptyBox();
     if (view !== this.#view) this.#drawWhole(view);
-    else parts.forEach((box) => this.#drawPart(box));
+    else this.#drawPart(changed);
   }
 
   #drawWhole(view) {
     const gl = this.#gl;
-    const [across, down] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
     this.#view = view;
-    this.#drawn = { x: view.x, y: view.y, scale: view.scale, width: view.width, height: view.height, across, down };
-    this.#drawn.unit = (view.scale * across) / view.width; // pixels of the picture per unit of the plane
     this.#drawTiles(view.box(), null);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
     this.counts.whole++;
@@ -306,105 +276,87 @@ export class Scene {
 
   /** Draws the part of the picture again that shows a box of the plane. */
   #drawPart(box) {
-    const d = this.#drawn;
-    const { across: width, down: height } = d;
-    const [fx, fy] = [(d.scale * width) / d.width, (d.scale * height) / d.height];
-    const x0 = Math.max(0, Math.floor(width / 2 + (box[0] - d.x) * fx) - 2);
-    const y0 = Math.max(0, Math.floor(height / 2 + (box[1] - d.y) * fy) - 2);
-    const x1 = Math.min(width, Math.ceil(width / 2 + (box[2] - d.x) * fx) + 2);
-    const y1 = Math.min(height, Math.ceil(height / 2 + (box[3] - d.y) * fy) + 2);
+    const view = this.#view;
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = this.#gl;
+    const [left, bottom] = view.toScreen(box[0], box[1]);
+    const [right, top] = view.toScreen(box[2], box[3]);
+    const x0 = Math.max(0, Math.floor(left * this.#ratio) - 2);
+    const y0 = Math.max(0, Math.floor(height - bottom * this.#ratio) - 2);
+    const x1 = Math.min(width, Math.ceil(right * this.#ratio) + 2);
+    const y1 = Math.min(height, Math.ceil(height - top * this.#ratio) + 2);
     if (x0 >= x1 || y0 >= y1) return;
-    const part = [d.x + (x0 - width / 2) / fx, d.y + (y0 - height / 2) / fy, d.x + (x1 - width / 2) / fx, d.y + (y1 - height / 2) / fy];
-    this.#drawTiles(part, [x0, y0, x1 - x0, y1 - y0]);
+    const placeOf = (px, py) => view.toPlane(px / this.#ratio, (height - py) / this.#ratio);
+    this.#drawTiles([...placeOf(x0, y0), ...placeOf(x1, y1)], [x0, y0, x1 - x0, y1 - y0]);
     this.counts.part++;
+  }
+
+  /** Pixels of the picture in a pixel of the view. */
+  get #ratio() {
+    return this.#gl.drawingBufferWidth / this.#view.width;
   }
 
   /** Draws all tiles that meet a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. */
   #drawTiles(box, pixels) {
     const gl = this.#gl;
-    const d = this.#drawn;
-    gl.viewport(0, 0, d.across, d.down);
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     if (pixels !== null) gl.scissor(...pixels);
     (pixels === null ? gl.disable : gl.enable).call(gl, gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    for (const program of [this.mesh_, this.dots_]) this.#setUniforms(program);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, this.values);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.points);
-    gl.bindVertexArray(this.array);
-    this.#drawDots(this.#dots.points, this.#dots.size * (d.across / d.width));
-    const small = [];
-    const least = this.#mesh.slots > MOST_DRAWN ? SMALL : 0;
-    let [from, to] = [0, 0]; // slots of tiles one behind the other that are drawn whole
-    for (const t of this.#tiles.list) {
-      if (!meets(t.box, box)) continue;
-      const large = least === 0 ? t.count : this.#tiles.large(t, least, d.unit);
-      if (large < t.count) small.push({ first: t.first + large, count: t.count - large });
-      if (t.first !== to) {
-        this.#drawTriangles(from, to);
-        from = t.first;
+    if (this.#dots !== null) this.#drawDots(this.#dots);
+    this.#setUniforms(this.meshProgram);
+    this.#bind(this.corners);
+    let [from, to] = [0, 0]; // slots of tiles one behind the other
+    for (const { first, count, box: around } of this.#tiles.list) {
+      if (!meets(around, box)) continue;
+      if (first !== to) {
+        gl.drawArrays(gl.TRIANGLES, 3 * from, 3 * (to - from));
+        from = first;
       }
-      to = t.first + large;
+      to = first + count;
     }
-    this.#drawTriangles(from, to);
-    this.#drawDots(this.#cornersOf(small, this.#tiles.pixels(d.unit)), DOT);
-  }
-
-  #setUniforms(of) {
-    const gl = this.#gl;
-    of.at ??= uniformsOf(gl, of.program);
-    const { program, at } = of;
-    const d = this.#drawn;
-    const { fill, edge, coloured, edged, range, relief, bands } = this.style;
-    const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
-    gl.useProgram(program);
-    gl.uniform4f(at.centre, x, y, d.x - x, d.y - y);
-    gl.uniform2f(at.scale, (2 * d.scale) / d.width, (2 * d.scale) / d.height);
-    gl.uniform4fv(at.fill, fill);
-    gl.uniform4fv(at.edge, edge);
-    gl.uniform2f(at.range, range[0], 1 / Math.max(range[1] - range[0], Number.MIN_VALUE));
-    gl.uniform1f(at.relief ?? null, relief * d.unit);
-    gl.uniform1f(at.bands, bands);
-    gl.uniform1i(at.coloured, coloured);
-    gl.uniform1i(at.edged, edged);
-    gl.uniform1i(at.points, 0);
-    gl.uniform1i(at.values, 1);
-  }
-
-  #drawTriangles(from, to) {
-    if (from === to) return;
-    const gl = this.#gl;
-    gl.useProgram(this.mesh_.program);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.drawArrays(gl.TRIANGLES, 3 * from, 3 * (to - from));
   }
 
-  /** A corner of some slots of parts of tiles, as many as cover the pixels of a tile. */
-  #cornersOf(parts, pixels) {
-    const { corners } = this.#mesh;
-    const most = (COVER * pixels) / (DOT * DOT);
-    const stepOf = (count) => Math.max(1, Math.floor(count / most));
-    const points = new Uint32Array(parts.reduce((sum, { count }) => sum + Math.ceil(count / stepOf(count)), 0));
-    let n = 0;
-    for (const { first, count } of parts) {
-      const step = stepOf(count);
-      for (let slot = first; slot < first + count; slot += step) points[n++] = corners[3 * slot];
-    }
-    return points;
+  /** Uses a program, and returns a function as use() does. */
+  #setUniforms(program) {
+    const gl = this.#gl;
+    const at = use(gl, program);
+    const view = this.#view;
+    const { fill, edge, coloured, edged, range, relief, bands } = this.style;
+    const [x, y] = [Math.fround(view.x), Math.fround(view.y)];
+    gl.uniform4f(at('centre'), x, y, view.x - x, view.y - y);
+    gl.uniform2f(at('scale'), (2 * view.scale) / view.width, (2 * view.scale) / view.height);
+    gl.uniform4fv(at('fill'), fill);
+    gl.uniform4fv(at('edge'), edge);
+    gl.uniform2f(at('range'), range[0], 1 / Math.max(range[1] - range[0], Number.MIN_VALUE));
+    gl.uniform1f(at('relief'), relief * view.scale * this.#ratio);
+    gl.uniform1f(at('bands'), bands);
+    gl.uniform1i(at('coloured'), coloured);
+    gl.uniform1i(at('edged'), edged);
+    gl.uniform1i(at('points'), 0);
+    gl.uniform1i(at('values'), 1);
+    return at;
   }
 
-  #drawDots(points, size) {
-    if (points.length === 0) return;
+  #drawDots({ points, size }) {
     const gl = this.#gl;
-    const { program, at } = this.dots_;
-    gl.useProgram(program);
-    gl.uniform1f(at.size, size);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.dots);
+    this.dotProgram ??= compile(gl, DOT_VERTEX, DOT_FRAGMENT);
+    const at = this.#setUniforms(this.dotProgram);
+    gl.uniform1f(at('size'), size * this.#ratio);
+    this.#bind(this.dots);
     gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.drawArrays(gl.POINTS, 0, points.length);
+  }
+
+  /** Vertices are the ids in a buffer. */
+  #bind(buffer) {
+    const gl = this.#gl;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
   }
 }
