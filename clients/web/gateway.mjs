@@ -109,7 +109,7 @@ async function maySee(daemon, token, set) {
 /** Passes the pointer of a page, {set, place: [x, y] or null, token}, to the other pages that show the same set, as {number, place}. A
  * page that begins to show a set gets the pointers of the others, if the daemon shows it the set. */
 function passPointer(daemon, pointers, page) {
-  Object.assign(page, { number: pages++, wanted: null, shown: null, pointed: null, place: null });
+  Object.assign(page, { number: pages++, wanted: null, shown: null, place: null });
   const others = () => [...pointers.clients].filter((other) => other !== page && other.shown === page.shown && page.shown !== null);
   const tell = (to, { number, place }) => to.send(JSON.stringify({ number, place }));
   const pass = (place) => {
@@ -120,16 +120,17 @@ function passPointer(daemon, pointers, page) {
   page.on('close', () => pass(null));
   page.on('message', async (data) => {
     const { set, place, token } = pointerOf(data);
-    page.pointed = place;
-    if (set !== page.wanted) {
+    if (set === page.wanted) {
+      pass(place);
+    } else {
       pass(null);
-      Object.assign(page, { wanted: set, shown: null });
+      Object.assign(page, { wanted: set, shown: null, place });
       if (set === null || !(await maySee(daemon, token, set))) return;
       if (page.wanted !== set || page.readyState !== page.OPEN) return;
       page.shown = set;
       for (const other of others()) if (other.place !== null) tell(page, other);
+      pass(page.place);
     }
-    pass(page.pointed);
   });
 }
 

@@ -1,4 +1,6 @@
 // How thin the triangles are: a bar for each range of least angles, from the reply to QUALITY.
+import { make } from './panel.js';
+
 const DEGREE = 180 / Math.PI;
 const STEP = 5;
 
@@ -25,11 +27,8 @@ export function showAngles(element, { keys, rows }) {
   element.querySelector('p').textContent = all === 0 ? 'There are no triangles.' : `The least one is ${Number(keys.angle).toPrecision(3)}°.`;
   element.querySelector('ol').replaceChildren(
     ...ranges.map(([low, high, n]) => {
-      const [bar, text, row] = ['i', 'span', 'li'].map((name) => document.createElement(name));
-      bar.style.width = `${(45 * n) / most}%`;
-      text.textContent = `${low} to ${high}°: ${all === 0 ? 0 : ((100 * n) / all).toFixed(1)} %`;
-      row.append(text, bar);
-      return row;
+      const text = make('span', {}, `${low} to ${high}°: ${all === 0 ? 0 : ((100 * n) / all).toFixed(1)} %`);
+      return make('li', {}, text, make('i', { style: `width: ${(45 * n) / most}%` }));
     }),
   );
 }

@@ -5,6 +5,15 @@ const REFUSAL_MS = 4000; // that the message about a refused request stays
 
 export const $ = (id) => document.getElementById(id);
 
+/** A new element with these properties and children. */
+export function make(name, properties, ...children) {
+  const element = Object.assign(document.createElement(name), properties);
+  element.append(...children);
+  return element;
+}
+
+export const makeButton = (label, onclick) => make('button', { onclick }, label);
+
 function write(id, text) {
   if ($(id).textContent !== text) $(id).textContent = text;
 }
@@ -30,13 +39,7 @@ export function report(error) {
 
 /** Shows facts, {name: value}, in a <dl>. */
 export function list(id, facts) {
-  const parts = Object.entries(facts).flatMap(([name, value]) => {
-    const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
-    dt.textContent = name;
-    dd.textContent = value;
-    return [dt, dd];
-  });
-  $(id).replaceChildren(...parts);
+  $(id).replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [make('dt', {}, name), make('dd', {}, value)]));
 }
 
 let noticed = ''; // what the notice says now
@@ -50,13 +53,6 @@ function showNotice(text, choices) {
   $('notice').hidden = text === '';
   $('notice').querySelector('p').textContent = text;
   $('notice').querySelector('.buttons').replaceChildren(...choices.map(([label, act]) => makeButton(label, act)));
-}
-
-export function makeButton(label, act) {
-  const button = document.createElement('button');
-  button.textContent = label;
-  button.addEventListener('click', act);
-  return button;
 }
 
 /** Explains what is to be seen, or why nothing is, with choices [[label, act], ...]; an empty text removes the notice. */

@@ -1,13 +1,12 @@
 // The picture that is shown, saved as a file.
 import { canvas, drawNow, mesh, overlay, scene, view } from './stage.js';
+import { make } from './panel.js';
 import { SvgContext, drawTriangles, viridis } from './drawing/svg.js';
 
 function save(blob, name) {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  const href = URL.createObjectURL(blob);
+  make('a', { href, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(href), 10000);
 }
 
 const ground = () => getComputedStyle(document.body).backgroundColor;
