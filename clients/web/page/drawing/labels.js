@@ -20,11 +20,12 @@ export function writeLabels(context, view, mesh, names, { text, halo }) {
     const [x, y] = view.toScreen(mesh.xy[2 * n], mesh.xy[2 * n + 1]);
     if (x < 0 || y < 0 || x > view.width || y > view.height) continue;
     const width = widthOf(context, name);
-    const box = [x + 5, y - HEIGHT / 2, x + 7 + width, y + HEIGHT / 2];
+    const left = x + 7 + width > view.width ? x - 7 - width : x + 5;
+    const box = [left, y - HEIGHT / 2, left + 2 + width, y + HEIGHT / 2];
     if (boxes.some((other) => overlap(box, other))) continue;
     boxes.push(box);
-    context.strokeText(name, x + 6, y);
-    context.fillText(name, x + 6, y);
+    context.strokeText(name, left + 1, y);
+    context.fillText(name, left + 1, y);
     if (boxes.length === MOST) break;
   }
   return boxes;

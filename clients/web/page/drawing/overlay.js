@@ -65,9 +65,10 @@ export class Overlay {
     const cells = this.lines.cells.filter((cell) => meets(cell.box, box));
     if (this.layers.cells) this.#fillCells(context, view, cells);
     for (const layer of ['reaching', 'cells', 'contours', 'hull']) {
-      if (this.layers[layer] === false) continue;
-      context.strokeStyle = this.colours[layer];
-      context.lineWidth = layer === 'hull' ? 1.5 : 1;
+      const isEdge = layer === 'hull' && !this.layers.hull && this.layers.triangles; // triangles draw only their half of a line there
+      if (this.layers[layer] === false && !isEdge) continue;
+      context.strokeStyle = this.colours[isEdge ? 'reaching' : layer];
+      context.lineWidth = layer === 'hull' && !isEdge ? 1.5 : 1;
       context.beginPath();
       for (const { places, closed } of layer === 'cells' ? cells : this.lines[layer]) trace(context, view, places, closed);
       context.stroke();
