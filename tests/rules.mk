@@ -88,8 +88,8 @@ same: all $(O)/tests/bench/points
 soak-follow: all
 	tests/interop/follow/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
 
-# ---- test_web: the live page in a browser; T="use site" runs some files; bench-web measures it, ONLY="first move drag others million"
-# ---- some of it; soak-web opens it again and again on connections with faults: OPENINGS=200 POINTS=1000 SEED=1 ----
+# ---- test_web: the live page in a browser; T="use site" runs some files; bench-web measures it, ONLY="first move rest drag others
+# ---- million" some of it; soak-web opens it again and again on connections with faults: OPENINGS=200 POINTS=1000 SEED=1 ----
 
 WEB_PROGRAM = $(patsubst %,$(O)/web/test/%.mjs,$(if $(filter bench-web,$@),speed,openings)) $(if $(filter bench-web,$@),$(ONLY))
 WEB_TESTS    = $(if $(T),$(T:%=$(O)/web/test/%.test.mjs),$(O)/web/test/*.test.mjs)

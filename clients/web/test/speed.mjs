@@ -1,5 +1,5 @@
-// Measures the page in Chromium with WebGL in software: the first picture, frames while the map moves, a point that is dragged, and how
-// soon an edit of somebody else is seen. For `make bench-web`; words choose measurements. SITE is what `make site` has built.
+// Measures the page in Chromium with WebGL in software: the first picture, frames while the map moves, and the picture when it rests. It
+// drags a point, and measures how soon an edit of somebody else is seen. For `make bench-web`; words choose measurements. SITE is what `make site` has built.
 import { readFileSync, readdirSync } from 'node:fs';
 import { serveFolder } from './folder.mjs';
 import { browser, makeSet, onPage, open, start, stop, visit, waitFor } from './stage.mjs';
@@ -81,6 +81,45 @@ async function framesWhileMoving(at, name, address, isThere) {
   await page.close();
 }
 
+/** Ends n pans of the map. Returns for each how many milliseconds later the canvases showed the new view, and how long the last drawing of
+ * both took. Runs in the page. */
+async function endPans(n) {
+  const { overlay, scene } = window.app;
+  const [map, canvas] = [document.getElementById('map'), document.getElementById('mesh')];
+  let took = 0;
+  for (const part of [scene, overlay]) {
+    const { draw } = part;
+    part.draw = (...words) => {
+      const began = performance.now();
+      draw.apply(part, words);
+      took += performance.now() - began;
+    };
+  }
+  const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+  const pans = [];
+  for (let k = 0; k < n; k++) {
+    for (let i = 0; i < 8; i++) {
+      map.dispatchEvent(new KeyboardEvent('keydown', { key: k % 2 === 0 ? 'ArrowLeft' : 'ArrowRight' }));
+      await frame();
+    }
+    const began = performance.now();
+    do {
+      took = 0;
+      await frame();
+    } while (canvas.style.transform !== '');
+    pans.push({ later: performance.now() - began, took });
+  }
+  return pans;
+}
+
+async function redrawAtRest() {
+  const page = await open('fifty', SIZE);
+  const pans = await page.evaluate(endPans, 20);
+  const median = (key) => pans.map((pan) => pan[key]).sort((a, b) => a - b)[pans.length >> 1].toFixed(0);
+  console.log(`1e5 triangles are drawn again when a pan has ended: in ${median('took')} ms, ${median('later')} ms after its end`);
+  await page.close();
+}
+
 async function framesWhileDragging() {
   const page = await open('hundred');
   await page.click('#edit');
@@ -133,6 +172,7 @@ const isChosen = (word) => chosen.length === 0 || chosen.includes(word);
 const site = await serveFolder(SITE);
 await start();
 await makeSet('hundred', 100000);
+if (isChosen('rest')) await makeSet('fifty', 50000);
 if (isChosen('million')) await makeSet('million', 1000000);
 await (await browser.newPage()).goto('about:blank');
 for (let round = 0; round < Number(ROUNDS); round++) {
@@ -147,8 +187,9 @@ for (let round = 0; round < Number(ROUNDS); round++) {
     await framesWhileMoving(site.port, 'terrain', '#set=terrain', hasPoints(14976));
     await framesWhileMoving(site.port, 'cities', '#set=cities', hasPoints(171075));
     await framesWhileMoving(undefined, '1e5 points', '#set=hundred', hasPoints(100000));
-    if (isChosen('million')) await framesWhileMoving(undefined, '1e6 points', '#set=million', hasPoints(1000000));
+    if (isChosen('million')) await framesWhileMoving(undefined, '1e6 points', '#set=million', `window.app.follower.kind === 'sample'`);
   }
+  if (isChosen('rest')) await redrawAtRest();
   if (isChosen('drag')) await framesWhileDragging();
   if (isChosen('others')) await editsOfOthers();
 }
