@@ -84,7 +84,7 @@ test('no set is left behind by a client that is killed', async () => {
   assert.deepEqual(await client.sets(), ['t']);
   killed.kill('SIGKILL');
   await once(killed, 'exit');
-  for (let i = 0; i < 500 && (await client.sets()).length > 0; i++) await new Promise((resolve) => setTimeout(resolve, 10));
+  for (let i = 0; i < 4000 && (await client.sets()).length > 0; i++) await new Promise((resolve) => setTimeout(resolve, 10));
   assert.deepEqual(await client.sets(), []);
   client.close();
   await daemon.end();

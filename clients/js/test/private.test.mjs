@@ -25,7 +25,7 @@ const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** Waits until the process has ended. */
 async function gone(pid) {
-  for (let i = 0; i < 500 && existsSync(`/proc/${pid}/stat`); i++) await sleep(20);
+  for (let i = 0; i < 2000 && existsSync(`/proc/${pid}/stat`); i++) await sleep(20);
   return !existsSync(`/proc/${pid}/stat`);
 }
 

@@ -82,7 +82,7 @@ class Private(unittest.TestCase):
             c.ping()
 
     def expect_ended(self, path):
-        for _ in range(500):
+        for _ in range(2000):
             if not os.path.exists(os.path.dirname(path)):
                 return
             time.sleep(0.02)

@@ -107,7 +107,7 @@ class Threads(WithDaemon):
         other.create("scratch", temporary=True)
         self.assertEqual(self.client.sets(), ["scratch"])
         other.close()
-        for _ in range(200):
+        for _ in range(2000):
             if self.client.sets() == []:
                 break
             time.sleep(0.02)
