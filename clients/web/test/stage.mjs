@@ -13,7 +13,7 @@ const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
 const QUIET = ['disable-quic', 'no-first-run', 'disable-background-networking', 'disable-component-update', 'disable-sync'];
 const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-swiftshader'];
 
-const PATIENCE_MS = 60000; // that a test waits: several times what a page takes when the machine has other work
+const PATIENCE_MS = 90000; // that a test waits: several times what a page takes when the machine has other work
 
 let daemon, gateway;
 export let port, pagePort, browser;
