@@ -43,25 +43,26 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-pr
 BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -fPIC -fno-semantic-interposition -pthread -I.
 FLAGS_asan  := -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan  := -g1 -fsanitize=thread
-# Optimisation other than that of CFLAGS, and that of the tests, which is -O1 unless it is named here. Compiling tests takes as long as
-# compiling all the rest, and tests spend little time in their own code.
+# Optimisation other than that of CFLAGS, that of server and clients where it differs, and that of the tests, which is -O1 unless it is
+# named here. Compiling tests takes as long as compiling all the rest, and tests spend little time in their own code. With sanitizers clang
+# needs four times as long for -O1 as for -O0, and most of the time of tests is spent in the core and in system calls.
 # Without optimisation gcc does not know how large numbers are, and says that texts of them may be cut off.
 UNOPTIMISED := -O0 -Wno-format-truncation
 LEVEL_asan  := -O1
+LEVEL_fuzz  := -O1
 LEVEL_tsan  := -O1
-LEVEL_musl  := -O1
+LEVEL_musl  := $(UNOPTIMISED)
 LEVEL_debug := -O0
+OUTER_LEVEL_asan := -O0
+OUTER_LEVEL_fuzz := -O0
 TEST_LEVEL_asan  := -O0
 TEST_LEVEL_musl  := $(UNOPTIMISED)
-TEST_LEVEL_plain := $(UNOPTIMISED)
 TEST_LEVEL_tsan  := $(UNOPTIMISED)
 TEST_LEVEL_debug := -O0
 COMPILE   = $(CC) $(CFLAGS) $(LEVEL_$(V)) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
 LDLIBS   := -lm
 
-# PAGES=core/memory/plain/pages.c: large arrays from malloc, as on systems without mmap.
-PAGES    := core/memory/pages.c
-CORE     := $(patsubst %.c,$(O)/%.o,$(PAGES) $(filter-out core/memory/pages.c,$(wildcard core/*/*.c)))
+CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*/*.c))
 PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c proto/*/*.c))
 SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(filter-out clients/examples/%,$(wildcard clients/*.c clients/*/*.c)))
@@ -69,7 +70,10 @@ HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 # The simulation of power cuts; the other files of that folder are loaded into a daemon.
 CRASH    := $(patsubst %.c,$(O)/%.o,$(filter-out %_shim.c,$(wildcard tests/faults/*.c)))
-tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c tests/$(1)/*/*.c))
+# ONLY="word word": programs of tests without the files of tests whose paths contain no such word, which then need not be compiled.
+left_out  = $(if $(ONLY),$(foreach f,$(filter %_test.c,$(1)),$(if $(strip $(foreach w,$(ONLY),$(findstring $(w),$(f)))),,$(f))))
+files_of  = $(wildcard tests/$(1)/*.c tests/$(1)/*/*.c)
+tests_of  = $(patsubst %.c,$(O)/%.o,$(filter-out $(call left_out,$(files_of)),$(files_of)))
 SUITES   := $(foreach s,server clients core proto,$(if $(call tests_of,$(s)),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free,--wrap=mmap
 # The calls by which the server changes files go through tests/server/file_calls.c.
@@ -77,26 +81,29 @@ WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help demo view site test test_binaries $(SUITES:%=test_%) faults clean asan tsan fmt
+.PHONY: all help demo view site test test_binaries $(SUITES:%=test_%) test_plain faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
 $(O)/delaunayd: $(SERVER) $(CORE) $(PROTO)
 $(O)/delaunay: $(CLIENT) $(PROTO)
-$(O)/tests/core_tests: $(call tests_of,core) $(O)/tests/bench/pivots.o $(HARNESS) $(ORACLE) $(CORE)
+CORE_TESTS := $(call tests_of,core) $(O)/tests/bench/pivots.o $(HARNESS) $(ORACLE)
+$(O)/tests/core_tests: $(CORE_TESTS) $(CORE)
+$(O)/tests/plain_tests: $(CORE_TESTS) $(CORE:$(O)/core/memory/pages.o=$(O)/core/memory/plain/pages.o)
 $(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
 $(O)/tests/server_tests: $(call tests_of,server) $(CRASH) $(O)/tests/daemon.o $(HARNESS) $(ORACLE) \
   $(filter-out $(O)/server/main.o,$(SERVER)) $(CORE) $(PROTO)
 $(O)/tests/clients_tests: $(call tests_of,clients) $(O)/tests/daemon.o $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
-$(TEST_BINARIES): LDFLAGS += $(WRAP)
-$(O)/tests/core_tests: LDFLAGS += -Wl,--wrap=dt_stopped,--wrap=mremap
+$(TEST_BINARIES) $(O)/tests/plain_tests: LDFLAGS += $(WRAP)
+$(O)/tests/core_tests $(O)/tests/plain_tests: LDFLAGS += -Wl,--wrap=dt_stopped,--wrap=mremap
 $(O)/tests/server_tests: LDFLAGS += $(WRAP_FILES)
 
-$(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
+$(O)/delaunayd $(O)/delaunay $(O)/tests/plain_tests $(TEST_BINARIES):
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(foreach s,$(SUITES),$(call tests_of,$(s))) $(HARNESS) $(CRASH): LEVEL_$(V) := $(or $(TEST_LEVEL_$(V)),-O1)
+$(SERVER) $(CLIENT): LEVEL_$(V) := $(or $(OUTER_LEVEL_$(V)),$(LEVEL_$(V)))
 
 $(O)/%.o: %.c
 	@mkdir -p $(@D)
@@ -153,6 +160,10 @@ test: test_binaries
 test_server test_clients: all $(SHIMS) $(TESTED)
 $(SUITES:%=test_%): test_%: $(O)/tests/%_tests
 	@echo "== $*"; DELAUNAYD=$(TESTED) DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(if $(AT_ONCE),-j $(AT_ONCE)) $(OF_ANY_SUITE) $(T)
+
+# Tests of the core whose large arrays come from malloc, as on systems without mmap.
+test_plain: $(O)/tests/plain_tests
+	@echo "== plain"; $< $(T)
 
 # Random tests with many more rounds, and tests with thousands of clients.
 faults: all $(O)/tests/server_tests $(SHIMS) $(TESTED)

@@ -33,13 +33,13 @@ $(O)/interop/surfaces: $(addprefix $(O)/tests/,interop/surfaces.o interop/daemon
 $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
-# The parts run beside each other, those that take longest first; one more than there are processors, because those about followers mostly
+# The parts run beside each other, those that take longest first; two more than there are processors, because those about followers mostly
 # wait. The output of each is kept together. Each starts daemons of its own, and prints what failed and a line that counts.
 INTEROP := cgal followers python surfaces clients follow_1 follow_2 same node upgrade conversations metrics
 
 .PHONY: interop_needs $(INTEROP:%=interop_%)
 interop:
-	@$(MAKE) --no-print-directory -k -O -j$$(($$(getconf _NPROCESSORS_ONLN) + 1)) $(INTEROP:%=interop_%)
+	@$(MAKE) --no-print-directory -k -O -j$$(($$(getconf _NPROCESSORS_ONLN) + 2)) $(INTEROP:%=interop_%)
 
 $(INTEROP:%=interop_%): all lib $(O)/tests/bench/points | interop_needs
 interop_needs:
@@ -268,7 +268,7 @@ FUZZ_RUNS_edit ?= 4000
 # Most of the time of this one is memory that each run gets from the system.
 FUZZ_RUNS_table ?= 5000
 fuzz_long   = $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(or $(FUZZ_RUNS_$(1)),$(FUZZ_RUNS)) -seed=1)
-FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
+FLAGS_fuzz := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
 $(FUZZERS): %: %.o $(CORE) $(PROTO) $(filter-out $(O)/server/main.o,$(SERVER)) $(O)/clients/lib/mirror_copy.o $(O)/clients/lib/mirror_constraints.o \
