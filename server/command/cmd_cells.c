@@ -206,8 +206,7 @@ static bool read_options(struct answer *a, const struct request *q, struct cells
         return false;
     if (j->lo.x < j->hi.x && j->lo.y < j->hi.y)
         return true;
-    answer_err(a, ERR_RANGE, "the box has no area");
-    return false;
+    return answer_err(a, ERR_RANGE, "the box has no area");
 }
 
 static int compare_ids(const void *p, const void *q)
@@ -255,10 +254,8 @@ static bool read_request(struct answer *a, const struct request *q, const struct
     size_t words;
     if (!read_options(a, q, j, &words))
         return false;
-    if (words > 2 && j->rows.form == ROW_AREA) {
-        answer_usage(a);
-        return false;
-    }
+    if (words > 2 && j->rows.form == ROW_AREA)
+        return answer_usage(a);
     return words == 2 || read_sites(a, dt, &q->word[2], words - 2, &j->rows.ids);
 }
 

@@ -39,20 +39,15 @@ static bool read_pair(struct answer *a, const struct word *w, struct config *nex
     char value[64];
     const struct setting *of = setting_find(w[0].text, w[0].len);
     size_t len = w[1].len < sizeof value - 1 ? w[1].len : sizeof value - 1;
-    if (of == NULL) {
-        answer_err(a, ERR_SYNTAX, "there is no setting %.*s; try CONFIG GET *", QUOTED(w));
-        return false;
-    }
-    if (!of->live) {
-        answer_err(a, ERR_SYNTAX, "%s cannot be changed while the server runs", of->name);
-        return false;
-    }
+    if (of == NULL)
+        return answer_err(a, ERR_SYNTAX, "there is no setting %.*s; try CONFIG GET *", QUOTED(w));
+    if (!of->live)
+        return answer_err(a, ERR_SYNTAX, "%s cannot be changed while the server runs", of->name);
     memcpy(value, w[1].text, len);
     value[len] = '\0';
     if (len == w[1].len && strlen(value) == len && setting_read(of, next, value))
         return true;
-    answer_err(a, ERR_RANGE, "%s %.*s: %s", of->name, QUOTED(&w[1]), of->wanted);
-    return false;
+    return answer_err(a, ERR_RANGE, "%s %.*s: %s", of->name, QUOTED(&w[1]), of->wanted);
 }
 
 static bool affordable(struct server *s, struct answer *a, const struct config *next)
@@ -60,9 +55,8 @@ static bool affordable(struct server *s, struct answer *a, const struct config *
     unsigned most = config_affordable_clients(next->max_clients);
     if (next->max_clients <= s->config->max_clients || next->max_clients <= most)
         return true;
-    answer_err(a, ERR_RANGE, "max-clients %u: there are descriptors for %u", next->max_clients,
-               most);
-    return false;
+    return answer_err(a, ERR_RANGE, "max-clients %u: there are descriptors for %u",
+                      next->max_clients, most);
 }
 
 /* Writes messages about what has changed. */

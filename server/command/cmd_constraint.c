@@ -15,8 +15,7 @@ bool read_number_of_constraint(struct answer *a, const struct word *w, uint32_t 
         return false;
     if (*k <= DT_MAX_NUMBER)
         return true;
-    answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
-    return false;
+    return answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
 }
 
 bool read_chosen(struct answer *a, const struct request *q, size_t from, struct chosen *f)
@@ -49,10 +48,8 @@ static bool become_drawing(struct answer *a, const struct chosen *f, struct chan
     if (!f->splits)
         return true;
     c->drawing = drawing_new();
-    if (c->drawing == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (c->drawing == NULL)
+        return answer_out_of_memory(a);
     c->kind = &change_kinds[CHANGE_DRAW];
     c->first = CHANGE_ANY;
     c->drawing->asked = c->drawing->splits = true;
@@ -91,8 +88,7 @@ static bool read_pairs(struct answer *a, const struct request *q, const struct c
     size_t ids = q->n - f->at;
     if (ids > 0 && ids % 2 == 0)
         return read_segments(a, q, f, f->at, 2, ids / 2, c);
-    answer_usage(a);
-    return false;
+    return answer_usage(a);
 }
 
 /* Pairs, PATH or RING. */
@@ -106,8 +102,7 @@ static bool read_declared(struct answer *a, const struct request *q, const struc
     size_t ids = q->n - f->at - 1;
     if (ids >= (path ? 2 : 3))
         return read_segments(a, q, f, f->at + 1, 1, path ? ids - 1 : ids, c);
-    answer_usage(a);
-    return false;
+    return answer_usage(a);
 }
 
 bool read_constraints(struct server *s, const struct dataset *set, const struct request *q,
@@ -129,10 +124,8 @@ bool read_releases(struct server *s, const struct dataset *set, const struct req
     }
     if (!read_chosen(a, q, 2, &f))
         return false;
-    if (f.splits) {
-        answer_usage(a);
-        return false;
-    }
+    if (f.splits)
+        return answer_usage(a);
     if (f.at < q->n || !f.numbered)
         return read_pairs(a, q, &f, c);
     c->a = RELEASE_NUMBER;
@@ -145,10 +138,8 @@ static bool copy_pairs(struct answer *a, const struct chosen *f, struct change *
 {
     const uint32_t *id = (const uint32_t *)(const void *)a->body->body.xy;
     c->constraints = dt_pages_grow(c->pages, NULL, 0, ((size_t)c->n + 1) * sizeof *c->constraints);
-    if (c->constraints == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (c->constraints == NULL)
+        return answer_out_of_memory(a);
     for (size_t i = 0; i < c->n; i++)
         c->constraints[i] = (struct record_constraint){id[2 * i], id[2 * i + 1], f->what};
     return become_drawing(a, f, c);

@@ -60,10 +60,8 @@ static bool read_making(struct server *s, struct answer *a, const struct request
         } else if (word_is(&q->word[i], "TOL") && i + 1 < q->n) {
             if (!read_length(a, &q->word[++i], "tolerance", &x->change.a))
                 return false;
-        } else {
-            answer_usage(a);
-            return false;
-        }
+        } else
+            return answer_usage(a);
     }
     return true;
 }
@@ -114,10 +112,9 @@ bool read_expiry(struct server *s, const struct dataset *set, const struct reque
     (void)s, (void)set;
     if (!read_number(a, w, &seconds))
         return false;
-    if (seconds > EXPIRE_MOST_S) {
-        answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
-        return false;
-    }
+    if (seconds > EXPIRE_MOST_S)
+        return answer_err(a, ERR_RANGE, "a set is dropped within %d seconds, or never",
+                          EXPIRE_MOST_S);
     c->a = (double)(expire_now_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
     return true;
 }
@@ -175,11 +172,10 @@ bool read_new_points(struct server *s, const struct dataset *set, const struct r
     size_t at = fields ? 4 : 2, width = 2 + (fields ? c->columns->count : 0);
     c->first = CHANGE_ANY;
     c->n = (uint32_t)((q->n - at) / width);
-    if ((q->n - at) % width != 0 || c->n == 0) {
-        answer_err(a, ERR_SYNTAX,
-                   fields ? "a point without all of its values" : "odd number of coordinates");
-        return false;
-    }
+    if ((q->n - at) % width != 0 || c->n == 0)
+        return answer_err(a, ERR_SYNTAX,
+                          fields ? "a point without all of its values"
+                                 : "odd number of coordinates");
     double *rows = read_rows(s, a, q, at, c->n, width);
     if (rows != NULL)
         change_set_rows(c, rows);
@@ -201,10 +197,8 @@ bool read_ids_to_delete(struct server *s, const struct dataset *set, const struc
 static bool read_moves(struct answer *a, const struct request *q, struct change *c)
 {
     struct dt_point to = {0, 0};
-    if (q->n % 3 != 2) {
-        answer_usage(a);
-        return false;
-    }
+    if (q->n % 3 != 2)
+        return answer_usage(a);
     c->kind = &change_kinds[CHANGE_MOVES];
     c->n = (uint32_t)(q->n - 2) / 3;
     c->moves = malloc(c->n * sizeof *c->moves);

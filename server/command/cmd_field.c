@@ -16,9 +16,9 @@ bool read_field_name(struct answer *a, const struct word *w)
 {
     if (word_is_field_name(w))
         return true;
-    answer_err(a, ERR_SYNTAX,
-               "a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or _");
-    return false;
+    return answer_err(
+        a, ERR_SYNTAX,
+        "a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or _");
 }
 
 const struct dt_field *find_field(struct answer *a, const struct dataset *set, const struct word *w)
@@ -41,9 +41,7 @@ bool read_value(struct answer *a, const struct word *w, double *v)
     }
     if (!read_number(a, w, v))
         return false;
-    if (isinf(*v))
-        answer_err(a, ERR_RANGE, "a value is a finite number, or nan");
-    return !isinf(*v);
+    return !isinf(*v) || answer_err(a, ERR_RANGE, "a value is a finite number, or nan");
 }
 
 /* Takes the next name off `names`. */
@@ -62,10 +60,8 @@ static bool is_new_name(struct answer *a, const struct columns *v, size_t column
                         const struct word *name)
 {
     for (size_t i = 0; i < columns; i++) {
-        if (name_equals(&v->field[i], name->text, name->len)) {
-            answer_err(a, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
-            return false;
-        }
+        if (name_equals(&v->field[i], name->text, name->len))
+            return answer_err(a, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
     }
     return true;
 }
@@ -136,18 +132,15 @@ bool check_field_names(struct answer *a, const struct word *names)
         if (last)
             return true;
     }
-    answer_err(a, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
-    return false;
+    return answer_err(a, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
 }
 
 bool read_values_to_set(struct server *s, const struct dataset *set, const struct request *q,
                         struct answer *a, struct change *c)
 {
     (void)s, (void)set;
-    if (q->n % 2 == 0) {
-        answer_err(a, ERR_SYNTAX, "an id without a value");
-        return false;
-    }
+    if (q->n % 2 == 0)
+        return answer_err(a, ERR_SYNTAX, "an id without a value");
     if (!read_field_name(a, &q->word[2]))
         return false;
     c->field = name_of(q->word[2].text, q->word[2].len);

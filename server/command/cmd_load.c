@@ -24,15 +24,11 @@ static bool read_paths(struct answer *a, const struct request *q, size_t at, str
     struct word names = load_field_names(a->body->shape, q);
     if (!read_chosen(a, q, at + 1, f))
         return false;
-    if (f->at != (names.len > 0 ? q->n - 2 : q->n)) {
-        answer_usage(a);
-        return false;
-    }
+    if (f->at != (names.len > 0 ? q->n - 2 : q->n))
+        return answer_usage(a);
     size_t paths = paths_count(b->xy, b->n, b->width);
-    if (paths > 0 && paths - 1 > DT_MAX_NUMBER - (f->what >> 1)) {
-        answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
-        return false;
-    }
+    if (paths > 0 && paths - 1 > DT_MAX_NUMBER - (f->what >> 1))
+        return answer_err(a, ERR_RANGE, "the number of a constraint is at most %d", DT_MAX_NUMBER);
     return true;
 }
 
@@ -40,10 +36,8 @@ static bool read_paths(struct answer *a, const struct request *q, size_t at, str
 static bool begin_drawing(struct answer *a, bool splits, size_t constraints, struct change *c)
 {
     c->drawing = drawing_new();
-    if (c->drawing == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (c->drawing == NULL)
+        return answer_out_of_memory(a);
     c->kind = &change_kinds[CHANGE_DRAW];
     c->drawing->loads = true;
     c->drawing->asked = c->drawing->splits = splits;

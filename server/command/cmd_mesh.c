@@ -8,11 +8,8 @@ enum { ANGLE_UNASKED = 25, POINTS_EACH = 16 }; /* without limits; and that may b
 
 static bool check_limit(struct answer *a, const struct word *w, const void *value)
 {
-    bool good = *(const double *)value > 0;
     (void)w;
-    if (!good)
-        answer_err(a, ERR_RANGE, "a limit is more than 0");
-    return good;
+    return *(const double *)value > 0 || answer_err(a, ERR_RANGE, "a limit is more than 0");
 }
 
 static bool check_angle(struct answer *a, const struct word *w, const void *value)

@@ -39,8 +39,7 @@ static bool check_tail(struct answer *a, const struct tail *t, size_t most)
 {
     if (t->n <= most && (!t->binary || t->n == 2 || t->within || t->inside))
         return true;
-    answer_usage(a);
-    return false;
+    return answer_usage(a);
 }
 
 /* Answers with the rows of a table that are in a box. */

@@ -312,11 +312,7 @@ static bool reserve_change(struct server *s, struct answer *a, struct submission
 {
     size_t bytes = submit_memory_of_new(s, &x->change);
     x->job.memory = server_reservation(s, BUDGET_EDITS);
-    if (!reservation_resize(&x->job.memory, bytes)) {
-        server_refuse(s, a, bytes);
-        return false;
-    }
-    return true;
+    return reservation_resize(&x->job.memory, bytes) || server_refuse(s, a, bytes);
 }
 
 static void make_set(struct server *s, struct simplify_job *j, struct answer *a)
@@ -343,8 +339,7 @@ static bool is_new(struct server *s, struct answer *a, const struct name *other)
     struct dataset *there = registry_find(&s->sets, &name);
     if (there == NULL || expire_drop_if_due(s, there))
         return true;
-    answer_err(a, ERR_EXISTS, "the set %s already exists", there->name);
-    return false;
+    return answer_err(a, ERR_EXISTS, "the set %s already exists", there->name);
 }
 
 static void answer_result(struct server *s, struct simplify_job *j, struct answer *a)
@@ -400,38 +395,16 @@ static bool read_error(struct answer *a, const struct word *w, double *error)
     if (!read_number(a, w, error))
         return false;
     *error += 0.0; /* -0 becomes 0 */
-    bool good = *error >= 0 && !isinf(*error);
-    if (!good)
-        answer_err(a, ERR_RANGE, "an error is finite and not negative");
-    return good;
-}
-
-static bool read_other(struct answer *a, const struct word *w, struct name *other)
-{
-    if (!word_is_set_name(w)) {
-        answer_err(a, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
-        return false;
-    }
-    *other = name_of(w->text, w->len);
-    return true;
-}
-
-static bool read_ids_name(struct answer *a, const struct word *w, struct name *ids)
-{
-    if (!read_field_name(a, w))
-        return false;
-    *ids = name_of(w->text, w->len);
-    return true;
+    return (*error >= 0 && !isinf(*error)) ||
+           answer_err(a, ERR_RANGE, "an error is finite and not negative");
 }
 
 /* Reads the options, words 3 to the last one, in this order. */
 static bool read_options(struct answer *a, const struct request *q, struct simplify *x)
 {
     const struct word *w = &q->word[3], *end = q->word + q->n;
-    if (!word_is(w, "ERROR")) {
-        answer_usage(a);
-        return false;
-    }
+    if (!word_is(w, "ERROR"))
+        return answer_usage(a);
     if (!read_error(a, &w[1], &x->error))
         return false;
     w += 2;
@@ -441,15 +414,17 @@ static bool read_options(struct answer *a, const struct request *q, struct simpl
         w += 2;
     }
     if (w + 2 < end && word_is(w, "IDS")) {
-        if (!read_ids_name(a, &w[1], &x->ids))
+        if (!read_field_name(a, &w[1]))
             return false;
+        x->ids = name_of(w[1].text, w[1].len);
         w += 2;
     }
-    if (w + 2 != end || !word_is(w, "INTO")) {
-        answer_usage(a);
+    if (w + 2 != end || !word_is(w, "INTO"))
+        return answer_usage(a);
+    if (!check_set_name(a, &w[1]))
         return false;
-    }
-    return read_other(a, &w[1], &x->other);
+    x->other = name_of(w[1].text, w[1].len);
+    return true;
 }
 
 /* command.c checks whether changes can be saved, unless the set is temporary. The new set is saved in any case. */

@@ -94,11 +94,8 @@ static const char *const missing[] = {"nan", "skip", NULL};
 
 static bool check_step(struct answer *a, const struct word *w, const void *value)
 {
-    bool good = *(const double *)value > 0;
     (void)w;
-    if (!good)
-        answer_err(a, ERR_RANGE, "a step is greater than 0");
-    return good;
+    return *(const double *)value > 0 || answer_err(a, ERR_RANGE, "a step is greater than 0");
 }
 
 #define AT(FIELD) .offset = offsetof(struct surface, FIELD)
@@ -256,10 +253,8 @@ static bool read_side(struct answer *a, const struct word *w, const char *what, 
 {
     if (!read_count(a, w, what, n))
         return false;
-    bool good = *n >= 1 && *n <= LIMIT_RASTER_SIDE;
-    if (!good)
-        answer_err(a, ERR_RANGE, "a raster has 1 to %d columns and rows", LIMIT_RASTER_SIDE);
-    return good;
+    return (*n >= 1 && *n <= LIMIT_RASTER_SIDE) ||
+           answer_err(a, ERR_RANGE, "a raster has 1 to %d columns and rows", LIMIT_RASTER_SIDE);
 }
 
 static bool read_raster(struct answer *a, const struct request *q, size_t fields,
@@ -270,11 +265,9 @@ static bool read_raster(struct answer *a, const struct request *q, size_t fields
         !read_side(a, &w[7], "a number of columns", &r->columns) ||
         !read_side(a, &w[8], "a number of rows", &r->rows))
         return false;
-    bool good = (uint64_t)r->columns * r->rows * fields <= LIMIT_RASTER_CELLS;
-    if (!good)
-        answer_err(a, ERR_TOOBIG, "a raster has at most %d %s", LIMIT_RASTER_CELLS,
-                   fields == 1 ? "cells" : "values");
-    return good;
+    return (uint64_t)r->columns * r->rows * fields <= LIMIT_RASTER_CELLS ||
+           answer_err(a, ERR_TOOBIG, "a raster has at most %d %s", LIMIT_RASTER_CELLS,
+                      fields == 1 ? "cells" : "values");
 }
 
 /* Finds the set of CLIP, if there is one, and sees to its regions; otherwise as is_ready. */
@@ -288,10 +281,9 @@ static bool find_clip(struct server *s, struct answer *a, struct surface *q)
 /* Only the linear surface inside the hull has slopes. */
 static bool check_quantity(struct answer *a, const struct surface *q)
 {
-    bool good = q->quantity == DT_HEIGHT || (q->how == DT_LINEAR && !q->beyond);
-    if (!good)
-        answer_err(a, ERR_SYNTAX, "slope and aspect are of the method linear and inside the hull");
-    return good;
+    return q->quantity == DT_HEIGHT || (q->how == DT_LINEAR && !q->beyond) ||
+           answer_err(a, ERR_SYNTAX,
+                      "slope and aspect are of the method linear and inside the hull");
 }
 
 void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -331,16 +323,12 @@ static bool read_level(struct answer *a, const struct word *w, bool bands, doubl
 static bool read_levels(struct answer *a, const struct request *q, size_t end, struct surface *out)
 {
     uint32_t n = 0;
-    if (end - 3 > LIMIT_LEVELS) {
-        answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
-        return false;
-    }
+    if (end - 3 > LIMIT_LEVELS)
+        return answer_err(a, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
     double *level = malloc((end - 3) * sizeof *level + 1);
     out->level = level;
-    if (level == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (level == NULL)
+        return answer_out_of_memory(a);
     for (size_t i = 3; i < end; i++)
         if (!read_level(a, &q->word[i], out->bands, &level[i - 3]))
             return false;

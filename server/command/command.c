@@ -25,9 +25,9 @@ const struct command *command_find(const struct server *s, const struct word *na
 
 /* ---- checks before a handler runs ---- */
 
-void answer_usage(struct answer *a)
+bool answer_usage(struct answer *a)
 {
-    answer_err(a, ERR_SYNTAX, "usage: %s", a->command->usage);
+    return answer_err(a, ERR_SYNTAX, "usage: %s", a->command->usage);
 }
 
 /* Whether the number of words is one that the command takes. `most` counts FIELDS and the names, PATHS BORDER OF k SPLIT, and CONSTRAINTS
@@ -42,26 +42,19 @@ static bool has_words(const struct command *c, const struct request *q)
 
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
 {
-    bool words = has_words(c, q);
-    if (!words)
-        answer_usage(a);
-    return words;
+    return has_words(c, q) || answer_usage(a);
 }
 
 bool check_delaunay(struct answer *a, const struct version *v)
 {
-    bool constrained = dt_constraints_count(v->dt) > 0;
-    if (constrained)
-        answer_status(a, DT_NOTDELAUNAY);
-    return !constrained;
+    return dt_constraints_count(v->dt) == 0 || answer_status(a, DT_NOTDELAUNAY);
 }
 
 bool check_write_role(struct answer *a)
 {
     if (a->role == ROLE_WRITE)
         return true;
-    answer_err(a, ERR_DENIED, "your token is for reading only");
-    return false;
+    return answer_err(a, ERR_DENIED, "your token is for reading only");
 }
 
 static bool check_role(struct answer *a, const struct command *c)
@@ -70,8 +63,7 @@ static bool check_role(struct answer *a, const struct command *c)
         return (c->flags & (CMD_WRITE | CMD_ADMIN)) == 0 || check_write_role(a);
     if ((c->flags & CMD_OPEN) != 0)
         return true;
-    answer_err(a, ERR_NOAUTH, "authenticate first: AUTH token");
-    return false;
+    return answer_err(a, ERR_NOAUTH, "authenticate first: AUTH token");
 }
 
 /* At the start there are no sets until the data directory has been read. */
@@ -91,6 +83,12 @@ static void note_changes(const struct server *s, struct answer *a, const struct 
         a->shown = durable_lsn(s, set);
 }
 
+bool check_set_name(struct answer *a, const struct word *w)
+{
+    return word_is_set_name(w) ||
+           answer_err(a, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+}
+
 /* Finds the set of the request: *set, NULL if there is none. */
 static bool check_set(struct server *s, struct answer *a, const struct command *c,
                       const struct request *q, struct dataset **set)
@@ -98,10 +96,8 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     *set = NULL;
     if ((c->flags & CMD_SET) == 0)
         return true;
-    if (!word_is_set_name(&q->word[1])) {
-        answer_err(a, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+    if (!check_set_name(a, &q->word[1]))
         return false;
-    }
     *set = registry_find(&s->sets, &q->word[1]);
     if (*set != NULL && expire_is_due(*set) && !world_alone(a))
         return false;
@@ -113,8 +109,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
         *set = NULL;
     if (!there && command_needs_set(c)) {
         note_changes(s, a, c, NULL);
-        answer_err(a, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
-        return false;
+        return answer_err(a, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
     }
     return true;
 }
@@ -156,14 +151,10 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         return false;
     if (set == NULL)
         return true;
-    if (!dataset_admits(set, writes, a->turn)) {
-        answer_wait(a, &set->queue, writes);
-        return false;
-    }
-    if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {
-        answer_status(a, DT_UNTRIANGULATED);
-        return false;
-    }
+    if (!dataset_admits(set, writes, a->turn))
+        return answer_wait(a, &set->queue, writes);
+    if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated)
+        return answer_status(a, DT_UNTRIANGULATED);
     if ((c->flags & CMD_FRESH) != 0 && !upkeep_refresh(s, a, set))
         return false;
     return (c->flags & CMD_SEARCH) == 0 || upkeep_prepare(s, a, set);
@@ -371,10 +362,8 @@ void cmd_change(struct server *s, struct dataset *set, const struct request *q, 
 
 bool read_number(struct answer *a, const struct word *w, double *v)
 {
-    bool good = proto_read_double(w->text, w->len, v);
-    if (!good)
-        answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
-    return good;
+    return proto_read_double(w->text, w->len, v) ||
+           answer_err(a, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
 }
 
 bool read_finite(struct answer *a, const struct word *w, const char *what, double *v)
@@ -382,18 +371,14 @@ bool read_finite(struct answer *a, const struct word *w, const char *what, doubl
     if (!read_number(a, w, v))
         return false;
     *v += 0.0; /* -0 becomes 0 */
-    if (isinf(*v))
-        answer_err(a, ERR_RANGE, "a %s is finite", what);
-    return !isinf(*v);
+    return !isinf(*v) || answer_err(a, ERR_RANGE, "a %s is finite", what);
 }
 
 bool read_coordinate(struct answer *a, const struct word *w, double *v)
 {
     if (!read_number(a, w, v))
         return false;
-    if (!dt_coordinate_ok(*v))
-        answer_status(a, DT_RANGE);
-    return dt_coordinate_ok(*v);
+    return dt_coordinate_ok(*v) || answer_status(a, DT_RANGE);
 }
 
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v)
@@ -437,8 +422,7 @@ bool read_count(struct answer *a, const struct word *w, const char *what, uint32
 {
     if (proto_read_u32(w->text, w->len, n))
         return true;
-    answer_err(a, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
-    return false;
+    return answer_err(a, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
 }
 
 bool read_id(struct answer *a, const struct word *w, uint32_t *id)

@@ -106,7 +106,7 @@ bool command_find_other(struct server *s, struct answer *a, const struct word *n
 #define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
 
 /* The error of a request whose words are not those that its command takes. */
-void answer_usage(struct answer *a);
+bool answer_usage(struct answer *a);
 
 /* Whether every edge of the version's triangulation is Delaunay; with constraints not: the ERR line has been written. */
 bool check_delaunay(struct answer *a, const struct version *v);
@@ -126,10 +126,11 @@ bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 /* Two opposite corners: *lo <= *hi. */
 bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, struct dt_point *hi);
 /* The places of the words 3 to end - 1, a new array of the caller's from dt_pages_grow, also if the result is false. */
-
 bool read_places(struct server *s, struct answer *a, const struct request *q, size_t end,
                  struct places *out);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
+
+bool check_set_name(struct answer *a, const struct word *w);
 
 /* A field's name, and a value, which may be nan. */
 bool read_field_name(struct answer *a, const struct word *w);

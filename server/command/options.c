@@ -21,9 +21,7 @@ static bool read_choice(struct answer *a, const struct option *o, const struct w
     while (o->names[i] != NULL && !word_is(w, o->names[i]))
         i++;
     *out = o->first + i;
-    if (o->names[i] == NULL)
-        answer_usage(a);
-    return o->names[i] != NULL;
+    return o->names[i] != NULL || answer_usage(a);
 }
 
 static bool read_option(struct answer *a, const struct request *q, size_t *at,
@@ -68,10 +66,8 @@ bool options_read(struct answer *a, const struct request *q, size_t at, const st
     while (at < q->n) {
         const size_t i = option_find(table, n, &q->word[at++]);
         const struct option *o = &table[i];
-        if (i == n || (allowed >> i & 1) == 0 || q->n - at < words_of(o->kind)) {
-            answer_usage(a);
-            return false;
-        }
+        if (i == n || (allowed >> i & 1) == 0 || q->n - at < words_of(o->kind))
+            return answer_usage(a);
         allowed &= ~(1u << i | o->bars);
         void *to = (char *)out + o->offset;
         const struct word *w = &q->word[at];

@@ -14,13 +14,10 @@ bool answer_shares(const struct answer *a)
 
 bool world_alone(struct answer *a)
 {
-    if (!answer_shares(a))
-        return true;
-    answer_again(a);
-    return false;
+    return !answer_shares(a) || answer_again(a);
 }
 
-void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
+bool answer_err(struct answer *a, enum reply_code code, const char *format, ...)
 {
     va_list ap;
     va_start(ap, format);
@@ -28,6 +25,7 @@ void answer_err(struct answer *a, enum reply_code code, const char *format, ...)
     va_end(ap);
     a->refused = true;
     a->code = code;
+    return false;
 }
 
 /* A constraint, by its number in the request if it has one. */
@@ -77,26 +75,33 @@ static const struct {
 _Static_assert(sizeof lines / sizeof *lines == DT_OPEN + 1,
                "every status has a line, or a case below");
 
-void answer_status(struct answer *a, enum dt_status status)
+bool answer_region(struct answer *a, enum dt_status status, uint32_t number)
+{
+    if (status == DT_NOREGION)
+        return answer_err(a, ERR_NOREGION, "there is no border of number %u", number);
+    if (status != DT_OPEN)
+        return answer_status(a, status);
+    if (number == DT_NONE)
+        return answer_err(a, ERR_OPEN, "all borders are open");
+    return answer_err(a, ERR_OPEN, "the border of number %u is open", number);
+}
+
+bool answer_status(struct answer *a, enum dt_status status)
 {
     switch (status) {
     case DT_OK:
-        break;
+        return true;
     case DT_NOMEM:
     case DT_TOOSMALL: /* buffers are large enough, so this does not happen */
-        answer_out_of_memory(a);
-        break;
+        return answer_out_of_memory(a);
     case DT_TOOBIG:
-        answer_err(a, ERR_TOOBIG, "a set holds at most %u points", DT_MAX_POINTS);
-        break;
+        return answer_err(a, ERR_TOOBIG, "a set holds at most %u points", DT_MAX_POINTS);
     case DT_CANCELLED:
     case DT_TOOLONG: /* only if there is a limit */
         if (a->timed_out)
-            answer_err(a, ERR_TIMEOUT, "the request took too long; nothing has changed");
-        else
-            answer_err(a, ERR_CANCELLED, "cancelled; nothing has changed");
-        break;
+            return answer_err(a, ERR_TIMEOUT, "the request took too long; nothing has changed");
+        return answer_err(a, ERR_CANCELLED, "cancelled; nothing has changed");
     default:
-        answer_err(a, lines[status].code, "%s", lines[status].text);
+        return answer_err(a, lines[status].code, "%s", lines[status].text);
     }
 }

@@ -68,12 +68,16 @@ struct answer {
     };
 };
 
-/* Writes an ERR line, which is the whole reply, and notes its code. */
-__attribute__((format(printf, 3, 4))) void answer_err(struct answer *a, enum reply_code code,
+/* Writes an ERR line, which is the whole reply, and notes its code. This function, and the others that answer with an error or let the
+ * request wait, return false, which a caller that checks or reads something returns. */
+__attribute__((format(printf, 3, 4))) bool answer_err(struct answer *a, enum reply_code code,
                                                       const char *format, ...);
 
-/* The ERR line for a status of the core that is not DT_OK. */
-void answer_status(struct answer *a, enum dt_status status);
+/* Whether a status of the core is DT_OK; if not, its ERR line has been written. */
+bool answer_status(struct answer *a, enum dt_status status);
+
+/* The same; the errors of regions name the border of that number, or all borders if it is DT_NONE. */
+bool answer_region(struct answer *a, enum dt_status status, uint32_t number);
 
 /* The ERR line of DT_CROSSES. The two may be named by their numbers in the request, each a `row`; NULL, or 0: by their ids. */
 void answer_crosses(struct answer *a, const struct dt_crossed *c, const char *row,
@@ -117,14 +121,15 @@ bool answer_shares(const struct answer *a);
 bool world_alone(struct answer *a);
 
 /* The request waits in the queue. */
-static inline void answer_wait(struct answer *a, struct request_queue *q, bool writes)
+static inline bool answer_wait(struct answer *a, struct request_queue *q, bool writes)
 {
     if (!world_alone(a))
-        return;
+        return false;
     a->next = ANSWER_WAIT;
     a->wait_for = WAIT_QUEUE;
     a->wait = q;
     a->wait_writes = writes;
+    return false;
 }
 
 /* The request waits for the end of the job, which a worker has; then it is carried out again. */
@@ -136,10 +141,11 @@ static inline void answer_wait_job(struct answer *a, struct job *j)
 }
 
 /* The request is carried out again, now. */
-static inline void answer_again(struct answer *a)
+static inline bool answer_again(struct answer *a)
 {
     a->next = ANSWER_WAIT;
     a->wait_for = WAIT_NOTHING;
+    return false;
 }
 
 /* The request waits until a time of the loop. */
@@ -151,14 +157,15 @@ static inline void answer_wait_until(struct answer *a, int64_t ms)
 }
 
 /* Out of memory: the caller of the handler replaces the reply by an error. */
-static inline void answer_out_of_memory(struct answer *a)
+static inline bool answer_out_of_memory(struct answer *a)
 {
     a->out->failed = true;
+    return false;
 }
 
 /* The same, but there will be memory when other requests have ended. */
-static inline void answer_busy(struct answer *a)
+static inline bool answer_busy(struct answer *a)
 {
     a->busy = true;
-    answer_out_of_memory(a);
+    return answer_out_of_memory(a);
 }

@@ -426,9 +426,8 @@ bool durable_loaded(struct server *s, struct answer *a)
     struct durable *d = s->durable;
     if (d == NULL || d->stage != STAGE_READING)
         return true;
-    answer_err(a, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
-               recovery_percent(&d->recovery));
-    return false;
+    return answer_err(a, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
+                      recovery_percent(&d->recovery));
 }
 
 /* A setting of 0 holds at once, for the next request. */
@@ -440,29 +439,20 @@ static bool lacks_followers(const struct server *s)
 bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 {
     const struct durable *d = s->durable;
-    if (s->read_only.why != NULL) {
-        answer_err(a, s->read_only.code, "%s", s->read_only.why);
-        return false;
-    }
+    if (s->read_only.why != NULL)
+        return answer_err(a, s->read_only.code, "%s", s->read_only.why);
     if (d == NULL)
         return true;
-    if (lacks_followers(s)) {
-        answer_err(a, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
-                   s->config->min_followers);
-        return false;
-    }
+    if (lacks_followers(s))
+        return answer_err(a, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
+                          s->config->min_followers);
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);
-    if (status->state != LOG_GOOD && !(frees && full)) {
-        answer_err(a, ERR_READONLY, "changes cannot be saved: %s%s",
-                   datadir_error(saver_error(&d->saver)),
-                   full ? "; DEL and DROP are possible" : "");
-        return false;
-    }
-    if (!is_behind(s) && queue_is_first(&s->log, a->turn))
-        return true;
-    answer_wait(a, &s->log, false);
-    return false;
+    if (status->state != LOG_GOOD && !(frees && full))
+        return answer_err(a, ERR_READONLY, "changes cannot be saved: %s%s",
+                          datadir_error(saver_error(&d->saver)),
+                          full ? "; DEL and DROP are possible" : "");
+    return (!is_behind(s) && queue_is_first(&s->log, a->turn)) || answer_wait(a, &s->log, false);
 }
 
 bool durable_admits_drops(const struct server *s)

@@ -64,11 +64,7 @@ bool job_succeeded(const struct job *j, struct answer *a)
 {
     if (a == NULL || j->status == DT_OK)
         return a != NULL;
-    if (j->busy)
-        answer_busy(a);
-    else
-        answer_status(a, j->status);
-    return false;
+    return j->busy ? answer_busy(a) : answer_status(a, j->status);
 }
 
 enum dt_status job_reserve(struct job *j, size_t bytes)

@@ -41,19 +41,16 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
     }
     bool jobs = budget_of(&s->budget, BUDGET_BUILDS) + budget_of(&s->budget, BUDGET_EDITS) > 0;
     if ((jobs || !first) && budget_could_fit(&s->budget, bytes))
-        answer_wait(a, &s->memory, false);
-    else
-        server_refuse(s, a, bytes);
-    return false;
+        return answer_wait(a, &s->memory, false);
+    return server_refuse(s, a, bytes);
 }
 
-void server_refuse(struct server *s, struct answer *a, size_t bytes)
+bool server_refuse(struct server *s, struct answer *a, size_t bytes)
 {
     s->budget.short_of = true;
     if (budget_could_fit(&s->budget, bytes))
-        answer_err(a, ERR_BUSY, "not enough free memory at the moment; try again");
-    else
-        answer_err(a, ERR_NOMEM, "not enough memory (--max-memory)");
+        return answer_err(a, ERR_BUSY, "not enough free memory at the moment; try again");
+    return answer_err(a, ERR_NOMEM, "not enough memory (--max-memory)");
 }
 
 void server_memory_freed(struct server *s)

@@ -115,8 +115,8 @@ struct request_counts {
  * memory; otherwise the ERR line has been written. */
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes);
 
-/* Writes the error for a lack of `bytes`: BUSY if there may be memory later, else NOMEM. */
-void server_refuse(struct server *s, struct answer *a, size_t bytes);
+/* Writes the error for a lack of `bytes`: BUSY if there may be memory later, else NOMEM. Returns false. */
+bool server_refuse(struct server *s, struct answer *a, size_t bytes);
 
 /* To be called after large changes of the budget: sets the limit of pages, in use and in the cache (keep.h). */
 void server_limit_pages(struct server *s);

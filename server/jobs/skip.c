@@ -77,11 +77,10 @@ static void build(struct server *s, struct answer *a, struct dataset *set, const
 static bool take(const struct valued *c, struct answer *a, struct version **out)
 {
     *out = c->version;
-    if (c->status == DT_CROSSES)
-        answer_crosses(a, &c->crossed, "", NULL);
-    else if (c->status != DT_OK)
-        answer_status(a, c->status);
-    return c->status == DT_OK;
+    if (c->status != DT_CROSSES)
+        return answer_status(a, c->status);
+    answer_crosses(a, &c->crossed, "", NULL);
+    return false;
 }
 
 bool skip_ready(struct server *s, struct answer *a, struct dataset *set, const struct dt_field *f,
@@ -97,8 +96,7 @@ bool skip_ready(struct server *s, struct answer *a, struct dataset *set, const s
         return false;
     if (c != NULL && c->build.at_ns != 0) {
         s->count.shared++;
-        answer_wait(a, &c->queue, false);
-        return false;
+        return answer_wait(a, &c->queue, false);
     }
     build(s, a, set, f);
     c = a->next == ANSWER_DONE && !a->refused && !a->out->failed ? valued_find(set, f) : NULL;

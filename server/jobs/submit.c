@@ -82,10 +82,7 @@ static size_t memory_of_pairs(const struct dataset *set, size_t n)
 
 static bool fits(struct server *s, struct answer *a, size_t bytes)
 {
-    if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
-        return true;
-    server_refuse(s, a, bytes);
-    return false;
+    return budget_fits(&s->budget, BUDGET_EDITS, bytes) || server_refuse(s, a, bytes);
 }
 
 static bool reserve_points(struct server *s, struct answer *a, const struct dataset *set,
@@ -94,10 +91,8 @@ static bool reserve_points(struct server *s, struct answer *a, const struct data
     size_t n = x->change.n, columns = x->change.columns == NULL ? 0 : x->change.columns->count;
     uint32_t points = set != NULL ? set->current->sum.points : 0;
     uint32_t most = a->of_leader ? DT_MAX_POINTS : s->config->max_points;
-    if (points > most || n > most - points) {
-        answer_err(a, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
-        return false;
-    }
+    if (points > most || n > most - points)
+        return answer_err(a, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
     size_t bytes = memory_to_add(s, set, n) + memory_of_columns(n, columns);
     return cost_at_once(COST_EDIT, n) ? fits(s, a, bytes)
                                       : server_reserve(s, a, &x->job.memory, bytes);
@@ -269,29 +264,14 @@ static void answer_facts(struct answer *a, const struct change *c)
     }
 }
 
-/* Whether there is nothing that can be refined; then the error has been written. */
-static bool answer_refinement(struct answer *a, enum dt_status status, const struct drawing *d)
-{
-    if (d == NULL || !d->refines)
-        return false;
-    uint32_t number = d->quality.number;
-    if (status == DT_NOREGION)
-        answer_err(a, ERR_NOREGION, "there is no border of number %u", number);
-    else if (status == DT_OPEN && number != DT_NONE)
-        answer_err(a, ERR_OPEN, "the border of number %u is open", number);
-    else if (status == DT_OPEN)
-        answer_err(a, ERR_OPEN, "all borders are open");
-    return a->refused;
-}
-
 /* Whether constraints do not allow the change; then the error has been written. */
 static bool answer_constraint(struct answer *a, enum dt_status status, const struct change *c)
 {
-    if (answer_refinement(a, status, c->drawing))
-        return true;
     const struct dt_constraint *one = &c->crossed.one;
     const char *kind = one->border ? "border" : "line";
     const struct drawing *d = c->drawing;
+    if (d != NULL && d->refines && (status == DT_NOREGION || status == DT_OPEN))
+        return !answer_region(a, status, d->quality.number);
     if (status == DT_CROSSES)
         answer_crosses(a, &c->crossed, d != NULL && d->counts ? "constraint" : "line",
                        d == NULL ? NULL : d->crossed_line);

@@ -30,15 +30,11 @@ static bool carry_out(struct server *s, struct answer *a, struct dataset *set, c
 {
     if (!world_alone(a))
         return false;
-    if (!dataset_admits(set, true, a->turn)) {
-        answer_wait(a, &set->queue, true);
-        return false;
-    }
+    if (!dataset_admits(set, true, a->turn))
+        return answer_wait(a, &set->queue, true);
     struct job *j = job_new(sizeof *j, run, end_upkeep);
-    if (j == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (j == NULL)
+        return answer_out_of_memory(a);
     j->what = what;
     j->copies = large && builds;
     j->memory = server_reservation(s, BUDGET_BUILDS);
@@ -152,10 +148,7 @@ bool upkeep_prepare(struct server *s, struct answer *a, struct dataset *set)
         return true;
     if (!world_alone(a))
         return false;
-    if (give_grid(s, set))
-        return true;
-    answer_wait(a, &set->queue, true);
-    return false;
+    return give_grid(s, set) || answer_wait(a, &set->queue, true);
 }
 
 void upkeep_after_edit(struct server *s, struct dataset *set)

@@ -15,16 +15,12 @@ enum {
 
 bool clip_ready(struct server *s, struct answer *a, struct dataset *other)
 {
-    if (!dt_has_borders(other->current->dt)) {
-        answer_err(a, ERR_NOREGION, "the set %s has no borders", other->name);
-        return false;
-    }
+    if (!dt_has_borders(other->current->dt))
+        return answer_err(a, ERR_NOREGION, "the set %s has no borders", other->name);
     if (!upkeep_survey(s, a, other))
         return false;
-    bool closed = dt_has_closed_border(other->current->dt);
-    if (!closed)
-        answer_err(a, ERR_OPEN, "all borders of the set %s are open", other->name);
-    return closed;
+    return dt_has_closed_border(other->current->dt) ||
+           answer_err(a, ERR_OPEN, "all borders of the set %s are open", other->name);
 }
 
 /* ---- the job: it reads the other set ---- */

@@ -18,18 +18,9 @@ bool regions_ready(struct server *s, struct answer *a, struct dataset *set, stru
 
 bool regions_check(struct answer *a, const struct dt *t, struct inside inside)
 {
-    if (!dt_has_borders(t)) {
-        answer_err(a, ERR_NOREGION, "the set has no borders");
-        return false;
-    }
-    enum dt_status status = dt_region_check(t, inside.number);
-    if (status == DT_NOREGION)
-        answer_err(a, ERR_NOREGION, "there is no border of number %u", inside.number);
-    else if (status == DT_OPEN)
-        answer_err(a, ERR_OPEN, "the border of number %u is open", inside.number);
-    else if (status != DT_OK)
-        answer_status(a, status);
-    return status == DT_OK;
+    if (!dt_has_borders(t))
+        return answer_err(a, ERR_NOREGION, "the set has no borders");
+    return answer_region(a, dt_region_check(t, inside.number), inside.number);
 }
 
 /* ---- LOCATE ---- */

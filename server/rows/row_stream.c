@@ -406,10 +406,8 @@ bool row_stream_begin(struct server *s, struct answer *a, const struct rows *row
                       const struct places *places)
 {
     struct row_stream *st = calloc(1, sizeof *st);
-    if (st == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (st == NULL)
+        return answer_out_of_memory(a);
     st->stream =
         (struct stream){.kind = &kind, .begun = true, .computes = row_is_computed(rows->form)};
     st->rows = *rows;

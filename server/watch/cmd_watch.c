@@ -11,10 +11,8 @@
 /* A version; false: the ERR line has been written. */
 static bool read_version(struct answer *a, const struct word *w, uint64_t *version)
 {
-    bool good = proto_read_u64(w->text, w->len, version);
-    if (!good)
-        answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(w));
-    return good;
+    return proto_read_u64(w->text, w->len, version) ||
+           answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(w));
 }
 
 /* All of them are fields of the set. */
@@ -33,10 +31,8 @@ static bool read_fields(struct answer *a, const struct dataset *set, const struc
     if (!(comes_back ? check_field_names(a, names) : find_all(a, set, names)))
         return false;
     scope->names = malloc(names->len + 1);
-    if (scope->names == NULL) {
-        answer_out_of_memory(a);
-        return false;
-    }
+    if (scope->names == NULL)
+        return answer_out_of_memory(a);
     memcpy(scope->names, names->text, names->len);
     scope->names[names->len] = '\0';
     return true;
