@@ -431,12 +431,10 @@ static bool watch(struct source *source, int fd, void (*ready)(struct source *, 
 /* The socket comes from a service manager; the rules of --bind apply to it. */
 static bool listen_to_handed(const struct config *config)
 {
-    if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure) {
-        notice(NOTICE_ERROR,
-               "the socket of the service manager is not local: this needs --auth-file or "
-               "--insecure");
-        return false;
-    }
+    if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure)
+        return notice_error(
+            "the socket of the service manager is not local: this needs --auth-file or "
+            "--insecure");
     d.port = sock_port(d.handed);
     sock_prepare(d.handed);
     return watch(&d.tcp, d.handed, on_listener) &&
@@ -447,10 +445,8 @@ static bool listen_to_handed(const struct config *config)
 static bool listen_to_owner(struct config *config)
 {
     static char path[PRIVATE_PATH];
-    if (!watch(&d.owner, STDIN_FILENO, on_owner)) {
-        notice(NOTICE_ERROR, "--private needs a pipe from its owner as standard input");
-        return false;
-    }
+    if (!watch(&d.owner, STDIN_FILENO, on_owner))
+        return notice_error("--private needs a pipe from its owner as standard input");
     if (!private_make(path))
         return false;
     config->unix_path = path;
@@ -488,10 +484,8 @@ static bool start(struct config *config)
     for (unsigned i = 0; i < d.server.reactors; i++)
         d.server.reactor[i].loop.turn_end = on_turn_end;
     if (!watch(&d.signals, signals, on_signal) ||
-        !watch(&d.workers, workers_event(d.server.workers), on_workers)) {
-        notice(NOTICE_ERROR, "%s", strerror(errno));
-        return false;
-    }
+        !watch(&d.workers, workers_event(d.server.workers), on_workers))
+        return notice_error("%s", strerror(errno));
     d.server.clients = &d.clients;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
@@ -526,10 +520,8 @@ static bool begin_reactors(void)
     for (unsigned i = 1; i < d.server.reactors; i++) {
         struct reactor *r = &d.server.reactor[i];
         int error = pthread_create(&r->thread, NULL, run_reactor, r);
-        if (error != 0) {
-            notice(NOTICE_ERROR, "cannot start a thread: %s", strerror(error));
-            return false;
-        }
+        if (error != 0)
+            return notice_error("cannot start a thread: %s", strerror(error));
     }
     return true;
 }

@@ -97,15 +97,13 @@ bool server_init(struct server *s, struct config *config)
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;
     if (s->pages == NULL || !start_reactors(s, config->reactors) ||
-        !slowlog_init(&s->slowlog, config->slowlog_len)) {
-        notice(NOTICE_ERROR, "out of memory");
-        return false;
-    }
+        !slowlog_init(&s->slowlog, config->slowlog_len))
+        return notice_error("out of memory");
     if (config->threads == 0)
         return true;
     s->workers = workers_new(config->threads);
     if (s->workers == NULL) {
-        notice(NOTICE_ERROR, "cannot start %u threads", config->threads + 1);
+        notice_error("cannot start %u threads", config->threads + 1);
         auth_clear(&s->auth);
     }
     return s->workers != NULL;

@@ -28,13 +28,11 @@ bool reload_tokens(struct server *s, uint64_t asker)
         notice(NOTICE_WARNING, "there are no tokens to reload: no --auth-file");
         return false;
     }
-    if (!auth_load(&now, path)) {
-        notice(NOTICE_ERROR, "%s is not a valid token file: the old tokens stay", path);
-        return false;
-    }
+    if (!auth_load(&now, path))
+        return notice_error("%s is not a valid token file: the old tokens stay", path);
     unsigned *number = malloc((before.n + 1) * sizeof *number);
     if (number == NULL || !auth_renumber(&now, &before, number)) {
-        notice(NOTICE_ERROR, "out of memory: the old tokens stay");
+        notice_error("out of memory: the old tokens stay");
         free(number);
         auth_clear(&now);
         return false;

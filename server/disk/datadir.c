@@ -31,17 +31,15 @@ static bool lock(struct datadir *d)
     if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
         return true;
     if (errno == EWOULDBLOCK)
-        notice(NOTICE_ERROR, "%s is in use by another process", d->path);
-    else
-        notice(NOTICE_ERROR, "cannot lock %s: %s", d->path, strerror(errno));
-    return false;
+        return notice_error("%s is in use by another process", d->path);
+    return notice_error("cannot lock %s: %s", d->path, strerror(errno));
 }
 
 static bool open_locked(struct datadir *d)
 {
     d->fd = open(d->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (d->fd < 0)
-        notice(NOTICE_ERROR, "cannot open %s: %s", d->path, strerror(errno));
+        notice_error("cannot open %s: %s", d->path, strerror(errno));
     if (d->fd >= 0 && lock(d))
         return true;
     datadir_close(d);
@@ -69,7 +67,7 @@ static bool is_all_own(const struct datadir *d)
     struct datafiles found;
     bool ok = datadir_list(d, &found);
     if (!ok)
-        notice(NOTICE_ERROR, "cannot list %s: %s", d->path, strerror(errno));
+        notice_error("cannot list %s: %s", d->path, strerror(errno));
     for (size_t i = 0; ok && i < found.n; i++)
         ok = own_file_admits(d->fd, d->path, found.v[i].name, false);
     for (size_t i = 0; ok && i < sizeof files / sizeof files[0]; i++)
@@ -84,10 +82,8 @@ static bool open_any(struct datadir *d, const char *path, bool create)
     *d = (struct datadir){.fd = -1, .path = path};
     for (;;) {
         bool made = create && mkdir(path, MODE) == 0;
-        if (create && !made && errno != EEXIST) {
-            notice(NOTICE_ERROR, "cannot create %s: %s", path, strerror(errno));
-            return false;
-        }
+        if (create && !made && errno != EEXIST)
+            return notice_error("cannot create %s: %s", path, strerror(errno));
         if (!open_locked(d))
             return false;
         if (!create || !remove_unused(d, made))
@@ -96,7 +92,7 @@ static bool open_any(struct datadir *d, const char *path, bool create)
     }
     if (!create || sync_parent(d))
         return true;
-    notice(NOTICE_ERROR, "cannot sync the parent of %s: %s", path, strerror(errno));
+    notice_error("cannot sync the parent of %s: %s", path, strerror(errno));
     datadir_close(d);
     return false;
 }

@@ -419,7 +419,7 @@ static void publish(struct log *log, uint64_t last, unsigned records)
         st->state = LOG_FAILED;
         st->error = f->error;
         st->failures++;
-        notice(NOTICE_ERROR, "the log cannot be written: %s", datadir_error(f->error));
+        notice_error("the log cannot be written: %s", datadir_error(f->error));
     } else {
         st->state = f->reserved ? LOG_GOOD : LOG_FULL;
         st->error = f->reserved ? 0 : f->full_error;
@@ -537,7 +537,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
 {
     struct log *log = calloc(1, sizeof *log);
     if (log == NULL) {
-        notice(NOTICE_ERROR, "out of memory");
+        notice_error("out of memory");
         return NULL;
     }
     log->next = first;
@@ -549,7 +549,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_init(&log->file, dir, digest);
     log_file_start(&log->file, first);
     if (log->file.error != 0) {
-        notice(NOTICE_ERROR, "cannot write in %s: %s", dir->path, strerror(log->file.error));
+        notice_error("cannot write in %s: %s", dir->path, strerror(log->file.error));
         free(log);
         return NULL;
     }
@@ -562,7 +562,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log->status.error = log->file.full_error;
     if (start_thread(log))
         return log;
-    notice(NOTICE_ERROR, "cannot start a thread");
+    notice_error("cannot start a thread");
     log_file_clear(&log->file);
     free(log);
     return NULL;

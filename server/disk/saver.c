@@ -125,8 +125,8 @@ static void step_writing(struct saver *v, int64_t now_ms)
     v->snapshot = NULL;
     if (error != 0) {
         give_up(v, now_ms);
-        notice(NOTICE_ERROR, "a snapshot could not be written: %s; the next attempt is in %.1f s",
-               datadir_error(error), (double)saver_retry_ms(v, now_ms) / 1000);
+        notice_error("a snapshot could not be written: %s; the next attempt is in %.1f s",
+                     datadir_error(error), (double)saver_retry_ms(v, now_ms) / 1000);
         return;
     }
     note_snapshot(v, bytes, now_ms);

@@ -255,7 +255,7 @@ static void install(struct follower *f, struct link_arrival *a)
     f->confirmed = false;
     f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
     if (!durable_replace(s, r, &l, same)) {
-        notice(NOTICE_ERROR, "the data directory cannot be used any more; the daemon ends");
+        notice_error("the data directory cannot be used any more; the daemon ends");
         loop_stop(f->loop);
         return;
     }

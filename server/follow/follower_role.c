@@ -49,25 +49,19 @@ static bool decide(struct follower *f)
 {
     static const char *const kinds[] = {"", "a follower of another one", "a leader", "fenced"};
     const char *flag = f->server->config->follow;
-    if (flag != NULL && f->server->config->data == NULL) {
-        notice(NOTICE_ERROR, "--follow needs --data");
-        return false;
-    }
+    if (flag != NULL && f->server->config->data == NULL)
+        return notice_error("--follow needs --data");
     if (f->server->config->data != NULL)
         f->role = role_read(f->server->config->data);
     struct remembered_role known = f->role;
-    if (!role_decide(&f->role, flag)) {
-        notice(NOTICE_ERROR, "--follow %s: not ADDR:PORT", flag);
-        return false;
-    }
+    if (!role_decide(&f->role, flag))
+        return notice_error("--follow %s: not ADDR:PORT", flag);
     char host[ROLE_ADDRESS];
     unsigned port;
     if (flag == NULL || !role_read_address(flag, host, &port))
         return true;
-    if (is_itself(f->server->config, host, port)) {
-        notice(NOTICE_ERROR, "--follow %s: that is this daemon itself", flag);
-        return false;
-    }
+    if (is_itself(f->server->config, host, port))
+        return notice_error("--follow %s: that is this daemon itself", flag);
     bool followed = known.kind == ROLE_FOLLOWS && known.port == port && !strcmp(known.host, host);
     if (strcmp(known.flag, flag) == 0 && !followed)
         notice(NOTICE_WARNING,
@@ -79,10 +73,8 @@ static bool decide(struct follower *f)
 bool follower_prepare(struct server *s, struct loop *loop)
 {
     struct follower *f = calloc(1, sizeof *f);
-    if (f == NULL) {
-        notice(NOTICE_ERROR, "out of memory");
-        return false;
-    }
+    if (f == NULL)
+        return notice_error("out of memory");
     s->follower = f;
     f->server = s;
     f->loop = loop;
@@ -226,7 +218,7 @@ void follower_begin(struct server *s)
     if (f == NULL || durable_dir(s) == NULL || f->source.fd >= 0)
         return;
     if (!follower_watch(f)) {
-        notice(NOTICE_ERROR, "cannot follow: %s", strerror(errno));
+        notice_error("cannot follow: %s", strerror(errno));
         return;
     }
     f->settled_ms = f->loop->now_ms + SETTLE_MS;
@@ -242,7 +234,7 @@ void follower_begin(struct server *s)
         return;
     const char *why = begin(f);
     if (why != NULL)
-        notice(NOTICE_ERROR, "cannot follow %s: %s", f->why, why);
+        notice_error("cannot follow %s: %s", f->why, why);
 }
 
 void follower_stop(struct server *s)
@@ -393,7 +385,7 @@ void follower_meet(struct server *s, const struct history *h)
     f->role.newer = *h;
     f->unsaved = !role_write(durable_dir(s), &f->role);
     if (f->unsaved)
-        notice(NOTICE_ERROR, "that there is a newer history cannot be saved: %s", strerror(errno));
+        notice_error("that there is a newer history cannot be saved: %s", strerror(errno));
     refuse_changes(f);
     notice(NOTICE_WARNING, "changes are refused: %s", f->why);
 }

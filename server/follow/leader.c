@@ -260,7 +260,7 @@ bool leader_start(struct server *s, struct loop *loop)
     struct leader *l = calloc(1, sizeof *l);
     int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (l == NULL || event < 0) {
-        notice(NOTICE_ERROR, "out of memory or descriptors");
+        notice_error("out of memory or descriptors");
         free(l);
         return false;
     }

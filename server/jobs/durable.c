@@ -104,8 +104,8 @@ static void *read_directory(void *arg)
     struct durable *d = s->durable;
     struct recovery *r = &d->recovery;
     if (!aside_finish(&d->dir)) {
-        notice(NOTICE_ERROR, "%s: what a leader has sent cannot be put in place: %s", d->dir.path,
-               strerror(errno));
+        notice_error("%s: what a leader has sent cannot be put in place: %s", d->dir.path,
+                     strerror(errno));
         r->result = RECOVERY_ERROR;
         d->read = true;
         eventfd_write(d->event, 1);
@@ -133,7 +133,7 @@ static void *read_directory(void *arg)
         else
             log_fill(d->log, r->ahead);
     } else if (r->result != RECOVERY_CANCELLED) {
-        notice(NOTICE_ERROR, "%s: %s", d->dir.path, r->why);
+        notice_error("%s: %s", d->dir.path, r->why);
     }
     d->read = true;
     eventfd_write(d->event, 1);
@@ -152,10 +152,8 @@ bool durable_start(struct server *s)
     recovery_init(&d->recovery, &d->dir);
     d->recovery.replay.sets.pages = s->pages;
     s->durable = d;
-    if (d->event < 0 || pthread_create(&d->reader, NULL, read_directory, s) != 0) {
-        notice(NOTICE_ERROR, "cannot start a thread");
-        return false;
-    }
+    if (d->event < 0 || pthread_create(&d->reader, NULL, read_directory, s) != 0)
+        return notice_error("cannot start a thread");
     d->stage = STAGE_READING;
     return true;
 }
@@ -191,10 +189,8 @@ static bool end_reading(struct server *s)
         return false;
     begin_saver(s, &d->recovery);
     d->saver.read_bytes = d->recovery.log_bytes;
-    if (!registry_replace(&s->sets, &d->recovery.replay.sets, false)) {
-        notice(NOTICE_ERROR, "out of memory");
-        return false;
-    }
+    if (!registry_replace(&s->sets, &d->recovery.replay.sets, false))
+        return notice_error("out of memory");
     recovery_clear(&d->recovery);
     holders_release(&s->held, d->saver.status.durable);
     d->stage = STAGE_READ;
@@ -339,11 +335,9 @@ bool durable_replace(struct server *s, struct recovery *r, const struct lineage 
     d->log = NULL;
     d->stage = STAGE_NONE;
     d->dir.lineage = *l;
-    if (!aside_put_in_place(&d->dir) || !registry_replace(&s->sets, &r->replay.sets, same)) {
-        notice(NOTICE_ERROR, "%s: what a leader has sent cannot be put in place: %s", d->dir.path,
-               strerror(errno));
-        return false;
-    }
+    if (!aside_put_in_place(&d->dir) || !registry_replace(&s->sets, &r->replay.sets, same))
+        return notice_error("%s: what a leader has sent cannot be put in place: %s", d->dir.path,
+                            strerror(errno));
     d->log = log_new(&d->dir, d->policy, r->last + 1, r->digest, d->event);
     if (d->log == NULL)
         return false;

@@ -9,7 +9,7 @@ enum {
     PIECE_BYTES = 16 << 20 /* returned or prefaulted at a time */
 };
 
-/* A job that returns the pages beyond `leave` bytes. */
+/* A job that returns the pages beyond `leave` bytes; without pages, what malloc's heap does not use. */
 struct release {
     struct job job;
     struct dt_pages *pages;
@@ -23,6 +23,10 @@ static void run_release(struct job *j)
     const struct release *r = (struct release *)j;
     struct dt_pages_summary now;
     size_t more;
+    if (r->pages == NULL) {
+        budget_trim_heap();
+        return;
+    }
     do {
         dt_pages_summary(r->pages, &now);
         if (j->cancel || now.kept <= r->leave || (r->idle && now.uses != r->uses))
@@ -37,38 +41,17 @@ static void end_release(struct server *s, struct job *j, struct answer *a)
     s->releasing = false;
 }
 
-/* Returns all pages if the cache is idle, else those beyond `leave` bytes. */
-static void release(struct server *s, const struct dt_pages_summary *now, bool idle, size_t leave)
+static void release(struct server *s, const struct release *how)
 {
     struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, end_release);
     if (r == NULL)
         return;
-    r->pages = s->pages;
-    r->idle = idle;
-    r->leave = leave;
-    r->uses = now->uses;
+    r->pages = how->pages;
+    r->idle = how->idle;
+    r->leave = how->leave;
+    r->uses = how->uses;
     s->releasing = true;
     job_aside(s, NULL, &r->job, JOB_SHORT);
-}
-
-/* ---- the heap ---- */
-
-static void run_trim(struct job *j)
-{
-    (void)j;
-    budget_trim_heap();
-}
-
-/* Small blocks that are free stay in malloc's heap, and no reservation counts them. */
-static void trim_if_large(struct server *s)
-{
-    struct job *j = NULL;
-    if (!s->releasing && machine_resident() > s->config->max_memory)
-        j = job_new(sizeof *j, run_trim, end_release);
-    if (j == NULL)
-        return;
-    s->releasing = true;
-    job_aside(s, NULL, j, JOB_SHORT);
 }
 
 /* ---- prefaulting ---- */
@@ -129,7 +112,8 @@ void keep_turn_end(struct server *s)
     dt_pages_summary(s->pages, &now);
     size_t large = now.held - now.kept, limit = server_pages_limit(s, large);
     if (now.held > limit && now.kept > 0)
-        release(s, &now, false, limit > large ? limit - large : 0);
+        release(s,
+                &(struct release){.pages = s->pages, .leave = limit > large ? limit - large : 0});
 }
 
 void keep_tick(struct server *s)
@@ -141,6 +125,8 @@ void keep_tick(struct server *s)
     s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
     s->uses = now.uses;
     if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
-        release(s, &now, true, 0);
-    trim_if_large(s);
+        release(s, &(struct release){.pages = s->pages, .idle = true, .uses = now.uses});
+    /* small blocks that are free stay in malloc's heap, and no reservation counts them */
+    if (machine_resident() > s->config->max_memory)
+        release(s, &(struct release){.pages = NULL});
 }

@@ -172,8 +172,7 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
     (void)a;
     j->set->loading = false;
     if (j->status != DT_OK && !s->stopping)
-        notice(NOTICE_ERROR, "the set %s could not be triangulated again: out of memory",
-               j->set->name);
+        notice_error("the set %s could not be triangulated again: out of memory", j->set->name);
     if (!s->stopping)
         triangulate_next(s);
 }
@@ -199,7 +198,7 @@ static void triangulate_next(struct server *s)
             job_change(s, NULL, j, set, JOB_SHORT);
             return;
         }
-        notice(NOTICE_ERROR, "out of memory: the set %s is not triangulated", set->name);
+        notice_error("out of memory: the set %s is not triangulated", set->name);
         set->loading = false;
     }
     free(l->set);
@@ -227,10 +226,8 @@ static bool begin(struct server *s)
 {
     struct loading *l = &s->loading;
     l->set = malloc((s->sets.sets + 1) * sizeof(struct dataset *));
-    if (l->set == NULL) {
-        notice(NOTICE_ERROR, "out of memory");
-        return false;
-    }
+    if (l->set == NULL)
+        return notice_error("out of memory");
     registry_each(&s->sets, note_set, l);
     qsort(l->set, l->n, sizeof(struct dataset *), larger_first);
     triangulate_next(s);

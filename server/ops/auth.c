@@ -48,10 +48,8 @@ bool auth_load(struct auth *a, const char *path)
     bool good = true;
     FILE *f = fopen(path, "re");
     *a = (struct auth){0};
-    if (f == NULL) {
-        notice(NOTICE_ERROR, "cannot open %s: %s", path, strerror(errno));
-        return false;
-    }
+    if (f == NULL)
+        return notice_error("cannot open %s: %s", path, strerror(errno));
     while (good && fgets(line, sizeof line, f) != NULL) {
         number++;
         good = take_line(a, &words, line);
@@ -59,9 +57,9 @@ bool auth_load(struct auth *a, const char *path)
     fclose(f);
     request_free(&words);
     if (!good)
-        notice(NOTICE_ERROR, "%s:%u: not a line `ro TOKEN` or `rw TOKEN`", path, number);
+        notice_error("%s:%u: not a line `ro TOKEN` or `rw TOKEN`", path, number);
     else if (a->n == 0)
-        notice(NOTICE_ERROR, "%s: holds no token", path);
+        notice_error("%s: holds no token", path);
     if (!good)
         auth_clear(a);
     return a->n > 0;

@@ -110,6 +110,16 @@ void notice(enum notice_level level, const char *format, ...)
     va_end(ap);
 }
 
+bool notice_error(const char *format, ...)
+{
+    va_list ap;
+    (void)may_write(); /* it counts */
+    va_start(ap, format);
+    vwrite_line(NOTICE_ERROR, 1, format, ap);
+    va_end(ap);
+    return false;
+}
+
 bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more)
 {
     if (r->last_ms != 0 && now_ms - r->last_ms < RARELY_MS) {

@@ -28,6 +28,9 @@ bool notice_wanted(enum notice_level level);
  * all but errors are left out and counted; so are lines that standard error does not take. */
 __attribute__((format(printf, 2, 3))) void notice(enum notice_level level, const char *format, ...);
 
+/* The same for an error. Returns false, which a caller that has failed returns. */
+__attribute__((format(printf, 1, 2))) bool notice_error(const char *format, ...);
+
 /* For a message that clients can provoke as often as they like: at most one in ten seconds. */
 struct notice_rarely {
     int64_t last_ms;   /* when the last one was written; 0: never */

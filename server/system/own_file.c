@@ -41,12 +41,11 @@ static bool judge(int dir, const char *path, const char *name, const struct stat
 {
     const char *slash = path[0] == '\0' ? "" : "/";
     if (folder ? !S_ISDIR(st->st_mode) : !S_ISREG(st->st_mode))
-        notice(NOTICE_ERROR, "%s%s%s is %s and not a %s; it is not opened", path, slash, name,
-               kind_of(st), folder ? "directory" : "regular file");
+        notice_error("%s%s%s is %s and not a %s; it is not opened", path, slash, name, kind_of(st),
+                     folder ? "directory" : "regular file");
     else if (!is_own(dir, st))
-        notice(NOTICE_ERROR,
-               "%s%s%s belongs to user %u, but delaunayd runs as user %u; it is not opened", path,
-               slash, name, (unsigned)st->st_uid, (unsigned)geteuid());
+        notice_error("%s%s%s belongs to user %u, but delaunayd runs as user %u; it is not opened",
+                     path, slash, name, (unsigned)st->st_uid, (unsigned)geteuid());
     else
         return true;
     errno = EINVAL;

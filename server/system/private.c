@@ -17,10 +17,8 @@ bool private_make(char path[PRIVATE_PATH])
     if (tmp == NULL || tmp[0] != '/' || strlen(tmp) + sizeof pattern + sizeof name > PRIVATE_PATH)
         tmp = "/tmp";
     snprintf(path, PRIVATE_PATH, "%s%s", tmp, pattern);
-    if (mkdtemp(path) == NULL) {
-        notice(NOTICE_ERROR, "cannot make a directory in %s: %s", tmp, strerror(errno));
-        return false;
-    }
+    if (mkdtemp(path) == NULL)
+        return notice_error("cannot make a directory in %s: %s", tmp, strerror(errno));
     strcat(path, name);
     return true;
 }

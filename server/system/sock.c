@@ -28,7 +28,7 @@ enum {
 static int fail(int fd, const char *what)
 {
     int error = errno;
-    notice(NOTICE_ERROR, "cannot listen on %s: %s", what, strerror(error));
+    notice_error("cannot listen on %s: %s", what, strerror(error));
     if (fd >= 0)
         close(fd);
     errno = error;
