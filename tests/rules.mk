@@ -225,7 +225,8 @@ $(O)/tests/bench/constrained.o: CXXCOMPILE += -DNDEBUG
 $(O)/tests/bench/constrained: $(O)/tests/bench/constrained.o $(CORE)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
-# ---- bench-refine: REFINE beside CGAL's Delaunay_mesher_2, in processor time: ANGLE=25 POINTS=300000; FILE=RINGS is one more input ----
+# ---- bench-refine: REFINE beside CGAL's Delaunay_mesher_2, in processor time: ANGLE=25 POINTS=300000; one more input is FILE=RINGS, or
+# ---- the coasts in a box of longitudes and latitudes, those of New Zealand: BOX="166 -47.6 179 -34" ----
 
 .PHONY: bench-refine
 $(O)/tests/bench/refine.o: CXXCOMPILE += -DNDEBUG
@@ -233,7 +234,8 @@ $(O)/tests/bench/refine: $(O)/tests/bench/refine.o $(CORE)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
 bench-refine: $(O)/tests/bench/refine
-	@$< $(or $(ANGLE),25) $(or $(POINTS),300000) $(FILE) | tee $(O)/bench-refine.md
+	@$(if $(BOX),tests/bench/set/coastlines.py --rings $(O)/coastlines $(BOX) >$(O)/coasts.xy)
+	@$< $(or $(ANGLE),25) $(or $(POINTS),300000) $(if $(BOX),$(O)/coasts.xy,$(FILE)) | tee $(O)/bench-refine.md
 
 bench-constraints: $(O)/tests/bench/constrained
 	$< $(or $(POINTS),1000000) $(or $(ACROSS),200000) $(or $(LONG),1000)

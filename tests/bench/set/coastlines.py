@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """coastlines.py CLIENT FOLDER CORNERS - from the world's coastlines in GeoJSON to a mesh of the inside, in processor time.
+coastlines.py --rings FOLDER WEST SOUTH EAST NORTH - prints the outer rings of the polygons within that box: `>` before each, and lines `x y`.
 
 The file is that of the npm package @geo-maps/earth-lands-1km (OpenStreetMap contributors, ODbL): 19,639 polygons with 1.2 million
 corners, some of which cross themselves or touch others. FOLDER keeps it. The first polygons, up to CORNERS corners, become
@@ -84,7 +85,18 @@ def measure(client, source, mesh):
     return best
 
 
+def print_rings(folder, west, south, east, north):
+    for polygon in polygons(fetch(folder)):
+        ring = polygon[0][:-1]
+        if all(west <= x <= east and south <= y <= north for x, y in ring):
+            print(">")
+            for x, y in ring:
+                print(x, y)
+
+
 def main():
+    if sys.argv[1] == "--rings":
+        return print_rings(Path(sys.argv[2]), *map(float, sys.argv[3:7]))
     client, folder, most = os.path.abspath(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3])
     chosen, n = choose(fetch(folder), most)
     source, mesh = folder / "coastlines.geojson", folder / "coastlines.obj"
