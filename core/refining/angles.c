@@ -1,34 +1,22 @@
 /* angles.c - see angles.h. */
 #include "core/refining/angles.h"
 
-#include "core/exact/bignum.h"
+#include "core/exact/vectors.h"
 
 /* ---- cotangents ---- */
-
-struct side {
-    struct dt_double2 x, y;
-};
-
-static struct side side_of(struct dt_point from, struct dt_point to)
-{
-    return (struct side){dt_double2_difference(to.x, from.x), dt_double2_difference(to.y, from.y)};
-}
 
 /* The cross product where double words lose too many bits: rounded to a double word. */
 static struct dt_double2 exact_cross(struct dt_point r, struct dt_point p, struct dt_point q)
 {
-    struct dt_big ux, uy, vx, vy, rest;
+    struct dt_big_vector u, v;
+    struct dt_big exact, rest;
     struct dt_double2 cross;
-    dt_big_difference(p.x, r.x, &ux);
-    dt_big_difference(p.y, r.y, &uy);
-    dt_big_difference(q.x, r.x, &vx);
-    dt_big_difference(q.y, r.y, &vy);
-    dt_big_multiply(&ux, &vy, &ux);
-    dt_big_multiply(&uy, &vx, &uy);
-    dt_big_subtract(&ux, &uy, &ux);
-    cross.hi = dt_big_nearest(&ux);
+    dt_big_vector_of(r, p, &u);
+    dt_big_vector_of(r, q, &v);
+    dt_big_cross(&u, &v, &exact);
+    cross.hi = dt_big_nearest(&exact);
     dt_big_of(cross.hi, &rest);
-    dt_big_subtract(&ux, &rest, &rest);
+    dt_big_subtract(&exact, &rest, &rest);
     cross.lo = dt_big_nearest(&rest);
     return cross;
 }
@@ -38,15 +26,11 @@ static struct dt_double2 exact_cross(struct dt_point r, struct dt_point p, struc
  * cotangent is near 0, and errs by 2^-98. */
 static struct dt_double2 cotangent_at(struct dt_point r, struct dt_point p, struct dt_point q)
 {
-    struct side u = side_of(r, p), v = side_of(r, q);
-    struct dt_double2 plus = dt_double2_multiply(u.x, v.y);
-    struct dt_double2 minus = dt_double2_multiply(u.y, v.x);
-    struct dt_double2 cross = dt_double2_add(plus, dt_double2_negate(minus));
-    struct dt_double2 dot =
-        dt_double2_add(dt_double2_multiply(u.x, v.x), dt_double2_multiply(u.y, v.y));
-    if (cross.hi < (fabs(plus.hi) + fabs(minus.hi)) * 0x1p-10)
-        cross = exact_cross(r, p, q);
-    return dt_double2_divide(dot, cross);
+    struct dt_vector2 u = dt_vector2_of(r, p), v = dt_vector2_of(r, q);
+    struct dt_bounded2 cross = dt_vector2_cross(u, v);
+    if (cross.value.hi < cross.size * 0x1p-10)
+        cross.value = exact_cross(r, p, q);
+    return dt_double2_divide(dt_vector2_dot(u, v).value, cross.value);
 }
 
 static bool is_less(struct dt_double2 a, struct dt_double2 b)

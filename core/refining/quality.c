@@ -1,8 +1,7 @@
 /* quality.c - see quality.h. */
 #include "core/refining/quality.h"
 
-#include "core/exact/bignum.h"
-#include "core/exact/double2.h"
+#include "core/exact/vectors.h"
 
 /* Two sides that differ by less than this part of them are compared exactly: the rounding errors of a dozen operations are
  * below 2^-48. */
@@ -52,31 +51,13 @@ void dt_wanted_of(const struct dt_quality *q, struct dt_wanted *out)
 
 /* ---- exact comparisons ---- */
 
-struct vector {
-    struct dt_big x, y;
-};
-
-static void between(struct dt_point a, struct dt_point b, struct vector *v)
-{
-    dt_big_difference(b.x, a.x, &v->x);
-    dt_big_difference(b.y, a.y, &v->y);
-}
-
-static void dot_of(const struct vector *a, const struct vector *b, struct dt_big *r)
-{
-    struct dt_big y;
-    dt_big_multiply(&a->x, &b->x, r);
-    dt_big_multiply(&a->y, &b->y, &y);
-    dt_big_add(r, &y, r);
-}
-
 /* The square of the length against `length`. */
 static bool is_long_exactly(double length, struct dt_point a, struct dt_point b)
 {
-    struct vector v;
+    struct dt_big_vector v;
     struct dt_big square, limit;
-    between(a, b, &v);
-    dot_of(&v, &v, &square);
+    dt_big_vector_of(a, b, &v);
+    dt_big_dot(&v, &v, &square);
     dt_big_of(length, &limit);
     dt_big_multiply(&limit, &limit, &limit);
     return dt_big_compare(&square, &limit) > 0;
@@ -84,13 +65,11 @@ static bool is_long_exactly(double length, struct dt_point a, struct dt_point b)
 
 static bool is_large_exactly(double area, const struct dt_shape *s)
 {
-    struct vector u, v;
-    struct dt_big cross, right, limit, two;
-    between(s->p, s->q, &u);
-    between(s->p, s->r, &v);
-    dt_big_multiply(&u.x, &v.y, &cross);
-    dt_big_multiply(&u.y, &v.x, &right);
-    dt_big_subtract(&cross, &right, &cross);
+    struct dt_big_vector u, v;
+    struct dt_big cross, limit, two;
+    dt_big_vector_of(s->p, s->q, &u);
+    dt_big_vector_of(s->p, s->r, &v);
+    dt_big_cross(&u, &v, &cross);
     dt_big_of(area, &limit);
     dt_big_of(2, &two);
     dt_big_multiply(&limit, &two, &limit);
@@ -100,16 +79,16 @@ static bool is_large_exactly(double area, const struct dt_shape *s)
 /* Whether the angle at r is too small. */
 static bool is_sharp_exactly(double cosine, struct dt_point p, struct dt_point q, struct dt_point r)
 {
-    struct vector u, v;
+    struct dt_big_vector u, v;
     struct dt_big dot, left, right, factor;
-    between(r, p, &u);
-    between(r, q, &v);
-    dot_of(&u, &v, &dot);
+    dt_big_vector_of(r, p, &u);
+    dt_big_vector_of(r, q, &v);
+    dt_big_dot(&u, &v, &dot);
     if (dot.sign <= 0)
         return false;
     dt_big_multiply(&dot, &dot, &left);
-    dot_of(&u, &u, &right);
-    dot_of(&v, &v, &factor);
+    dt_big_dot(&u, &u, &right);
+    dt_big_dot(&v, &v, &factor);
     dt_big_multiply(&right, &factor, &right);
     dt_big_of(cosine, &factor);
     dt_big_multiply(&right, &factor, &right);
