@@ -37,16 +37,6 @@ static bool round_sum(double from, struct dt_double2 offset, double error, doubl
 
 /* ---- exact ---- */
 
-/* *r = a b - c d */
-static void big_cross(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
-                      const struct dt_big *d, struct dt_big *r)
-{
-    struct dt_big right;
-    dt_big_multiply(c, d, &right);
-    dt_big_multiply(a, b, r);
-    dt_big_subtract(r, &right, r);
-}
-
 /* from + n / d, rounded. */
 static double round_big(double from, const struct dt_big *n, const struct dt_big *d)
 {
@@ -201,8 +191,8 @@ static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct d
     dt_big_dot(&to_c, &to_c, &cc);
     dt_big_cross(&to_b, &to_c, &twice);
     dt_big_add(&twice, &twice, &twice);
-    big_cross(&bb, &to_c.y, &cc, &to_b.y, &x);
-    big_cross(&cc, &to_b.x, &bb, &to_c.x, &y);
+    dt_big_determinant(&bb, &cc, &to_b.y, &to_c.y, &x);
+    dt_big_determinant(&cc, &bb, &to_c.x, &to_b.x, &y);
     return (struct dt_point){round_big(a.x, &x, &twice), round_big(a.y, &y, &twice)};
 }
 

@@ -54,13 +54,21 @@ static inline void dt_big_vector_of(struct dt_point a, struct dt_point b, struct
     dt_big_difference(b.y, a.y, &r->y);
 }
 
+/* *r = a d - b c; r is none of them. */
+static inline void dt_big_determinant(const struct dt_big *a, const struct dt_big *b,
+                                      const struct dt_big *c, const struct dt_big *d,
+                                      struct dt_big *r)
+{
+    struct dt_big right;
+    dt_big_multiply(a, d, r);
+    dt_big_multiply(b, c, &right);
+    dt_big_subtract(r, &right, r);
+}
+
 static inline void dt_big_cross(const struct dt_big_vector *a, const struct dt_big_vector *b,
                                 struct dt_big *r)
 {
-    struct dt_big right;
-    dt_big_multiply(&a->x, &b->y, r);
-    dt_big_multiply(&a->y, &b->x, &right);
-    dt_big_subtract(r, &right, r);
+    dt_big_determinant(&a->x, &a->y, &b->x, &b->y, r);
 }
 
 static inline void dt_big_dot(const struct dt_big_vector *a, const struct dt_big_vector *b,
