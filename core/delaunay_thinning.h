@@ -4,8 +4,7 @@
  * fields", 1995, algorithm III]. The surface begins with the points that must stay. Then it gets the point with the largest
  * error until every point is within a bound of the surface. The surface is linear in each triangle of the constrained Delaunay
  * triangulation of the points that are kept. */
-#ifndef DT_DELAUNAY_THINNING_H
-#define DT_DELAUNAY_THINNING_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 
@@ -50,6 +49,4 @@ enum dt_status dt_thin(const struct dt_thinning *in, const struct dt_options *op
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

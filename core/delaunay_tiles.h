@@ -34,8 +34,7 @@
  *
  * Coincident points must be in one tile; the one with the smallest id represents them. Boxes need not be disjoint. If they are, most
  * triangles are recognised at once: their circles are inside the tile's own box. */
-#ifndef DT_DELAUNAY_TILES_H
-#define DT_DELAUNAY_TILES_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -93,6 +92,4 @@ enum dt_status dt_tile_triangles(const struct dt_tile *tile, bool wide, void *tr
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -6,8 +6,7 @@
  *          p --- q                 cotangent = dot / cross,   dot = u . v,   cross = u x v > 0
  *
  * A cotangent is a double word: it errs by less than 2^-88 of the cotangent and of 1. */
-#ifndef DT_ANGLES_H
-#define DT_ANGLES_H
+#pragma once
 
 #include "core/exact/double2.h"
 #include "core/refining/quality.h"
@@ -24,5 +23,3 @@ void dt_angles_add(struct dt_angles *a, const struct dt_shape *s);
 /* The angle with this cotangent in degrees, from 0 to 180. It has equal bytes everywhere, since it takes sums, products, quotients and
  * square roots alone. The nearest double, unless the angle is within 2^-86 of the middle of two. */
 double dt_degrees(struct dt_double2 cotangent);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * C is the double nearest to cos^2 of the limit in degrees. So the decision is the sign of a polynomial of degree four of
  * coordinates. Doubles decide unless the two sides are almost equal; numbers of many bits (core/exact/bignum.h) do then. */
-#ifndef DT_QUALITY_H
-#define DT_QUALITY_H
+#pragma once
 
 #include "core/delaunay_constraints.h"
 
@@ -67,5 +66,3 @@ static inline bool dt_encroaches(struct dt_point a, struct dt_point b, struct dt
 {
     return (a.x - q.x) * (b.x - q.x) + (a.y - q.y) * (b.y - q.y) < 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* queue.h - the triangles that wait to be refined, the worst first: a bucket for each level, and the first of a bucket
  * first [Shewchuk, "Triangle", 1996, section 3.3]. Cost of each call: constant. */
-#ifndef DT_QUEUE_H
-#define DT_QUEUE_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -34,5 +33,3 @@ void dt_queue_push(struct dt_queue *q, uint32_t level, const struct dt_waiting *
 
 /* Takes the first one of the highest level; false: it is empty. */
 bool dt_queue_pop(struct dt_queue *q, struct dt_waiting *w);
-
-#endif

@@ -17,8 +17,7 @@
  *
  * The refiner works on a set of its own, which has been built in one way, and where vertices are numbered by arrival. So all that it
  * does depends on what that was built from alone. */
-#ifndef DT_REFINER_H
-#define DT_REFINER_H
+#pragma once
 
 #include "core/constraints/mend.h"
 #include "core/refining/quality.h"
@@ -66,5 +65,3 @@ struct dt_refiner {
 enum dt_status dt_refiner_run(struct dt_refiner *r);
 
 void dt_refiner_clear(struct dt_refiner *r);
-
-#endif

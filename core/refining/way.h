@@ -2,8 +2,7 @@
  *
  * The place is the centre of a circle or an off-centre (refiner.h), which is seen from the corner with the largest angle through
  * the opposite edge, or lies in the triangle. */
-#ifndef DT_WAY_H
-#define DT_WAY_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -18,5 +17,3 @@ struct dt_way_end {
  * the way. */
 struct dt_way_end dt_way(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                          struct dt_point q);
-
-#endif

@@ -1,6 +1,5 @@
 /* first.h - the points that must stay, from which the surface begins. */
-#ifndef DT_FIRST_H
-#define DT_FIRST_H
+#pragma once
 
 #include "core/thinning/samples.h"
 
@@ -11,5 +10,3 @@
  * extreme points has inside. */
 enum dt_status dt_first_points(const struct dt_samples *s, const struct dt_thinning *in,
                                const struct dt_options *opt, struct dt **set, uint32_t **sample);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Most entries are of facets that are replaced before they could be the worst one. In the pile such entries cost nothing. An
  * empty heap takes about an eighth of the pile. The data that the next insertions will read can be fetched ahead. */
-#ifndef DT_HEAP_H
-#define DT_HEAP_H
+#pragma once
 
 #include "core/thinning/samples.h"
 
@@ -42,5 +41,3 @@ void dt_heap_drop(struct dt_heap *h);
 
 /* All entries of v become entries of the pile: the first n, which have been chosen from them. */
 void dt_heap_pile(struct dt_heap *h, size_t n);
-
-#endif

@@ -13,8 +13,7 @@
  * 3. z(q), its sum and the difference to a value err by 4 u of the largest value, and by u of the result.
  *
  * `doubt` exceeds the sum: 64 f u Z + 16 u times the largest value. */
-#ifndef DT_PLANE_H
-#define DT_PLANE_H
+#pragma once
 
 #include "core/thinning/samples.h"
 
@@ -69,5 +68,3 @@ static inline bool dt_plane_doubts(const struct dt_plane *p, double off, double 
 {
     return !(fabs(off - bound) > p->doubt) && !(p->level && off == 0);
 }
-
-#endif

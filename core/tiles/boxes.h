@@ -2,8 +2,7 @@
  *
  * Every node has the box around a range of tiles. The range is split in the middle, by the centres along the longer side of that box: node
  * k has the halves 2 k and 2 k + 1, node 1 has all. */
-#ifndef DT_BOXES_H
-#define DT_BOXES_H
+#pragma once
 
 #include "core/exact/box.h"
 
@@ -26,5 +25,3 @@ struct dt_boxes_query {
     void *ctx;
 };
 enum dt_status dt_boxes_visit(const struct dt_boxes *b, const struct dt_boxes_query *q);
-
-#endif

@@ -38,8 +38,7 @@
  *
  * Flat triangles. dt_centre rounds each coordinate of the centre once: it errs by at most u (|x| + |y|) <= e / 2 for e = 2^-52 (|x| + |y|).
  * The distance of a from the rounded centre, of which hypot errs by less than 4 u, takes the place of r in steps 6, 10 and 11. */
-#ifndef DT_DISC_H
-#define DT_DISC_H
+#pragma once
 
 #include <math.h>
 
@@ -149,5 +148,3 @@ static inline bool dt_beyond_meets(const struct dt_beyond *e, const struct dt_bo
                            e->b.x > e->a.x ? box->hi.y : box->lo.y};
     return dt_box_overlaps(&e->edge, box) || dt_orient2d(e->a, e->b, far) > 0;
 }
-
-#endif

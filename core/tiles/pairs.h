@@ -1,6 +1,5 @@
 /* pairs.h - sets of pairs of a tile and a local id, which say what is sent where. */
-#ifndef DT_PAIRS_H
-#define DT_PAIRS_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -29,5 +28,3 @@ void dt_pairs_subtract(struct dt_pairs *p, const struct dt_pairs *other);
 
 /* *p becomes the union of both, which are sorted and have no pair in common. DT_NOMEM: *p is unchanged. Cost: linear. */
 enum dt_status dt_pairs_merge(struct dt_pairs *p, const struct dt_pairs *other);
-
-#endif

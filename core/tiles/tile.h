@@ -1,6 +1,5 @@
 /* tile.h - the definition of struct dt_tile; for the files of this room only. */
-#ifndef DT_TILE_H
-#define DT_TILE_H
+#pragma once
 
 #include "core/delaunay_tiles.h"
 #include "core/set/set.h"
@@ -28,5 +27,3 @@ static inline bool dt_is_own(const struct dt_tile *tile, uint32_t local)
 {
     return local < tile->own;
 }
-
-#endif
