@@ -349,21 +349,32 @@ size_t dt_pages_trim(struct dt_pages *p, size_t bytes)
     return done;
 }
 
+/* Bytes that may still be held, in huge pages. */
+static size_t room(const struct dt_pages *p)
+{
+    size_t held = atomic_load(&p->held), limit = atomic_load(&p->limit);
+    return (limit > held ? limit - held : 0) & ~(DT_HUGE_PAGE - 1);
+}
+
+/* The limit may change meanwhile, and others take memory: so pages are counted before they are written to, and kept one by one. */
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes)
 {
     enum { SMALL_PAGE = 4096 }; /* no page is smaller, so each is written to */
-    size_t held = atomic_load(&p->held), limit = atomic_load(&p->limit);
-    size_t room = (limit > held ? limit - held : 0) & ~(DT_HUGE_PAGE - 1);
-    bytes = bytes < room ? dt_huge_pages(bytes) : room;
+    size_t most = room(p), done = 0;
+    bytes = bytes < most ? dt_huge_pages(bytes) : most;
     char *start = bytes > 0 ? map_aligned(bytes) : NULL;
     if (start == NULL)
         return 0;
-    for (size_t at = 0; at < bytes; at += SMALL_PAGE)
-        start[at] = 0;
-    atomic_fetch_add(&p->held, bytes);
-    atomic_fetch_add(&p->fresh, bytes);
-    dt_region_give(p, start, bytes);
-    return bytes;
+    for (; done < bytes && room(p) > 0; done += DT_HUGE_PAGE) {
+        atomic_fetch_add(&p->held, DT_HUGE_PAGE);
+        atomic_fetch_add(&p->fresh, DT_HUGE_PAGE);
+        for (size_t at = 0; at < DT_HUGE_PAGE; at += SMALL_PAGE)
+            start[done + at] = 0;
+        dt_region_give(p, start + done, DT_HUGE_PAGE);
+    }
+    if (done < bytes)
+        munmap(start + done, bytes - done);
+    return done;
 }
 
 void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out)
