@@ -1,8 +1,7 @@
 /* plane.c - see plane.h. */
 #include "core/thinning/plane.h"
 
-#include "core/exact/bignum.h"
-#include "core/exact/double2.h"
+#include "core/exact/vectors.h"
 
 /* The range of the largest value in which doubles are used. Beyond it products could overflow. Below it the bits that products
  * lose at the least doubles count: they become 2^-485 by the division by D >= 2^-388 and a side below 2^202. */
@@ -77,11 +76,9 @@ struct weights {
 /* The cross of a and b as seen from o; errs by at most 10.2 u^2 of *size (core/exact/bounds.h). */
 static double cross(struct dt_point o, struct dt_point a, struct dt_point b, double *size)
 {
-    struct dt_double2 ax = dt_double2_difference(a.x, o.x), ay = dt_double2_difference(a.y, o.y);
-    struct dt_double2 bx = dt_double2_difference(b.x, o.x), by = dt_double2_difference(b.y, o.y);
-    struct dt_double2 left = dt_double2_multiply(ax, by), right = dt_double2_multiply(ay, bx);
-    *size = fmax(*size, fabs(left.hi) + fabs(right.hi));
-    return dt_double2_add(left, dt_double2_negate(right)).hi;
+    struct dt_bounded2 cross = dt_vector2_cross(dt_vector2_of(o, a), dt_vector2_of(o, b));
+    *size = fmax(*size, cross.size);
+    return cross.value.hi;
 }
 
 /* Let D be twice the area, and e = 16 u^2 size / D. The two crosses and D err by 0.64 e D, and their rounding by u of themselves.
@@ -128,38 +125,17 @@ struct dt_off_range dt_plane_off_range(const struct dt_corners *c, const struct 
 
 /* ---- exactly ---- */
 
-static void cross_big(const struct dt_big *ax, const struct dt_big *ay, const struct dt_big *bx,
-                      const struct dt_big *by, struct dt_big *r)
-{
-    struct dt_big left, right;
-    dt_big_multiply(ax, by, &left);
-    dt_big_multiply(ay, bx, &right);
-    dt_big_subtract(&left, &right, r);
-}
-
-static void difference_big(double a, double b, struct dt_big *r)
-{
-    struct dt_big big;
-    dt_big_of(a, r);
-    dt_big_of(b, &big);
-    dt_big_subtract(r, &big, r);
-}
-
 /* The second corner, the third one and q as seen from the first one, and their crosses. */
 static void weights_big(const struct dt_corners *c, const struct dt_sample *q, struct dt_big *area,
                         struct dt_big *second, struct dt_big *third)
 {
-    const struct dt_point o = c->first.at;
-    struct dt_big bx, by, cx, cy, qx, qy;
-    difference_big(c->second.at.x, o.x, &bx);
-    difference_big(c->second.at.y, o.y, &by);
-    difference_big(c->third.at.x, o.x, &cx);
-    difference_big(c->third.at.y, o.y, &cy);
-    difference_big(q->at.x, o.x, &qx);
-    difference_big(q->at.y, o.y, &qy);
-    cross_big(&bx, &by, &cx, &cy, area);
-    cross_big(&qx, &qy, &cx, &cy, second);
-    cross_big(&bx, &by, &qx, &qy, third);
+    struct dt_big_vector to_second, to_third, to_q;
+    dt_big_vector_of(c->first.at, c->second.at, &to_second);
+    dt_big_vector_of(c->first.at, c->third.at, &to_third);
+    dt_big_vector_of(c->first.at, q->at, &to_q);
+    dt_big_cross(&to_second, &to_third, area);
+    dt_big_cross(&to_q, &to_third, second);
+    dt_big_cross(&to_second, &to_q, third);
 }
 
 /* The same on a line, by the coordinate in which its points differ; `third` does not count. */
@@ -168,15 +144,17 @@ static void weights_on_line(const struct dt_corners *c, const struct dt_sample *
 {
     const struct dt_point o = c->first.at, e = c->second.at;
     bool by_x = e.x != o.x;
-    difference_big(by_x ? e.x : e.y, by_x ? o.x : o.y, area);
-    difference_big(by_x ? q->at.x : q->at.y, by_x ? o.x : o.y, second);
+    dt_big_difference(by_x ? e.x : e.y, by_x ? o.x : o.y, area);
+    dt_big_difference(by_x ? q->at.x : q->at.y, by_x ? o.x : o.y, second);
 }
 
-/* *sum += weight (value - base) */
+/* *sum += weight (value - base); these may be so large that doubles have no difference. */
 static void add_big(struct dt_big *sum, const struct dt_big *weight, double value, double base)
 {
-    struct dt_big term;
-    difference_big(value, base, &term);
+    struct dt_big term, other;
+    dt_big_of(value, &term);
+    dt_big_of(base, &other);
+    dt_big_subtract(&term, &other, &term);
     dt_big_multiply(&term, weight, &term);
     dt_big_add(sum, &term, sum);
 }
