@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "clients/reading/program.h"
+#include "clients/reading/word_list.h"
 
 const char ogr_program[] = "ogr2ogr";
 const char ogr_hint[] =
@@ -12,8 +13,7 @@ const char ogr_hint[] =
 
 bool ogr_is_name(const char *path)
 {
-    static const char *const endings[] = {".shp", ".gpkg", ".fgb"};
-    return program_reads(path, endings, sizeof endings / sizeof endings[0]);
+    return word_list_has_end(".shp .gpkg .fgb", path, strlen(path));
 }
 
 bool ogr_start(const char *path, pid_t *pid, int *out, char *why, size_t room)

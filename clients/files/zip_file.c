@@ -6,8 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
+
+#include "clients/reading/word_list.h"
 
 enum {
     END = 22, /* bytes of the record that ends the directory */
@@ -161,32 +162,19 @@ static bool next_entry(const unsigned char *directory, size_t bytes, size_t *at,
 /* Folders, and what macOS and Windows put beside files. */
 static bool is_file(const struct entry *e)
 {
-    static const char *const others[] = {".DS_Store", "Thumbs.db", "desktop.ini"};
+    static const char others[] = ".DS_Store Thumbs.db desktop.ini";
     const char *name = (const char *)e->name;
-    if (e->name_len == 0 || name[e->name_len - 1] == '/' ||
-        (e->name_len > 9 && memcmp(name, "__MACOSX/", 9) == 0))
-        return false;
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        size_t n = strlen(others[i]);
-        if (e->name_len >= n && memcmp(name + e->name_len - n, others[i], n) == 0)
-            return false;
-    }
-    return true;
+    return e->name_len > 0 && name[e->name_len - 1] != '/' &&
+           (e->name_len <= 9 || memcmp(name, "__MACOSX/", 9) != 0) &&
+           !word_list_has(others, name, e->name_len) &&
+           !word_list_has_end(others, name, e->name_len);
 }
 
 static bool has_points(const struct entry *e)
 {
-    static const char *const endings[] = {".csv",   ".tsv",     ".txt",  ".xyz",    ".xy",
-                                          ".pts",   ".geojson", ".json", ".ndjson", ".geojsonl",
-                                          ".jsonl", ".gpx",     ".node", ".las",    ".asc",
-                                          ".tif",   ".tiff",    ".hgt",  ".dem"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t n = strlen(endings[i]);
-        if (e->name_len > n &&
-            strncasecmp((const char *)e->name + e->name_len - n, endings[i], n) == 0)
-            return true;
-    }
-    return false;
+    return word_list_has_end(".csv .tsv .txt .xyz .xy .pts .geojson .json .ndjson .geojsonl .jsonl "
+                             ".gpx .node .las .asc .tif .tiff .hgt .dem",
+                             (const char *)e->name, e->name_len);
 }
 
 /* Finds the file; several are named in `why`. */

@@ -9,12 +9,11 @@
 
 #include "clients/grids/vrt_frame.h"
 #include "clients/reading/program.h"
+#include "clients/reading/word_list.h"
 
 bool raster_is_name(const char *name)
 {
-    static const char *const endings[] = {".tif", ".tiff", ".dem", ".hgt", ".img",
-                                          ".vrt", ".bil",  ".flt", ".grd"};
-    return program_reads(name, endings, sizeof endings / sizeof endings[0]);
+    return word_list_has_end(".tif .tiff .dem .hgt .img .vrt .bil .flt .grd", name, strlen(name));
 }
 
 bool raster_begins(const char *head, size_t n)

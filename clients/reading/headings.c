@@ -1,6 +1,7 @@
 /* headings.c - see headings.h. */
 #include "clients/reading/headings.h"
 
+#include "clients/reading/word_list.h"
 #include "proto/text.h"
 
 #include <ctype.h>
@@ -10,173 +11,66 @@ enum { WORD_ROOM = 64 };
 
 /* All without accents, and without fillers: geographische Breite is graphischebreite. */
 static const struct {
-    const char *text;
     enum axis axis;
     enum heading_pair pair;
+    const char *words;
 } names[] = {
-    {"x", AXIS_X, PAIR_XY},
-    {"y", AXIS_Y, PAIR_XY},
-    {"abscissa", AXIS_X, PAIR_XY},
-    {"ordinate", AXIS_Y, PAIR_XY},
-    {"abscisse", AXIS_X, PAIR_XY},
-    {"ordonnee", AXIS_Y, PAIR_XY},
-    {"ascissa", AXIS_X, PAIR_XY},
-    {"ordinata", AXIS_Y, PAIR_XY},
-    {"lon", AXIS_X, PAIR_LON_LAT},
-    {"lat", AXIS_Y, PAIR_LON_LAT},
-    {"lng", AXIS_X, PAIR_LON_LAT},
-    {"long", AXIS_X, PAIR_LON_LAT},
-    {"longitude", AXIS_X, PAIR_LON_LAT},
-    {"latitude", AXIS_Y, PAIR_LON_LAT},
-    {"lone", AXIS_X, PAIR_LON_LAT},
-    {"latn", AXIS_Y, PAIR_LON_LAT},
-    {"longitudeeast", AXIS_X, PAIR_LON_LAT},
-    {"latitudenorth", AXIS_Y, PAIR_LON_LAT},
-    {"longitud", AXIS_X, PAIR_LON_LAT},
-    {"latitud", AXIS_Y, PAIR_LON_LAT},
-    {"longitudine", AXIS_X, PAIR_LON_LAT},
-    {"latitudine", AXIS_Y, PAIR_LON_LAT},
-    {"langengrad", AXIS_X, PAIR_LON_LAT},
-    {"laengengrad", AXIS_X, PAIR_LON_LAT},
-    {"breitengrad", AXIS_Y, PAIR_LON_LAT},
-    {"graphischelange", AXIS_X, PAIR_LON_LAT},
-    {"graphischebreite", AXIS_Y, PAIR_LON_LAT},
-    {"grlange", AXIS_X, PAIR_LON_LAT},
-    {"grbreite", AXIS_Y, PAIR_LON_LAT},
-    {"lengtegraad", AXIS_X, PAIR_LON_LAT},
-    {"breedtegraad", AXIS_Y, PAIR_LON_LAT},
-    {"dlugosc", AXIS_X, PAIR_LON_LAT},
-    {"szerokosc", AXIS_Y, PAIR_LON_LAT},
-    {"dlugoscgraficzna", AXIS_X, PAIR_LON_LAT},
-    {"szerokoscgraficzna", AXIS_Y, PAIR_LON_LAT},
-    {"zemepisnadelka", AXIS_X, PAIR_LON_LAT},
-    {"zemepisnasirka", AXIS_Y, PAIR_LON_LAT},
-    {"lengdegrad", AXIS_X, PAIR_LON_LAT},
-    {"breddegrad", AXIS_Y, PAIR_LON_LAT},
-    {"laengdegrad", AXIS_X, PAIR_LON_LAT},
-    {"langdgrad", AXIS_X, PAIR_LON_LAT},
-    {"breddgrad", AXIS_Y, PAIR_LON_LAT},
-    {"e", AXIS_X, PAIR_EAST_NORTH},
-    {"n", AXIS_Y, PAIR_EAST_NORTH},
-    {"east", AXIS_X, PAIR_EAST_NORTH},
-    {"north", AXIS_Y, PAIR_EAST_NORTH},
-    {"easting", AXIS_X, PAIR_EAST_NORTH},
-    {"northing", AXIS_Y, PAIR_EAST_NORTH},
-    {"eastings", AXIS_X, PAIR_EAST_NORTH},
-    {"northings", AXIS_Y, PAIR_EAST_NORTH},
-    {"rechtswert", AXIS_X, PAIR_EAST_NORTH},
-    {"hochwert", AXIS_Y, PAIR_EAST_NORTH},
-    {"rechts", AXIS_X, PAIR_EAST_NORTH},
-    {"hoch", AXIS_Y, PAIR_EAST_NORTH},
-    {"ostwert", AXIS_X, PAIR_EAST_NORTH},
-    {"nordwert", AXIS_Y, PAIR_EAST_NORTH},
-    {"rw", AXIS_X, PAIR_EAST_NORTH},
-    {"hw", AXIS_Y, PAIR_EAST_NORTH},
-    {"ost", AXIS_X, PAIR_EAST_NORTH},
-    {"est", AXIS_X, PAIR_EAST_NORTH},
-    {"este", AXIS_X, PAIR_EAST_NORTH},
-    {"leste", AXIS_X, PAIR_EAST_NORTH},
-    {"oost", AXIS_X, PAIR_EAST_NORTH},
-    {"wschod", AXIS_X, PAIR_EAST_NORTH},
-    {"nord", AXIS_Y, PAIR_EAST_NORTH},
-    {"norte", AXIS_Y, PAIR_EAST_NORTH},
-    {"noord", AXIS_Y, PAIR_EAST_NORTH},
-    {"norr", AXIS_Y, PAIR_EAST_NORTH},
-    {"polnoc", AXIS_Y, PAIR_EAST_NORTH},
+    {AXIS_X, PAIR_XY, "x abscissa abscisse ascissa"},
+    {AXIS_Y, PAIR_XY, "y ordinate ordonnee ordinata"},
+    {AXIS_X, PAIR_LON_LAT,
+     "lon lng long longitude lone longitudeeast longitud longitudine langengrad laengengrad "
+     "graphischelange grlange lengtegraad dlugosc dlugoscgraficzna zemepisnadelka lengdegrad "
+     "laengdegrad langdgrad"},
+    {AXIS_Y, PAIR_LON_LAT,
+     "lat latitude latn latitudenorth latitud latitudine breitengrad graphischebreite grbreite "
+     "breedtegraad szerokosc szerokoscgraficzna zemepisnasirka breddegrad breddgrad"},
+    {AXIS_X, PAIR_EAST_NORTH,
+     "e east easting eastings rechtswert rechts ostwert rw ost est este leste oost wschod"},
+    {AXIS_Y, PAIR_EAST_NORTH,
+     "n north northing northings hochwert hoch nordwert hw nord norte noord norr polnoc"},
 };
 
-static const char *const heights[] = {"z",
-                                      "height",
-                                      "elevation",
-                                      "elev",
-                                      "ele",
-                                      "altitude",
-                                      "alt",
-                                      "hgt",
-                                      "hoehe",
-                                      "hohe",
-                                      "altitud",
-                                      "quota",
-                                      "cota",
-                                      "cote",
-                                      "hauteur",
-                                      "altezza",
-                                      "altura",
-                                      "hoogte",
-                                      "wysokosc",
-                                      "rzedna",
-                                      "vyska",
-                                      "hojde",
-                                      "hoyde",
-                                      "hojd",
-                                      "korkeus",
-                                      "magassag",
-                                      "altitudine",
-                                      "elevacion",
-                                      "elevacao",
-                                      "elevazione",
-                                      "gelandehohe",
-                                      "hohenwert",
-                                      "h",
-                                      "zvalue",
-                                      "dem",
-                                      "dtm",
-                                      "dgm",
-                                      "mnt",
-                                      "haut",
-                                      "reducedlevel",
-                                      "nadmorskavyska",
-                                      "topo",
-                                      "topography",
-                                      "orthoheight",
-                                      "heightmsl"};
-static const char *const depths[] = {"depth",      "tiefe",        "profondeur", "profundidad",
-                                     "profondita", "profundidade", "diepte",     "glebokosc",
-                                     "dybde",      "djup",         "hloubka",    "sounding",
-                                     "waterdepth", "wassertiefe",  "depthm"};
+static const char heights[] =
+    "z height elevation elev ele altitude alt hgt hoehe hohe altitud quota cota cote hauteur "
+    "altezza altura hoogte wysokosc rzedna vyska hojde hoyde hojd korkeus magassag altitudine "
+    "elevacion elevacao elevazione gelandehohe hohenwert h zvalue dem dtm dgm mnt haut "
+    "reducedlevel nadmorskavyska topo topography orthoheight heightmsl";
+static const char depths[] =
+    "depth tiefe profondeur profundidad profondita profundidade diepte glebokosc dybde djup "
+    "hloubka sounding waterdepth wassertiefe depthm";
 
 /* Words beside a name that change nothing, and some that may also be joined to it: xcoord, PointX. Longer ones
  * come before those that they begin with. */
-static const char *const fillers[] = {
-    "m",       "km",     "ft",     "feet",    "meter", "meters", "metre",  "metres",
-    "deg",     "degree", "dd",     "dec",     "epsg",  "nad83",  "nad27",  "decimal",
-    "lv95",    "lv03",   "l93",    "degrees", "bng",   "osgb",   "etrs89", "gda94",
-    "itm",     "gk",     "map",    "proj",    "loc",   "the",    "of",     "local",
-    "world",   "centre", "center", "south",   "west",  "s",      "w",      "nn",
-    "nhn",     "nap",    "asl",    "amsl",    "msl",   "masl",   "ground", "surface",
-    "terrain", "above",  "sea",    "uber",    "ueber", "mean",   "degs",   "degw"};
-static const char *const joined_fillers[] = {
-    "coordinates", "coordinate", "coords", "coord",    "points", "point", "position", "pos",
-    "koordinate",  "location",   "wgs84",  "centroid", "utm",    "geo",   "gps",      "lambert93"};
-
-static bool is_word(const char *text, size_t len, const char *word)
-{
-    return len == strlen(word) && memcmp(text, word, len) == 0;
-}
+static const char fillers[] =
+    "m km ft feet meter meters metre metres deg degree dd dec epsg nad83 nad27 decimal lv95 lv03 "
+    "l93 degrees bng osgb etrs89 gda94 itm gk map proj loc the of local world centre center "
+    "south west s w nn nhn nap asl amsl msl masl ground surface terrain above sea uber ueber "
+    "mean degs degw";
+static const char joined_fillers[] =
+    "coordinates coordinate coords coord points point position pos koordinate location wgs84 "
+    "centroid utm geo gps lambert93";
 
 /* A filler, or the number of a coordinate system. */
 static bool is_filler(const char *text, size_t len)
 {
-    for (size_t i = 0; i < sizeof fillers / sizeof fillers[0]; i++)
-        if (is_word(text, len, fillers[i]))
-            return true;
     size_t digits = 0;
     while (digits < len && text_is_digit(text[digits]))
         digits++;
-    return len >= 4 && digits == len;
+    return (len >= 4 && digits == len) || word_list_has(fillers, text, len);
 }
 
 /* Removes fillers from both ends of a word, which may become empty. */
 static void strip(const char **text, size_t *len)
 {
+    const char *list = joined_fillers;
+    size_t w;
     if (is_filler(*text, *len))
         *len = 0;
-    for (size_t i = 0; i < sizeof joined_fillers / sizeof joined_fillers[0]; i++) {
-        size_t w = strlen(joined_fillers[i]);
-        if (*len >= w && memcmp(*text, joined_fillers[i], w) == 0) {
+    for (const char *word; (word = word_list_next(&list, &w)) != NULL;) {
+        if (*len >= w && memcmp(*text, word, w) == 0) {
             *text += w;
             *len -= w;
-        } else if (*len >= w && memcmp(*text + *len - w, joined_fillers[i], w) == 0) {
+        } else if (*len >= w && memcmp(*text + *len - w, word, w) == 0) {
             *len -= w;
         }
     }
@@ -254,16 +148,13 @@ static size_t reduce(const char *text, size_t len, char *to)
 /* Whether one of its words, brackets included, says south or west. */
 static bool is_reversed(const char *text, size_t len)
 {
-    static const char *const words[] = {"s",    "w",   "south", "west",  "degs",
-                                        "degw", "sud", "ouest", "ovest", "oeste"};
     for (size_t i = 0; i < len;) {
         char word[WORD_ROOM];
         size_t w = next_word(text, len, &i, word);
         if (w == 0)
             i++;
-        for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
-            if (is_word(word, w, words[k]))
-                return true;
+        else if (word_list_has("s w south west degs degw sud ouest ovest oeste", word, w))
+            return true;
     }
     return false;
 }
@@ -283,7 +174,7 @@ struct heading heading_read(const char *text, size_t len)
     char name[WORD_ROOM];
     size_t n = reduce(text, len, name);
     for (size_t i = 0; n > 0 && i < sizeof names / sizeof names[0]; i++)
-        if (is_word(name, n, names[i].text))
+        if (word_list_has(names[i].words, name, n))
             return (struct heading){names[i].axis, names[i].pair, is_plain(text, len, n),
                                     is_reversed(text, len)};
     return (struct heading){.axis = AXIS_NONE};
@@ -291,9 +182,8 @@ struct heading heading_read(const char *text, size_t len)
 
 char heading_part(const char *text, size_t len, enum axis *axis)
 {
-    static const char *const parts[] = {"d",       "m",       "s",      "deg",     "min",
-                                        "sec",     "degree",  "minute", "second",  "degrees",
-                                        "minutes", "seconds", "grad",   "minuten", "sekunden"};
+    static const char *const parts[] = {"d deg degree degrees grad", "m min minute minutes minuten",
+                                        "s sec second seconds sekunden"};
     char name[WORD_ROOM], word[WORD_ROOM];
     size_t at = 0, words = 0, n = 0, w = 0;
     for (*axis = AXIS_NONE; at < len;) {
@@ -305,33 +195,29 @@ char heading_part(const char *text, size_t len, enum axis *axis)
             break;
     }
     for (size_t i = 0; words == 2 && i < sizeof names / sizeof names[0]; i++)
-        if (names[i].pair == PAIR_LON_LAT && is_word(name, n, names[i].text))
+        if (names[i].pair == PAIR_LON_LAT && word_list_has(names[i].words, name, n))
             *axis = names[i].axis;
     for (size_t i = 0; *axis != AXIS_NONE && i < sizeof parts / sizeof parts[0]; i++)
-        if (is_word(word, w, parts[i]))
-            return "dms"[i % 3];
+        if (word_list_has(parts[i], word, w))
+            return "dms"[i];
     return 0;
 }
 
-static bool is_among(const char *text, size_t len, const char *const *list, size_t n)
+static bool is_among(const char *text, size_t len, const char *list)
 {
     char name[WORD_ROOM];
-    size_t name_len = reduce(text, len, name);
-    for (size_t i = 0; i < n; i++)
-        if (is_word(name, name_len, list[i]))
-            return true;
-    return false;
+    size_t n = reduce(text, len, name);
+    return word_list_has(list, name, n);
 }
 
 bool heading_is_depth(const char *text, size_t len)
 {
-    return is_among(text, len, depths, sizeof depths / sizeof depths[0]);
+    return is_among(text, len, depths);
 }
 
 bool heading_is_height(const char *text, size_t len)
 {
-    return is_among(text, len, heights, sizeof heights / sizeof heights[0]) ||
-           heading_is_depth(text, len);
+    return is_among(text, len, heights) || heading_is_depth(text, len);
 }
 
 void heading_search_add(struct heading_search *s, size_t column, const char *text, size_t len)

@@ -6,22 +6,10 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 extern char **environ;
-
-bool program_reads(const char *name, const char *const *endings, size_t n)
-{
-    size_t all = strlen(name);
-    for (size_t i = 0; i < n; i++) {
-        size_t len = strlen(endings[i]);
-        if (all > len && strcasecmp(name + all - len, endings[i]) == 0)
-            return true;
-    }
-    return false;
-}
 
 /* Starts it; in and out replace its standard input and output, unless they are -1. Returns 0 or an errno. */
 static int start(pid_t *pid, const char *const *word, int in, int out)

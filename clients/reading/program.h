@@ -8,9 +8,6 @@
 
 enum { PROGRAM_WORDS = 16, PROGRAM_MISSING = 127 };
 
-/* Whether the name of a file has one of n endings, in capitals or not: then a program reads it. */
-bool program_reads(const char *name, const char *const *endings, size_t n);
-
 /* Starts word[0], searched for in $PATH, with these words, at most PROGRAM_WORDS and then NULL. Its standard input is `in`, or ours if that
  * is -1. *out gets its output, which the caller closes. Returns 0 or an errno. */
 int program_start(pid_t *pid, const char *const *word, int in, int *out);
