@@ -501,14 +501,3 @@ bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct
     free(g);
     return ok;
 }
-
-bool geojson_file_read(struct points_file *f, int fd, struct table_fields *t,
-                       struct geojson_notes *notes)
-{
-    char *text = NULL;
-    size_t n;
-    bool ok = points_file_read_all(f, fd, &text, &n);
-    ok = ok && geojson_text_read(f, text, n, t, notes);
-    free(text);
-    return ok;
-}

@@ -17,13 +17,9 @@ struct geojson_notes {
     char unused[400];           /* the names of properties that are not used, between commas */
 };
 
-/* Reads the whole file into memory, and twice: first to learn which fields there are. Third coordinates become the field z,
+/* Reads the text twice: first to learn which fields there are. Third coordinates become the field z,
  * or else a property whose name says that it is a height; with t->all all properties become fields that are more often numbers
  * than something else. Adds the fields to *t and counts what is missing. *notes is filled in. */
-bool geojson_file_read(struct points_file *f, int fd, struct table_fields *t,
-                       struct geojson_notes *notes);
-
-/* The same for a text in memory. */
 bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                        struct geojson_notes *notes);
 

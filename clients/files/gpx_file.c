@@ -157,17 +157,6 @@ bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct tab
     return ok;
 }
 
-bool gpx_file_read(struct points_file *f, int fd, struct table_fields *t, struct gpx_notes *notes)
-{
-    char *text = NULL;
-    size_t n;
-    bool ok = points_file_read_all(f, fd, &text, &n);
-    *notes = (struct gpx_notes){.heights = false};
-    ok = ok && gpx_text_read(f, text, n, t, notes);
-    free(text);
-    return ok;
-}
-
 void gpx_describe(const struct gpx_notes *notes, char *to, size_t room)
 {
     size_t n = (size_t)snprintf(to, room, "x=lon y=lat%s of", notes->heights ? " z=ele" : "");

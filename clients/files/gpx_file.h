@@ -15,8 +15,7 @@ struct gpx_notes {
     char odd[40];
 };
 
-/* Reads the whole file into memory. Adds the field to *t. */
-bool gpx_file_read(struct points_file *f, int fd, struct table_fields *t, struct gpx_notes *notes);
+/* Adds the points, and the field to *t. */
 bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct gpx_notes *notes);
 

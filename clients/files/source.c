@@ -2,6 +2,7 @@
 #include "clients/files/source.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -121,10 +122,10 @@ static void show_geojson(struct source *s, struct report *r, const struct geojso
                    (uintmax_t)notes->nowhere);
 }
 
-static bool read_geojson(struct source *s, struct points_file *f, int fd)
+static bool read_geojson(struct source *s, struct points_file *f, const char *text, size_t n)
 {
     struct geojson_notes notes;
-    bool ok = geojson_file_read(f, fd, &s->table.fields, &notes);
+    bool ok = geojson_text_read(f, text, n, &s->table.fields, &notes);
     s->geographic = !notes.projected;
     show_geojson(s, &f->report, &notes);
     if (ok)
@@ -132,10 +133,10 @@ static bool read_geojson(struct source *s, struct points_file *f, int fd)
     return ok;
 }
 
-static bool read_gpx(struct source *s, struct points_file *f, int fd)
+static bool read_gpx(struct source *s, struct points_file *f, const char *text, size_t n)
 {
     struct gpx_notes notes;
-    bool ok = gpx_file_read(f, fd, &s->table.fields, &notes);
+    bool ok = gpx_text_read(f, text, n, &s->table.fields, &notes);
     gpx_describe(&notes, s->table.using, sizeof s->table.using);
     if (notes.odd_line > 0 && notes.heights) {
         s->table.odd[0].line = notes.odd_line;
@@ -180,15 +181,18 @@ static bool read_las(struct source *s, struct points_file *f, const struct input
     return ok;
 }
 
-static bool read_poly(struct source *s, struct points_file *f, int fd)
+static bool read_poly(struct source *s, struct points_file *f, const char *text, size_t n)
 {
     struct table_fields *t = &s->table.fields;
-    struct poly_notes notes;
-    size_t n = 0;
-    bool ok = poly_file_read(f, fd, s->path, t, &notes);
-    for (size_t i = 0; i < t->n && n + FIELDS_NAME + 20 < sizeof s->table.using; i++)
-        n += (size_t)snprintf(s->table.using + n, sizeof s->table.using - n, "%s%s",
-                              i == 0 ? "attributes " : " ", t->name[i]);
+    struct poly_notes notes = {0};
+    char *node = NULL;
+    size_t node_n = 0, shown = 0;
+    bool ok = poly_read_node(f, s->path, &node, &node_n) &&
+              poly_text_read(f, text, n, node, node_n, t, &notes);
+    free(node);
+    for (size_t i = 0; i < t->n && shown + FIELDS_NAME + 20 < sizeof s->table.using; i++)
+        shown += (size_t)snprintf(s->table.using + shown, sizeof s->table.using - shown, "%s%s",
+                                  i == 0 ? "attributes " : " ", t->name[i]);
     if (notes.negative > 0)
         report_add(&f->report, NOTE_DOUBT,
                    "%ju markers of segments are no numbers from 0 to %d and "
@@ -205,10 +209,10 @@ static bool read_poly(struct source *s, struct points_file *f, int fd)
     return ok;
 }
 
-static bool read_obj(struct source *s, struct points_file *f, int fd)
+static bool read_obj(struct source *s, struct points_file *f, const char *text, size_t n)
 {
     struct obj_notes notes;
-    bool ok = obj_file_read(f, fd, &s->table.fields, &notes);
+    bool ok = obj_text_read(f, text, n, &s->table.fields, &notes);
     if (notes.heights)
         snprintf(s->table.using, sizeof s->table.using, "x y z of the points");
     if (notes.faces > 0)
@@ -240,6 +244,21 @@ static bool read_grid(struct source *s, struct points_file *f, const struct inpu
     return true;
 }
 
+/* The formats that are read as a whole. */
+static bool read_text(struct source *s, struct points_file *f, int fd)
+{
+    char *text = NULL;
+    size_t n;
+    bool ok = points_file_read_all(f, fd, &text, &n);
+    if (ok)
+        ok = s->form == SOURCE_GEOJSON ? read_geojson(s, f, text, n)
+             : s->form == SOURCE_GPX   ? read_gpx(s, f, text, n)
+             : s->form == SOURCE_POLY  ? read_poly(s, f, text, n)
+                                       : read_obj(s, f, text, n);
+    free(text);
+    return ok;
+}
+
 static bool is_table(const struct source *s)
 {
     return s->form == SOURCE_TABLE || s->form == SOURCE_NODE || s->form == SOURCE_XY;
@@ -255,18 +274,12 @@ static bool read_points(struct source *s, struct points_file *f, const struct in
     f->paths.lines_border = s->lines_border;
     if (in->member[0] != '\0')
         report_add(&f->report, NOTE_READ, "reading %s of the archive", in->member);
-    if (s->form == SOURCE_GEOJSON)
-        return read_geojson(s, f, in->fd);
-    if (s->form == SOURCE_GPX)
-        return read_gpx(s, f, in->fd);
     if (s->form == SOURCE_LAS)
         return read_las(s, f, in);
-    if (s->form == SOURCE_POLY)
-        return read_poly(s, f, in->fd);
-    if (s->form == SOURCE_OBJ)
-        return read_obj(s, f, in->fd);
     if (s->form == SOURCE_GRID)
         return read_grid(s, f, in);
+    if (!is_table(s))
+        return read_text(s, f, in->fd);
     progress_start(&r.bar, "reading");
     bool ok = table_file_read(&s->table, f, in->fd, show_reading, &r);
     progress_end(&r.bar);

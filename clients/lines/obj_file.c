@@ -126,13 +126,3 @@ bool obj_text_read(struct points_file *f, const char *text, size_t n, struct tab
     f->row = NULL;
     return ok && !f->fatal;
 }
-
-bool obj_file_read(struct points_file *f, int fd, struct table_fields *t, struct obj_notes *notes)
-{
-    char *text = NULL;
-    size_t n;
-    *notes = (struct obj_notes){.heights = false};
-    bool ok = points_file_read_all(f, fd, &text, &n) && obj_text_read(f, text, n, t, notes);
-    free(text);
-    return ok;
-}

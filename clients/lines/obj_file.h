@@ -11,9 +11,8 @@ struct obj_notes {
     uint64_t others; /* lines of other kinds, which are not used */
 };
 
-/* Reads the whole file into memory. Every `l` is a line with the next number, unless it is in a group or object called line_7 or border_7, as
+/* Every `l` is a line with the next number, unless it is in a group or object called line_7 or border_7, as
  * our own files name them. Points keep their places: a line's corners are those that the file numbers. False with a fault. */
-bool obj_file_read(struct points_file *f, int fd, struct table_fields *t, struct obj_notes *notes);
 bool obj_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct obj_notes *notes);
 

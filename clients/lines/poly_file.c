@@ -240,8 +240,7 @@ bool poly_text_read(struct points_file *f, const char *text, size_t n, const cha
     return ok;
 }
 
-/* The .node file beside it, if there is one. */
-static bool read_node_file(struct points_file *f, const char *path, char **text, size_t *n)
+bool poly_read_node(struct points_file *f, const char *path, char **text, size_t *n)
 {
     char name[4096];
     size_t len = strlen(path);
@@ -253,18 +252,5 @@ static bool read_node_file(struct points_file *f, const char *path, char **text,
         return errno == ENOENT || points_file_stop(f, "%s: %s", name, strerror(errno));
     bool ok = points_file_read_all(f, fd, text, n);
     close(fd);
-    return ok;
-}
-
-bool poly_file_read(struct points_file *f, int fd, const char *path, struct table_fields *t,
-                    struct poly_notes *notes)
-{
-    char *text = NULL, *node = NULL;
-    size_t n, node_n = 0;
-    *notes = (struct poly_notes){0};
-    bool ok = points_file_read_all(f, fd, &text, &n) && read_node_file(f, path, &node, &node_n) &&
-              poly_text_read(f, text, n, node, node_n, t, notes);
-    free(text);
-    free(node);
     return ok;
 }

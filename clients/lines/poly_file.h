@@ -12,13 +12,12 @@ struct poly_notes {
     uint64_t areas; /* regions with a greatest area, which is not used */
 };
 
-/* Reads the whole file into memory; without points in it, the points of the .node file beside `path`. Points keep their places. A segment is a
+/* Reads the points of `text`, or, if it has none, of `node`, which may be NULL. Points keep their places. A segment is a
  * line whose number is its marker; attributes of points are fields a1, a2, ...; holes and regions become seeds. False with a fault. */
-bool poly_file_read(struct points_file *f, int fd, const char *path, struct table_fields *t,
-                    struct poly_notes *notes);
-
-/* The same for texts; node may be NULL. */
 bool poly_text_read(struct points_file *f, const char *text, size_t n, const char *node,
                     size_t node_n, struct table_fields *t, struct poly_notes *notes);
+
+/* Reads the .node file beside the .poly file into *text, which is the caller's to free; NULL if there is none. False with a fault. */
+bool poly_read_node(struct points_file *f, const char *path, char **text, size_t *n);
 
 #endif
