@@ -5,6 +5,7 @@
 #include "clients/reading/headings.h"
 #include "clients/reading/json_scan.h"
 #include "proto/number.h"
+#include "proto/text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -430,9 +431,7 @@ static bool read_text(struct geojson *g, const char *text, size_t n)
 {
     g->feature = 0;
     g->kind = g->number = (struct json_part){NULL, 0};
-    g->j = (struct json_scan){.p = text, .end = text + n, .line = 1};
-    if (n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
-        g->j.p += 3; /* the byte order mark of UTF-8 */
+    g->j = (struct json_scan){.p = text + text_mark_length(text, n), .end = text + n, .line = 1};
     for (json_peek(&g->j); g->j.p < g->j.end; json_peek(&g->j)) {
         json_take(&g->j, 0x1E); /* RFC 8142 puts one before each value */
         for (size_t i = 0; i < FIELDS_MOST; i++)

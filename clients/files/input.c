@@ -7,6 +7,7 @@
 #include "clients/grids/asc_grid.h"
 #include "clients/grids/raster_file.h"
 #include "clients/reading/program.h"
+#include "proto/text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -68,7 +69,7 @@ static bool convert(struct input *in, const char *const *argument)
 
 static char first_character(const char *text, size_t n)
 {
-    size_t i = n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    size_t i = text_mark_length(text, n);
     while (i < n && strchr(" \t\r\n", text[i]) != NULL)
         i++;
     return i < n ? text[i] : '\0';

@@ -428,7 +428,7 @@ static bool read_rows(struct reader *r)
     const struct row_style *style = &r->t->plan.row;
     const char *s = r->block, *end = r->block + r->have;
     if (r->f->line == 0)
-        s += plan_mark_length(s, r->have);
+        s += text_mark_length(s, r->have);
     while (s < end) {
         struct row_quotes quotes = {0};
         const char *stop = row_end(style, s, end, r->all, &quotes);

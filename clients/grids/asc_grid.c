@@ -115,15 +115,10 @@ static int key_of(struct value word)
     return -1;
 }
 
-static size_t mark_length(const char *text, size_t n)
-{
-    return n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-}
-
 bool asc_begins(const char *text, size_t n)
 {
     struct points_file none = {0};
-    size_t mark = mark_length(text, n);
+    size_t mark = text_mark_length(text, n);
     struct asc a = {.f = &none, .p = text + mark, .end = text + n, .fd = -1, .line = 1};
     if (key_of(next_word(&a)) < 0)
         return false;
@@ -311,7 +306,8 @@ static bool read_grid(struct asc *a, const struct grid_frame *frame, struct tabl
 bool asc_text_read(struct points_file *f, const char *text, size_t n,
                    const struct grid_frame *frame, struct table_fields *t, struct grid_notes *notes)
 {
-    struct asc a = {.f = f, .p = text + mark_length(text, n), .end = text + n, .fd = -1, .line = 1};
+    struct asc a = {
+        .f = f, .p = text + text_mark_length(text, n), .end = text + n, .fd = -1, .line = 1};
     *notes = (struct grid_notes){.nodata = usual_nodata};
     return read_grid(&a, frame, t, notes);
 }
@@ -326,7 +322,7 @@ bool asc_file_read(struct points_file *f, int fd, const struct grid_frame *frame
     a.p = a.end = a.block;
     while (a.end - a.block < 3 && read_more(&a, (size_t)(a.end - a.block)))
         continue;
-    a.p += mark_length(a.p, (size_t)(a.end - a.p));
+    a.p += text_mark_length(a.p, (size_t)(a.end - a.p));
     bool ok = f->fault == NULL && read_grid(&a, frame, t, notes);
     free(a.block);
     return ok;

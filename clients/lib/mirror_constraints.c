@@ -4,21 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
+
 #define MANY 16384 /* rows of an event: more are not kept for the next one */
 
 /* ---- growing arrays ---- */
 
 static bool make_room(struct constraint_list *l, size_t n)
 {
-    size_t cap = l->n + n < 8 ? 16 : 2 * (l->n + n);
-    if (l->n + n <= l->cap)
-        return true;
-    struct delaunay_segment *at = realloc(l->at, cap * sizeof *at);
-    if (at == NULL)
-        return false;
-    l->at = at;
-    l->cap = cap;
-    return true;
+    return array_reserve((void **)&l->at, &l->cap, l->n + n, sizeof *l->at);
 }
 
 static bool add(struct constraint_list *l, const struct delaunay_segment *c)
@@ -51,14 +45,8 @@ void constraints_forget(struct constraints *s)
 
 bool constraints_gather(struct constraints *s, const struct delaunay_segment *c, bool declared)
 {
-    if (s->n_said == s->said_room) {
-        size_t room = s->said_room == 0 ? 16 : 2 * s->said_room;
-        struct constraint_said *said = realloc(s->said, room * sizeof *said);
-        if (said == NULL)
-            return false;
-        s->said = said;
-        s->said_room = room;
-    }
+    if (!array_reserve((void **)&s->said, &s->said_room, s->n_said + 1, sizeof *s->said))
+        return false;
     s->said[s->n_said] = (struct constraint_said){*c, declared, s->n_said};
     s->n_said++;
     return true;

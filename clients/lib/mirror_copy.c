@@ -10,29 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
 #include "proto/number.h"
 
 #define MANY_WORDS 65536 /* of an event: more are not kept for the next one */
 
 /* ---- growing arrays ---- */
 
-/* Makes room for n elements of a size in an array of *cap. */
-static bool grow(void **array, size_t *cap, size_t n, size_t size)
-{
-    if (n <= *cap)
-        return true;
-    size_t want = n < 8 ? 16 : 2 * n;
-    void *larger = want < SIZE_MAX / size ? realloc(*array, want * size) : NULL;
-    if (larger == NULL)
-        return false;
-    *array = larger;
-    *cap = want;
-    return true;
-}
-
 static bool words_room(struct copy_words *w, size_t n)
 {
-    return grow((void **)&w->at, &w->cap, w->n + n, sizeof *w->at);
+    return array_reserve((void **)&w->at, &w->cap, w->n + n, sizeof *w->at);
 }
 
 static bool words_add(struct copy_words *w, uint32_t word)
@@ -118,7 +105,7 @@ static struct copy_entry *entry_of(struct copy *c, uint32_t id)
         return NULL;
     if (c->slot[id] == 0) {
         if (c->entries == UINT32_MAX - 1 ||
-            !grow((void **)&c->entry, &c->entry_room, c->entries + 1, sizeof *c->entry))
+            !array_reserve((void **)&c->entry, &c->entry_room, c->entries + 1, sizeof *c->entry))
             return NULL;
         c->entry[c->entries++] = (struct copy_entry){.id = id};
         c->slot[id] = (uint32_t)c->entries;
@@ -164,8 +151,8 @@ static bool next_double(struct row *r, double *v)
 
 static enum delaunay_result point_row(struct copy *c, struct copy_entry *e, struct row *r)
 {
-    if (!grow((void **)&c->event_value, &c->event_value_room, c->event_values + c->fields,
-              sizeof *c->event_value))
+    if (!array_reserve((void **)&c->event_value, &c->event_value_room, c->event_values + c->fields,
+                       sizeof *c->event_value))
         return DELAUNAY_NOMEM;
     bool ok = next_double(r, &e->x) && next_double(r, &e->y);
     for (unsigned k = 0; k < c->fields && ok; k++)

@@ -4,22 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
+
 struct lines_scan lines_begin(const char *text, size_t n)
 {
-    bool mark = n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;
-    return (struct lines_scan){.p = text + (mark ? 3 : 0), .end = text + n};
+    return (struct lines_scan){.p = text + text_mark_length(text, n), .end = text + n};
 }
 
 static bool add_word(struct lines_scan *s, const char *from, const char *to)
 {
-    if (s->n == s->cap) {
-        size_t cap = s->cap == 0 ? 16 : 2 * s->cap;
-        struct value *word = realloc(s->word, cap * sizeof word[0]);
-        if (word == NULL)
-            return false;
-        s->word = word;
-        s->cap = cap;
-    }
+    if (!array_reserve((void **)&s->word, &s->cap, s->n + 1, sizeof s->word[0]))
+        return false;
     s->word[s->n++] = (struct value){from, (size_t)(to - from)};
     return true;
 }

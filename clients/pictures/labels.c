@@ -5,6 +5,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "clients/lib/array.h"
+
 bool labels_init(struct labels *l, double width, double height, double size, size_t n)
 {
     *l = (struct labels){.width = width, .height = height, .cell = size, .cells = 16};
@@ -54,14 +56,8 @@ static bool enter(struct labels *l, const struct label_box *b)
 {
     for (int64_t i = cell_of(l, b->x0); i <= cell_of(l, b->x1); i++)
         for (int64_t k = cell_of(l, b->y0); k <= cell_of(l, b->y1); k++) {
-            if (l->entries == l->room) {
-                size_t room = l->room == 0 ? 256 : 2 * l->room;
-                struct label_entry *entry = realloc(l->entry, room * sizeof entry[0]);
-                if (entry == NULL)
-                    return false;
-                l->entry = entry;
-                l->room = room;
-            }
+            if (!array_reserve((void **)&l->entry, &l->room, l->entries + 1, sizeof l->entry[0]))
+                return false;
             size_t *first = &l->first[slot(l, i, k)];
             l->entry[l->entries] = (struct label_entry){*b, *first};
             *first = ++l->entries;

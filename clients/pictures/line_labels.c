@@ -4,6 +4,7 @@
  *      .--'      '--.         of the piece, the better. A line is divided into stretches, and each stretch gets one number. */
 #include "clients/pictures/line_labels.h"
 
+#include "clients/lib/array.h"
 #include "clients/pictures/labels.h"
 #include "proto/number.h"
 
@@ -116,14 +117,8 @@ static bool take_room(struct work *w, const struct candidate *c)
 
 static bool add_number(struct work *w, const struct candidate *c, const char *text)
 {
-    if (w->n == w->room) {
-        size_t room = w->room == 0 ? 64 : 2 * w->room;
-        struct number *more = realloc(w->number, room * sizeof *more);
-        if (more == NULL)
-            return false;
-        w->number = more;
-        w->room = room;
-    }
+    if (!array_reserve((void **)&w->number, &w->room, w->n + 1, sizeof *w->number))
+        return false;
     double dx = c->to[0] - c->from[0], dy = c->to[1] - c->from[1];
     struct number *number = &w->number[w->n++];
     *number = (struct number){.x = (c->from[0] + c->to[0]) / 2, .y = (c->from[1] + c->to[1]) / 2};

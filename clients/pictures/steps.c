@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
 #include "proto/number.h"
 
 enum { MOST_WORDS = 6 };
@@ -83,15 +84,9 @@ static bool read_step(const struct model *m, const char *row, size_t len, struct
 
 bool steps_take(struct steps *t, const char *row, size_t len)
 {
-    if (t->n == t->cap) {
-        size_t cap = t->cap > 0 ? 2 * t->cap : 256;
-        struct step *more = realloc(t->step, cap * sizeof *more);
-        if (more == NULL) {
-            t->fault = "out of memory";
-            return false;
-        }
-        t->step = more;
-        t->cap = cap;
+    if (!array_reserve((void **)&t->step, &t->cap, t->n + 1, sizeof *t->step)) {
+        t->fault = "out of memory";
+        return false;
     }
     t->fault = "a row is not a step, or the set was edited meanwhile";
     return read_step(t->m, row, len, &t->step[t->n]) && ++t->n > 0;

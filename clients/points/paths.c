@@ -4,27 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
 #include "proto/number.h"
-
-/* Room for one more; false when out of memory. */
-static bool reserve(void **array, size_t n, size_t *cap, size_t size)
-{
-    if (n < *cap)
-        return true;
-    size_t more = *cap == 0 ? 64 : 2 * *cap;
-    void *grown = realloc(*array, more * size);
-    if (grown == NULL)
-        return false;
-    *array = grown;
-    *cap = more;
-    return true;
-}
 
 bool paths_begin(struct paths *p, bool border, uint32_t number, uint64_t line, uint64_t feature)
 {
-    void *path = p->path;
-    bool ok = reserve(&path, p->n, &p->cap, sizeof p->path[0]);
-    p->path = path;
+    bool ok = array_reserve((void **)&p->path, &p->cap, p->n + 1, sizeof p->path[0]);
     if (ok)
         p->path[p->n++] = (struct path){.first = p->corners,
                                         .border = border || p->lines_border,
@@ -36,9 +21,8 @@ bool paths_begin(struct paths *p, bool border, uint32_t number, uint64_t line, u
 
 bool paths_corner(struct paths *p, size_t place)
 {
-    void *corner = p->corner;
-    bool ok = reserve(&corner, p->corners, &p->corners_cap, sizeof p->corner[0]);
-    p->corner = corner;
+    bool ok =
+        array_reserve((void **)&p->corner, &p->corners_cap, p->corners + 1, sizeof p->corner[0]);
     if (ok)
         p->corner[p->corners++] = (uint32_t)place;
     return ok;
@@ -52,9 +36,7 @@ bool paths_number(struct paths *p, uint32_t *number)
 
 bool paths_seed(struct paths *p, struct seed seed)
 {
-    void *grown = p->seed;
-    bool ok = reserve(&grown, p->seeds, &p->seeds_cap, sizeof p->seed[0]);
-    p->seed = grown;
+    bool ok = array_reserve((void **)&p->seed, &p->seeds_cap, p->seeds + 1, sizeof p->seed[0]);
     if (ok)
         p->seed[p->seeds++] = seed;
     return ok;

@@ -9,8 +9,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/lib/array.h"
 #include "clients/reading/row.h"
 #include "proto/number.h"
+
+enum { READ_AT_LEAST = 1 << 15 };
 
 bool points_file_fault(struct points_file *f, const char *what)
 {
@@ -143,13 +146,8 @@ bool points_file_read_all(struct points_file *f, int fd, char **text, size_t *n)
     ssize_t got = 1;
     *n = 0;
     while (got != 0) {
-        if (*n == cap) {
-            cap = cap == 0 ? 1 << 16 : 2 * cap;
-            char *more = realloc(*text, cap);
-            if (more == NULL)
-                return points_file_stop(f, "out of memory");
-            *text = more;
-        }
+        if (!array_reserve((void **)text, &cap, *n + READ_AT_LEAST, 1))
+            return points_file_stop(f, "out of memory");
         got = read(fd, *text + *n, cap - *n);
         if (got < 0 && errno != EINTR)
             return points_file_stop(f, "%s", strerror(errno));

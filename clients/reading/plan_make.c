@@ -33,11 +33,6 @@ bool wish_columns(struct wish *w, const char *text)
     return n >= 2;
 }
 
-size_t plan_mark_length(const char *text, size_t n)
-{
-    return n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-}
-
 /* ---- headings ---- */
 
 /* Takes the values that were split last as headings, from column `shift` on. */
@@ -364,7 +359,7 @@ static bool make(struct plan *p, const struct wish *w, struct sample *s, struct 
 bool plan_make(struct plan *p, const struct wish *w, const char *text, size_t n, bool whole,
                struct report *report)
 {
-    size_t mark = plan_mark_length(text, n);
+    size_t mark = text_mark_length(text, n);
     if (!check_text(p, text, n))
         return false;
     struct sample *s = calloc(1, sizeof *s);

@@ -14,7 +14,4 @@ bool plan_make(struct plan *p, const struct wish *w, const char *text, size_t n,
                struct report *report);
 void plan_clear(struct plan *p);
 
-/* The length of the byte order mark of UTF-8 at the front. */
-size_t plan_mark_length(const char *text, size_t n);
-
 #endif

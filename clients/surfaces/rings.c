@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
 #include "clients/surfaces/words.h"
 #include "proto/number.h"
 
@@ -23,27 +24,11 @@ static bool fault(struct rings *r, const char *what)
 
 static bool reserve(struct rings *r, size_t corners)
 {
-    if (r->n == r->cap) {
-        size_t cap = r->cap == 0 ? 64 : 2 * r->cap;
-        struct ring *ring = realloc(r->ring, cap * sizeof ring[0]);
-        if (ring == NULL)
-            return fault(r, "out of memory");
-        r->ring = ring;
-        r->cap = cap;
-    }
-    if (corners > r->corners_cap - r->corners) {
-        size_t cap = 2 * (r->corners + corners) + 256;
-        uint32_t *id = realloc(r->id, cap * sizeof id[0]);
-        if (id != NULL)
-            r->id = id;
-        double *xy = realloc(r->xy, cap * 2 * sizeof xy[0]);
-        if (xy != NULL)
-            r->xy = xy;
-        if (id == NULL || xy == NULL)
-            return fault(r, "out of memory");
-        r->corners_cap = cap;
-    }
-    return true;
+    size_t n = r->corners + corners, of_xy = r->corners_cap;
+    return (array_reserve((void **)&r->ring, &r->cap, r->n + 1, sizeof r->ring[0]) &&
+            array_reserve((void **)&r->xy, &of_xy, n, 2 * sizeof r->xy[0]) &&
+            array_reserve((void **)&r->id, &r->corners_cap, n, sizeof r->id[0])) ||
+           fault(r, "out of memory");
 }
 
 bool rings_take(struct rings *r, const char *row, size_t len)

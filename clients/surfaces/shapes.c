@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/array.h"
 #include "clients/meshes/formats.h"
 #include "clients/surfaces/words.h"
 #include "proto/number.h"
@@ -26,23 +27,10 @@ static bool fault(struct shapes *s, const char *what)
 
 static bool reserve(struct shapes *s, size_t corners)
 {
-    if (s->n == s->cap) {
-        size_t cap = s->cap == 0 ? 256 : 2 * s->cap;
-        struct shape *shape = realloc(s->shape, cap * sizeof shape[0]);
-        if (shape == NULL)
-            return fault(s, "out of memory");
-        s->shape = shape;
-        s->cap = cap;
-    }
-    if (corners > s->corners_cap - s->corners) {
-        size_t cap = 2 * (s->corners + corners) + 1024;
-        double *xy = realloc(s->xy, cap * 2 * sizeof xy[0]);
-        if (xy == NULL)
-            return fault(s, "out of memory");
-        s->xy = xy;
-        s->corners_cap = cap;
-    }
-    return true;
+    return (array_reserve((void **)&s->shape, &s->cap, s->n + 1, sizeof s->shape[0]) &&
+            array_reserve((void **)&s->xy, &s->corners_cap, s->corners + corners,
+                          2 * sizeof s->xy[0])) ||
+           fault(s, "out of memory");
 }
 
 /* Takes one of two words; *first: it is the first. */
