@@ -13,6 +13,7 @@
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
 #include "clients/commands/show_relief.h"
+#include "clients/meshes/bounds.h"
 #include "clients/meshes/degrees.h"
 #include "clients/meshes/model.h"
 #include "proto/number.h"
@@ -72,18 +73,14 @@ static void draw_line(struct canvas *v, const double *p, const double *q, enum i
 /* Chooses the scale so that all points fit, and removes empty lines. */
 static void fit(struct canvas *v, const struct model *m)
 {
-    double x0 = m->xy[0], x1 = x0, y0 = m->xy[1], y1 = y0;
-    for (size_t i = 1; i < m->n; i++) {
-        x0 = fmin(x0, m->xy[2 * i]);
-        x1 = fmax(x1, m->xy[2 * i]);
-        y0 = fmin(y0, m->xy[2 * i + 1]);
-        y1 = fmax(y1, m->xy[2 * i + 1]);
-    }
-    double wide = 2.0 * v->columns - 1, high = 4.0 * v->lines - 1;
-    v->scale = fmin(x1 > x0 ? wide / (x1 - x0) : wide, y1 > y0 ? high / (y1 - y0) : high);
-    v->x0 = x0;
-    v->y1 = y1;
-    uint32_t lines = (uint32_t)lround((y1 - y0) * v->scale) / 4 + 1;
+    double box[4] = {0};
+    bounds_of(m->xy, m->n, box);
+    double dots_x = 2.0 * v->columns - 1, dots_y = 4.0 * v->lines - 1, wide = box[2] - box[0],
+           high = box[3] - box[1];
+    v->scale = fmin(wide > 0 ? dots_x / wide : dots_x, high > 0 ? dots_y / high : dots_y);
+    v->x0 = box[0];
+    v->y1 = box[3];
+    uint32_t lines = (uint32_t)lround(high * v->scale) / 4 + 1;
     if (lines < v->lines)
         v->lines = lines;
 }

@@ -5,6 +5,7 @@
  * viewer may begin anywhere. Without animation an element has its last value. */
 #include "clients/pictures/film.h"
 
+#include "clients/meshes/bounds.h"
 #include "clients/pictures/labels.h"
 
 #include <math.h>
@@ -104,14 +105,9 @@ static long point_y(const struct film *f, uint32_t p)
 /* The box of the points and of the grid fits into the drawing. */
 static void fit(struct film *f)
 {
-    const double *xy = f->m->xy;
-    double x0 = xy[0], x1 = x0, y0 = xy[1], y1 = y0;
-    for (size_t i = 1; i < f->m->n; i++) {
-        x0 = fmin(x0, xy[2 * i]);
-        x1 = fmax(x1, xy[2 * i]);
-        y0 = fmin(y0, xy[2 * i + 1]);
-        y1 = fmax(y1, xy[2 * i + 1]);
-    }
+    double box[4] = {0};
+    bounds_of(f->m->xy, f->m->n, box);
+    double x0 = box[0], y0 = box[1], x1 = box[2], y1 = box[3];
     if (f->t->n > 0 && f->t->step[0].kind == STEP_GRID) {
         const struct step *g = &f->t->step[0];
         x1 = fmax(x1, g->x + g->size * g->v[0]);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/meshes/bounds.h"
 #include "clients/pictures/legend.h"
 #include "clients/pictures/surface_picture.h"
 #include "clients/pictures/svg.h"
@@ -113,31 +114,13 @@ static size_t count_shown(const struct picture *e, const struct model *m)
     return n;
 }
 
-/* Moves the points that are shown to the front. */
-static void cut_points(const struct picture *e, struct model *m)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < m->n; i++) {
-        const double *p = point(m, i);
-        if (!is_shown(e, p))
-            continue;
-        m->xy[2 * n] = p[0];
-        m->xy[2 * n + 1] = p[1];
-        m->id[n++] = m->id[i];
-    }
-}
-
 /* Everything, or what the box holds. */
 static void choose_box(const struct picture *e, const struct model *m, double *box)
 {
-    memcpy(box, e->has_box ? e->box : (const double[4]){m->xy[0], m->xy[1], m->xy[0], m->xy[1]},
-           sizeof e->box);
-    for (size_t i = 0; !e->has_box && i < m->n; i++) {
-        box[0] = fmin(box[0], m->xy[2 * i]);
-        box[1] = fmin(box[1], m->xy[2 * i + 1]);
-        box[2] = fmax(box[2], m->xy[2 * i]);
-        box[3] = fmax(box[3], m->xy[2 * i + 1]);
-    }
+    if (e->has_box)
+        memcpy(box, e->box, sizeof e->box);
+    else
+        bounds_of(m->xy, m->n, box);
 }
 
 /* Explains the colours of the picture. False when out of memory. */
@@ -194,7 +177,8 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
         return false;
     draw_hull(&s, m);
     surface_draw_constraints(&s, m);
-    cut_points(e, m);
+    if (e->has_box)
+        surface_cut_points(m, e->box);
     svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);
     e->unlabelled = s.unlabelled;
     svg_place(&s, &e->left, &e->top, &e->pixel);

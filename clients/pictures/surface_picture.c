@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/meshes/bounds.h"
 #include "clients/pictures/legend.h"
 #include "clients/pictures/line_labels.h"
 
@@ -199,16 +200,6 @@ static void draw_lines(struct svg *s, const struct shapes *lines, const struct l
         }
 }
 
-static void model_bounds(const struct model *m, double *box)
-{
-    for (size_t i = 0; i < m->n; i++)
-        for (size_t k = 0; k < 2; k++) {
-            double v = m->xy[2 * i + k];
-            box[k] = i == 0 ? v : fmin(box[k], v);
-            box[k + 2] = i == 0 ? v : fmax(box[k + 2], v);
-        }
-}
-
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
                             const struct model *m, int field, const double *box, const char *unit,
                             bool numbers)
@@ -228,7 +219,7 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
         free(level);
         return false;
     }
-    model_bounds(m, around);
+    bounds_of(m->xy, m->n, around);
     svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL,
               m->triangles > 0 ? legend_shown(&legend) : NULL, unit);
     ok = surface_draw_ground(&s, m, field, &r);
@@ -271,7 +262,7 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
         legend_free(&legend);
         return false;
     }
-    shapes_bounds(bands, around);
+    bounds_of(bands->xy, bands->corners, around);
     svg_begin(&s, out, title, box != NULL ? box : around, bands->n, box != NULL,
               legend_shown(&legend), unit);
     draw_bands(&s, &r, bands);
@@ -284,8 +275,7 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
 
 /* ---- cells ---- */
 
-/* Moves the points within the box to the front; returns their number. */
-static size_t cut_points(struct model *m, const double *box)
+size_t surface_cut_points(struct model *m, const double *box)
 {
     size_t n = 0;
     for (size_t i = 0; i < m->n; i++) {
@@ -312,7 +302,7 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
         legend_free(&legend);
         return false;
     }
-    shapes_bounds(cells, box);
+    bounds_of(cells->xy, cells->corners, box);
     svg_begin(&s, out, title, box, cells->n, false, legend_shown(&legend), unit);
     for (size_t i = 0; i < cells->n; i++) {
         const struct shape *c = &cells->shape[i];
@@ -322,7 +312,7 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
             known ? relief_colour(&r, model_value(m, field, place), 0, 0) : SVG_NO_COLOUR;
         svg_polygon(&s, rgb, cells->xy + 2 * c->first, c->n);
     }
-    svg_points(&s, m->xy, m->id, cut_points(m, box));
+    svg_points(&s, m->xy, m->id, surface_cut_points(m, box));
     svg_end(&s);
     legend_free(&legend);
     return true;
@@ -335,7 +325,7 @@ bool surface_write_rings(FILE *out, const char *title, const struct shapes *ring
 {
     double around[4] = {0, 0, 1, 1};
     struct svg s;
-    model_bounds(m, around);
+    bounds_of(m->xy, m->n, around);
     if (box != NULL)
         memcpy(around, box, sizeof around);
     svg_begin(&s, out, title, around, m->n, box != NULL, NULL, unit);
@@ -346,7 +336,7 @@ bool surface_write_rings(FILE *out, const char *title, const struct shapes *ring
         else
             svg_polygon(&s, SVG_NO_COLOUR, rings->xy + 2 * ring->first, ring->n);
     }
-    svg_points(&s, m->xy, m->id, cut_points(m, around));
+    svg_points(&s, m->xy, m->id, surface_cut_points(m, around));
     svg_end(&s);
     return true;
 }

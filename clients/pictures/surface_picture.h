@@ -17,6 +17,9 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, const 
 /* Draws the constraints of m, bold; call it where svg_constraint may be called. */
 void surface_draw_constraints(struct svg *s, const struct model *m);
 
+/* Moves the points within the box to the front; returns their number. */
+size_t surface_cut_points(struct model *m, const double *box);
+
 /* unit: of the scale, "" if unknown. */
 
 /* Writes a picture of contour lines, of the constraints of m, and of the ground below them if m has triangles. If there are

@@ -121,17 +121,6 @@ void shapes_free(struct shapes *s)
     *s = (struct shapes){.kind = s->kind};
 }
 
-bool shapes_bounds(const struct shapes *s, double *box)
-{
-    for (size_t i = 0; i < s->corners; i++)
-        for (int k = 0; k < 2; k++) {
-            double v = s->xy[2 * i + (size_t)k];
-            box[k] = i == 0 ? v : fmin(box[k], v);
-            box[k + 2] = i == 0 ? v : fmax(box[k + 2], v);
-        }
-    return s->corners > 0;
-}
-
 /* ---- writing ---- */
 
 /* The corners, for a closed shape the first one again in the end. */

@@ -41,9 +41,6 @@ bool shapes_add(struct shapes *s, const struct shape *shape, const double *xy);
 bool shapes_take(struct shapes *s, const char *row, size_t len);
 void shapes_free(struct shapes *s);
 
-/* The box around all of them; false if there are none. */
-bool shapes_bounds(const struct shapes *s, double *box);
-
 /* The number of shapes from i on that are one polygon, an outer ring with its holes; 1 for cells and lines. */
 size_t shapes_rings(const struct shapes *s, size_t i);
 

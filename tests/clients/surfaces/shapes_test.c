@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/meshes/bounds.h"
 #include "tests/test.h"
 
 static bool take(struct shapes *s, const char *row)
@@ -93,8 +94,8 @@ TEST(a_cell_without_corners_is_left_out)
 {
     struct shapes s = {.kind = SHAPE_CELL};
     double box[4];
-    CHECK(take(&s, "7 0") && s.n == 0 && !shapes_bounds(&s, box));
-    CHECK(take(&s, "8 3 -1 5 2 5 0 9") && shapes_bounds(&s, box));
+    CHECK(take(&s, "7 0") && s.n == 0 && !bounds_of(s.xy, s.corners, box));
+    CHECK(take(&s, "8 3 -1 5 2 5 0 9") && bounds_of(s.xy, s.corners, box));
     CHECK(box[0] == -1 && box[1] == 5 && box[2] == 2 && box[3] == 9);
     shapes_free(&s);
 }
