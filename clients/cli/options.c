@@ -19,6 +19,18 @@ int options_next(int argc, char **argv, const char *letters, const struct option
     return getopt_long(argc, argv, with_colon, options, NULL);
 }
 
+int options_read(int argc, char **argv, const char *letters, const struct option *options,
+                 options_take_fn *take, void *ctx, int words, const char *what)
+{
+    int option, status = EXIT_DONE;
+    optind = 0;
+    while (status == EXIT_DONE && (option = options_next(argc, argv, letters, options)) != -1)
+        status = take(ctx, option, argv);
+    if (status == EXIT_DONE && words >= 0 && argc - optind != words)
+        status = options_wrong(argv[0], "%s takes %s", argv[0], what);
+    return status;
+}
+
 int options_wrong(const char *command, const char *format, ...)
 {
     va_list values;

@@ -130,13 +130,9 @@ static int read_arguments(struct work *w, int argc, char **argv)
         {"format", required_argument, NULL, 'f'}, {"viewport", required_argument, NULL, 'v'},
         {"force", no_argument, NULL, 'F'},        {"geographic", no_argument, NULL, 'G'},
         {"crs", required_argument, NULL, 'K'},    {NULL, 0, NULL, 0}};
-    int option, status = EXIT_DONE;
     double radius;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
-        status = shapes_file_option(&w->file, option, argv);
-    if (status == EXIT_DONE && argc - optind != 3)
-        status = options_wrong(argv[0], "alpha takes a set, a radius and a file");
+    int status = options_read(argc, argv, "f:", options, shapes_file_option, &w->file, 3,
+                              "a set, a radius and a file");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];

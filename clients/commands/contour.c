@@ -156,8 +156,9 @@ static bool are_levels(const char *text)
     }
 }
 
-static int read_option(struct work *w, int option, char **argv)
+static int read_option(void *ctx, int option, char **argv)
 {
+    struct work *w = ctx;
     if (option == 'B') {
         w->bands = true;
         w->file.shapes.kind = SHAPE_BAND;
@@ -192,12 +193,8 @@ static int read_arguments(struct work *w, int argc, char **argv)
         {"geographic", no_argument, NULL, 'G'},     {"crs", required_argument, NULL, 'K'},
         {"missing", required_argument, NULL, 'M'},  {"bands", no_argument, NULL, 'B'},
         {"no-labels", no_argument, NULL, 'N'},      {NULL, 0, NULL, 0}};
-    int option, status = EXIT_DONE;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
-        status = read_option(w, option, argv);
-    if (status == EXIT_DONE && argc - optind != 3)
-        status = options_wrong(argv[0], "contour takes a set, a field and a file");
+    int status =
+        options_read(argc, argv, "f:", options, read_option, w, 3, "a set, a field and a file");
     if (status == EXIT_DONE && w->levels != NULL && (w->every != NULL || w->base != NULL))
         status = options_wrong(argv[0], "--levels, or --every and --base");
     if (status != EXIT_DONE)

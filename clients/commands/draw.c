@@ -201,8 +201,9 @@ struct drawing {
     char name[100]; /* the file's, as a title */
 };
 
-static int read_option(struct drawing *d, int option, char **argv)
+static int read_option(void *ctx, int option, char **argv)
 {
+    struct drawing *d = ctx;
     bool known;
     int status = file_options_take(&d->input, option == 'c' ? FILE_COLUMNS : option, argv, &known);
     if (!known)
@@ -243,10 +244,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
                                             EXPORT_OPTIONS,
                                             {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
-    int option, status = EXIT_DONE;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:c:", options)) != -1)
-        status = read_option(d, option, argv);
+    int status = options_read(argc, argv, "f:c:", options, read_option, d, -1, NULL);
     if (status != EXIT_DONE)
         return status;
     d->on_terminal = argc - optind == 1 && (draws || d->input.dry_run);

@@ -220,8 +220,9 @@ static bool read_colour(const char *text, enum picture_colour *colour)
     return false;
 }
 
-int export_option(struct export *e, int option, char **argv)
+int export_option(void *export, int option, char **argv)
 {
+    struct export *e = export;
     if (option == 'f')
         e->form = optarg;
     else if (option == 'n')
@@ -286,12 +287,7 @@ int command_export(struct delaunay_client *c, int argc, char **argv)
     static const struct option options[] = {
         {"format", required_argument, NULL, 'f'}, EXPORT_OPTIONS, {NULL, 0, NULL, 0}};
     struct export e = {0};
-    int option, status = EXIT_DONE;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
-        status = export_option(&e, option, argv);
-    if (status == EXIT_DONE && argc - optind != 2)
-        status = options_wrong(argv[0], "export takes a set and a file");
+    int status = options_read(argc, argv, "f:", options, export_option, &e, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     const char *set = argv[optind];

@@ -33,8 +33,8 @@ struct export
         "force", no_argument, NULL, 'F'                                                            \
     }
 
-/* Takes one of these options; a usage error's status, or EXIT_DONE. */
-int export_option(struct export *e, int option, char **argv);
+/* Takes one of these options of a struct export; a usage error's status, or EXIT_DONE. */
+int export_option(void *export, int option, char **argv);
 
 /* When all options have been read and e->path is known: chooses the format, and refuses to replace a file that
  * another program wrote. Returns the exit status. */

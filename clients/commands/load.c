@@ -7,24 +7,24 @@
 #include "clients/cli/json.h"
 #include "clients/cli/sending.h"
 
+static int read_option(void *ctx, int option, char **argv)
+{
+    bool known;
+    int status = file_options_take(ctx,
+                                   option == 'f'   ? FILE_FORMAT
+                                   : option == 'c' ? FILE_COLUMNS
+                                                   : option,
+                                   argv, &known);
+    return known ? status : options_unknown(argv[0], argv, option);
+}
+
 static int read_arguments(struct file_options *r, const char **set, int argc, char **argv)
 {
     static const struct option options[] = {
         {"format", required_argument, NULL, FILE_FORMAT}, FILE_OPTIONS, {NULL, 0, NULL, 0}};
-    int option;
-    optind = 0;
-    while ((option = options_next(argc, argv, "f:c:", options)) != -1) {
-        bool known;
-        int status = file_options_take(r,
-                                       option == 'f'   ? FILE_FORMAT
-                                       : option == 'c' ? FILE_COLUMNS
-                                                       : option,
-                                       argv, &known);
-        if (status != EXIT_DONE || !known)
-            return known ? status : options_unknown(argv[0], argv, option);
-    }
-    if (argc - optind != 2)
-        return options_wrong(argv[0], "load takes a set and a file");
+    int status = options_read(argc, argv, "f:c:", options, read_option, r, 2, "a set and a file");
+    if (status != EXIT_DONE)
+        return status;
     *set = argv[optind];
     r->from.path = argv[optind + 1];
     return EXIT_DONE;

@@ -205,8 +205,9 @@ static bool read_positive(const char *text, double *v)
     return end != text && *end == '\0' && *v > 0 && isfinite(*v);
 }
 
-static int read_option(struct work *w, int option, char **argv)
+static int read_option(void *ctx, int option, char **argv)
 {
+    struct work *w = ctx;
     struct raster_request *r = &w->request;
     double width;
     if (option == 'f')
@@ -277,12 +278,8 @@ static int read_arguments(struct work *w, int argc, char **argv)
         {"missing", required_argument, NULL, 'M'}, {"clip", required_argument, NULL, 'C'},
         {"as", required_argument, NULL, 'A'},      {"force", no_argument, NULL, 'F'},
         {"crs", required_argument, NULL, 'K'},     {NULL, 0, NULL, 0}};
-    int option, status = EXIT_DONE;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
-        status = read_option(w, option, argv);
-    if (status == EXIT_DONE && argc - optind != 3)
-        status = options_wrong(argv[0], "raster takes a set, a field and a file");
+    int status =
+        options_read(argc, argv, "f:", options, read_option, w, 3, "a set, a field and a file");
     if (status == EXIT_DONE && w->request.cell > 0 && w->request.columns > 0)
         status = options_wrong(argv[0], "--cell, or --width");
     if (status != EXIT_DONE)

@@ -8,8 +8,9 @@
 #include "clients/cli/options.h"
 #include "clients/meshes/degrees.h"
 
-int shapes_file_option(struct shapes_file *f, int option, char **argv)
+int shapes_file_option(void *file, int option, char **argv)
 {
+    struct shapes_file *f = file;
     if (option == 'f')
         f->form = optarg;
     else if (option == 'F')

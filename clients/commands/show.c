@@ -182,6 +182,24 @@ static bool read_size(const char *text, uint32_t *v)
     return proto_read_u32(text, strlen(text), v) && *v >= 1 && *v <= 2000;
 }
 
+static int read_option(void *ctx, int option, char **argv)
+{
+    struct canvas *v = ctx;
+    if (option == 'p')
+        v->plain = true;
+    else if (option == 'm')
+        v->mesh = true;
+    else if (option == 'z')
+        v->field = optarg;
+    else if (option == 'G')
+        v->geographic = true;
+    else if (option != 'w' && option != 'h')
+        return options_unknown(argv[0], argv, option);
+    else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
+        return options_wrong(argv[0], "a width or height is from 1 to 2000, not %s", optarg);
+    return EXIT_DONE;
+}
+
 static int read_arguments(struct canvas *v, int argc, char **argv)
 {
     static const struct option options[] = {{"width", required_argument, NULL, 'w'},
@@ -191,29 +209,13 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
                                             {"field", required_argument, NULL, 'z'},
                                             {"geographic", no_argument, NULL, 'G'},
                                             {NULL, 0, NULL, 0}};
-    int option;
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
         v->columns = size.ws_col;
         v->lines = size.ws_row - 1u;
     }
     v->plain = command_is_plain();
-    optind = 0;
-    while ((option = options_next(argc, argv, "", options)) != -1) {
-        if (option == 'p')
-            v->plain = true;
-        else if (option == 'm')
-            v->mesh = true;
-        else if (option == 'z')
-            v->field = optarg;
-        else if (option == 'G')
-            v->geographic = true;
-        else if (option != 'w' && option != 'h')
-            return options_unknown(argv[0], argv, option);
-        else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
-            return options_wrong(argv[0], "a width or height is from 1 to 2000, not %s", optarg);
-    }
-    return argc - optind == 1 ? EXIT_DONE : options_wrong(argv[0], "show takes a set");
+    return options_read(argc, argv, "", options, read_option, v, 1, "a set");
 }
 
 static bool has_borders(const struct model *m)

@@ -60,8 +60,9 @@ static int draw_cells(void *ctx, FILE *out)
                : output_fault("", "out of memory");
 }
 
-static int read_option(struct work *w, int option, char **argv)
+static int read_option(void *ctx, int option, char **argv)
 {
+    struct work *w = ctx;
     if (option != 'z')
         return shapes_file_option(&w->file, option, argv);
     w->field = optarg;
@@ -77,12 +78,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
                                             {"geographic", no_argument, NULL, 'G'},
                                             {"crs", required_argument, NULL, 'K'},
                                             {NULL, 0, NULL, 0}};
-    int option, status = EXIT_DONE;
-    optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
-        status = read_option(w, option, argv);
-    if (status == EXIT_DONE && argc - optind != 2)
-        status = options_wrong(argv[0], "voronoi takes a set and a file");
+    int status = options_read(argc, argv, "f:", options, read_option, w, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];
