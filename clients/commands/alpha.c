@@ -20,22 +20,6 @@ struct work {
 
 /* ---- fetching ---- */
 
-static bool take_version(void *ctx, const struct delaunay_part *part)
-{
-    if (part->kind == DELAUNAY_PART_OK)
-        delaunay_key_number(part, "version", ctx);
-    return true;
-}
-
-static enum delaunay_result fetch_version(struct delaunay_client *c, const struct work *w,
-                                          uint64_t *version)
-{
-    char line[120];
-    *version = 0;
-    snprintf(line, sizeof line, "STAT %.100s", w->set);
-    return delaunay_request(c, line, take_version, version);
-}
-
 /* The radius is that of the request, or the one that the reply has. */
 static void take_radius(struct work *w, const struct delaunay_part *status)
 {
@@ -78,13 +62,13 @@ static enum delaunay_result fetch_once(struct delaunay_client *c, struct work *w
     rings_free(&w->rings);
     model_free(&w->file.model);
     snprintf(line, sizeof line, "ALPHA %.100s %.100s", w->set, w->wish);
-    enum delaunay_result r = fetch_version(c, w, &before);
+    enum delaunay_result r = model_fetch_version(c, w->set, &before);
     if (r == DELAUNAY_OK)
         r = delaunay_request(c, line, take_row, w);
     if (r == DELAUNAY_OK)
         r = model_fetch(c, w->set, 0, &w->file.model);
     if (r == DELAUNAY_OK)
-        r = fetch_version(c, w, &after);
+        r = model_fetch_version(c, w->set, &after);
     if (r == DELAUNAY_OK)
         find_corners(w, torn);
     *torn |= before != after;

@@ -210,31 +210,30 @@ static void queue(struct delaunay_client *c, const void *bytes, size_t n)
         buf_append(&c->out, bytes, n);
 }
 
-/* Doubles travel little-endian. */
+/* Words of `size` bytes, which travel little-endian. */
+static void queue_words(struct delaunay_client *c, const void *words, size_t n, size_t size)
+{
+    const char *word = words;
+    char turned[sizeof(double)];
+    if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
+        queue(c, words, n * size);
+        return;
+    }
+    for (const char *end = word + n * size; word < end; word += size) {
+        for (size_t i = 0; i < size; i++)
+            turned[i] = word[size - 1 - i];
+        queue(c, turned, size);
+    }
+}
+
 static void queue_doubles(struct delaunay_client *c, const double *v, size_t n)
 {
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    queue(c, v, n * sizeof v[0]);
-#else
-    for (size_t i = 0; i < n; i++) {
-        uint64_t bits;
-        memcpy(&bits, v + i, sizeof bits);
-        bits = __builtin_bswap64(bits);
-        queue(c, &bits, sizeof bits);
-    }
-#endif
+    queue_words(c, v, n, sizeof *v);
 }
 
 static void queue_ids(struct delaunay_client *c, const uint32_t *v, size_t n)
 {
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    queue(c, v, n * sizeof v[0]);
-#else
-    for (size_t i = 0; i < n; i++) {
-        uint32_t id = __builtin_bswap32(v[i]);
-        queue(c, &id, sizeof id);
-    }
-#endif
+    queue_words(c, v, n, sizeof *v);
 }
 
 /* The length without the line's own end. */
@@ -331,13 +330,6 @@ static enum delaunay_result send_body(struct delaunay_client *c, const char *com
     return r == DELAUNAY_OK ? r : give_up(c, r);
 }
 
-enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
-                                          const double *xy, size_t n,
-                                          delaunay_progress_fn *progress, void *ctx)
-{
-    return send_body(c, "LOADB", set, "", &(struct body){.xy = xy, .n = n}, progress, ctx);
-}
-
 /* The number of names in a list with commas between; 0 if one is not the name of a field, or the list is too long. */
 static size_t count_fields(const char *list)
 {
@@ -354,19 +346,32 @@ static size_t count_fields(const char *list)
     }
 }
 
+/* Sends LOADB with these words, and the fields, if there are any. */
+static enum delaunay_result load(struct delaunay_client *c, const char *set, const char *words,
+                                 const char *fields, struct body *b, delaunay_progress_fn *progress,
+                                 void *ctx)
+{
+    char rest[FIELD_LIST_MAX + 64];
+    bool values = fields != NULL && fields[0] != '\0';
+    if (values && (b->k = count_fields(fields)) == 0)
+        return DELAUNAY_BADNAME;
+    snprintf(rest, sizeof rest, "%s%s%s", words, values ? " FIELDS " : "", values ? fields : "");
+    return send_body(c, "LOADB", set, rest, b, progress, ctx);
+}
+
+enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
+                                          const double *xy, size_t n,
+                                          delaunay_progress_fn *progress, void *ctx)
+{
+    return load(c, set, "", NULL, &(struct body){.xy = xy, .n = n}, progress, ctx);
+}
+
 enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char *set,
                                           const char *fields, const double *xy, const double *value,
                                           size_t n, delaunay_progress_fn *progress, void *ctx)
 {
-    char rest[FIELD_LIST_MAX + 16];
     struct body body = {.xy = xy, .value = value, .n = n};
-    if (fields == NULL || fields[0] == '\0')
-        return delaunay_send_points(c, set, xy, n, progress, ctx);
-    body.k = count_fields(fields);
-    if (body.k == 0)
-        return DELAUNAY_BADNAME;
-    snprintf(rest, sizeof rest, " FIELDS %s", fields);
-    return send_body(c, "LOADB", set, rest, &body, progress, ctx);
+    return load(c, set, "", fields, &body, progress, ctx);
 }
 
 enum delaunay_result delaunay_send_drawing(struct delaunay_client *c, const char *set,
@@ -375,14 +380,10 @@ enum delaunay_result delaunay_send_drawing(struct delaunay_client *c, const char
                                            const uint32_t *constraint, size_t m, bool split,
                                            delaunay_progress_fn *progress, void *ctx)
 {
-    char rest[FIELD_LIST_MAX + 64];
+    char words[60];
     struct body body = {.xy = xy, .value = value, .n = n, .constraint = constraint, .m = m};
-    bool values = fields != NULL && fields[0] != '\0';
-    if (values && (body.k = count_fields(fields)) == 0)
-        return DELAUNAY_BADNAME;
-    snprintf(rest, sizeof rest, " CONSTRAINTS %zu%s%s%s", m, split ? " SPLIT" : "",
-             values ? " FIELDS " : "", values ? fields : "");
-    return send_body(c, "LOADB", set, rest, &body, progress, ctx);
+    snprintf(words, sizeof words, " CONSTRAINTS %zu%s", m, split ? " SPLIT" : "");
+    return load(c, set, words, fields, &body, progress, ctx);
 }
 
 /* The head of a request without points; the pairs follow it. */

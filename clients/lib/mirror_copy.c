@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "clients/lib/array.h"
-#include "proto/number.h"
+#include "clients/lib/words.h"
 
 #define MANY_WORDS 65536 /* of an event: more are not kept for the next one */
 
@@ -113,66 +113,46 @@ static struct copy_entry *entry_of(struct copy *c, uint32_t id)
     return &c->entry[c->slot[id] - 1];
 }
 
-/* The words of a row. */
-struct row {
-    const char *at, *end;
-};
-
-static bool next_word(struct row *r, const char **word, size_t *len)
+static bool next_id(struct words *r, uint32_t *id)
 {
-    if (r->at >= r->end)
-        return false;
-    const char *space = memchr(r->at, ' ', (size_t)(r->end - r->at));
-    *word = r->at;
-    *len = (size_t)((space != NULL ? space : r->end) - r->at);
-    r->at += *len + (space != NULL);
-    return true;
+    return words_next_u32(r, id) && *id < UINT32_MAX;
 }
 
-static bool next_id(struct row *r, uint32_t *id)
+/* A number, or nan. */
+static bool next_value(struct words *r, double *v)
 {
+    struct words before = *r;
     const char *word;
-    size_t len;
-    return next_word(r, &word, &len) && proto_read_u32(word, len, id) && *id < UINT32_MAX;
-}
-
-static bool next_double(struct row *r, double *v)
-{
-    const char *word;
-    size_t len;
-    if (!next_word(r, &word, &len))
-        return false;
-    if (len == 3 && memcmp(word, "nan", 3) == 0) {
-        *v = (double)NAN;
+    if (words_next_double(r, v))
         return true;
-    }
-    return proto_read_double(word, len, v);
+    *r = before;
+    *v = (double)NAN;
+    return words_next(r, &word) == 3 && memcmp(word, "nan", 3) == 0;
 }
 
-static enum delaunay_result point_row(struct copy *c, struct copy_entry *e, struct row *r)
+static enum delaunay_result point_row(struct copy *c, struct copy_entry *e, struct words *r)
 {
     if (!array_reserve((void **)&c->event_value, &c->event_value_room, c->event_values + c->fields,
                        sizeof *c->event_value))
         return DELAUNAY_NOMEM;
-    bool ok = next_double(r, &e->x) && next_double(r, &e->y);
+    bool ok = next_value(r, &e->x) && next_value(r, &e->y);
     for (unsigned k = 0; k < c->fields && ok; k++)
-        ok = next_double(r, &c->event_value[c->event_values + k]);
+        ok = next_value(r, &c->event_value[c->event_values + k]);
     e->value = c->event_values;
     c->event_values += c->fields;
     e->point = true;
     e->gone = e->ringed = false;
-    return ok && r->at >= r->end ? DELAUNAY_OK : DELAUNAY_BROKEN;
+    return ok && r->s >= r->end ? DELAUNAY_OK : DELAUNAY_BROKEN;
 }
 
-static enum delaunay_result list_row(struct copy *c, struct copy_entry *e, struct row *r)
+static enum delaunay_result list_row(struct copy *c, struct copy_entry *e, struct words *r)
 {
     const char *kind;
-    size_t len;
     uint32_t id;
-    if (!next_word(r, &kind, &len) || len != 1 || (*kind != 'i' && *kind != 'b'))
+    if (words_next(r, &kind) != 1 || (*kind != 'i' && *kind != 'b'))
         return DELAUNAY_BROKEN;
     e->ring = c->event_rings.n;
-    while (r->at < r->end) {
+    while (r->s < r->end) {
         if (!next_id(r, &id))
             return DELAUNAY_BROKEN;
         if (!words_add(&c->event_rings, id))
@@ -185,29 +165,30 @@ static enum delaunay_result list_row(struct copy *c, struct copy_entry *e, struc
 }
 
 /* `b line k` or `b border k`, and perhaps the places of both ends. */
-static enum delaunay_result constraint_row(struct copy *c, uint32_t a, bool declared, struct row *r)
+static enum delaunay_result constraint_row(struct copy *c, uint32_t a, bool declared,
+                                           struct words *r)
 {
     const char *kind;
-    size_t n;
+    size_t n = 0;
     struct delaunay_segment what = {.a = a};
-    if (!next_id(r, &what.b) || !next_word(r, &kind, &n) || !next_id(r, &what.number))
+    if (!next_id(r, &what.b) || (n = words_next(r, &kind)) == 0 || !next_id(r, &what.number))
         return DELAUNAY_BROKEN;
     what.border = n == 6 && memcmp(kind, "border", 6) == 0;
     bool good = what.border || (n == 4 && memcmp(kind, "line", 4) == 0);
-    for (int i = 0; i < 4 && good && declared && (i > 0 || r->at < r->end); i++)
-        good = next_double(r, &what.places[i]);
-    if (!good || r->at < r->end)
+    for (int i = 0; i < 4 && good && declared && (i > 0 || r->s < r->end); i++)
+        good = next_value(r, &what.places[i]);
+    if (!good || r->s < r->end)
         return DELAUNAY_BROKEN;
     return constraints_gather(&c->constraints, &what, declared) ? DELAUNAY_OK : DELAUNAY_NOMEM;
 }
 
 enum delaunay_result copy_row(struct copy *c, const char *text, size_t len)
 {
-    struct row r = {text, text + len};
+    struct words r = {text, text + len};
     const char *kind;
-    size_t n;
+    size_t n = words_next(&r, &kind);
     uint32_t id;
-    if (!next_word(&r, &kind, &n) || !next_id(&r, &id))
+    if (!next_id(&r, &id))
         return DELAUNAY_BROKEN;
     if (n == 10 && memcmp(kind, "constraint", 10) == 0)
         return constraint_row(c, id, true, &r);
@@ -220,7 +201,7 @@ enum delaunay_result copy_row(struct copy *c, const char *text, size_t len)
         return point_row(c, e, &r);
     if (n == 4 && memcmp(kind, "list", 4) == 0)
         return list_row(c, e, &r);
-    if (n != 4 || memcmp(kind, "gone", 4) != 0 || r.at < r.end)
+    if (n != 4 || memcmp(kind, "gone", 4) != 0 || r.s < r.end)
         return DELAUNAY_BROKEN;
     e->point = e->ringed = false;
     e->gone = true;

@@ -144,6 +144,15 @@ static bool take_version(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
+enum delaunay_result model_fetch_version(struct delaunay_client *c, const char *set,
+                                         uint64_t *version)
+{
+    char line[120];
+    *version = 0;
+    snprintf(line, sizeof line, "STAT %.100s", set);
+    return delaunay_request(c, line, take_version, version);
+}
+
 /* ---- regions ---- */
 
 struct closed {
@@ -250,9 +259,8 @@ static enum delaunay_result fetch_regions(struct delaunay_client *c, const char 
     free(b.closed);
     if (r == DELAUNAY_REFUSED) /* no borders, or a server that knows none */
         return DELAUNAY_OK;
-    snprintf(line, sizeof line, "STAT %.100s", set);
     if (r == DELAUNAY_OK)
-        r = delaunay_request(c, line, take_version, &after);
+        r = model_fetch_version(c, set, &after);
     m->torn |= before != after;
     return r;
 }

@@ -61,6 +61,10 @@ enum model_parts {
  * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
+/* The version of the set now; 0 from a server that has none. */
+enum delaunay_result model_fetch_version(struct delaunay_client *c, const char *set,
+                                         uint64_t *version);
+
 void model_free(struct model *m); /* keeps m->inside and m->crs */
 
 /* The column of a field of that name; -1 if there is none. */

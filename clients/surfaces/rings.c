@@ -11,8 +11,7 @@
 #include <string.h>
 
 #include "clients/lib/array.h"
-#include "clients/surfaces/words.h"
-#include "proto/number.h"
+#include "clients/lib/words.h"
 
 /* ---- rows ---- */
 
@@ -40,16 +39,13 @@ bool rings_take(struct rings *r, const char *row, size_t len)
     bool hole = n == 4 && memcmp(word, "hole", 4) == 0;
     if (!hole && (n != 5 || memcmp(word, "outer", 5) != 0))
         return fault(r, "a row of the reply is no loop");
-    n = words_next(&w, &word);
-    if (!proto_read_u32(word, n, &corners) || corners < 3 || corners > len)
+    if (!words_next_u32(&w, &corners) || corners < 3 || corners > len)
         return fault(r, "a row of the reply is no loop");
     if (!reserve(r, corners))
         return false;
-    for (size_t i = 0; i < corners; i++) {
-        n = words_next(&w, &word);
-        if (!proto_read_u32(word, n, &r->id[r->corners + i]))
+    for (size_t i = 0; i < corners; i++)
+        if (!words_next_u32(&w, &r->id[r->corners + i]))
             return fault(r, "a row of the reply has too few points");
-    }
     r->ring[r->n] = (struct ring){.hole = hole, .first = r->corners, .n = corners, .outer = r->n};
     r->n++;
     r->corners += corners;

@@ -6,18 +6,10 @@
 #include <string.h>
 
 #include "clients/lib/array.h"
+#include "clients/lib/words.h"
 #include "clients/meshes/formats.h"
-#include "clients/surfaces/words.h"
-#include "proto/number.h"
 
 /* ---- rows ---- */
-
-static bool next_number(struct words *c, double *v)
-{
-    const char *word;
-    size_t len = words_next(c, &word);
-    return proto_read_double(word, len, v);
-}
 
 static bool fault(struct shapes *s, const char *what)
 {
@@ -47,7 +39,7 @@ static bool next_level(struct words *c, double *v)
 {
     struct words before = *c;
     bool below;
-    if (next_number(c, v))
+    if (words_next_double(c, v))
         return true;
     *c = before;
     if (!next_kind(c, "-inf", "inf", &below))
@@ -60,24 +52,22 @@ static bool next_level(struct words *c, double *v)
 static bool read_band(const struct shapes *s, struct words *c, struct shape *shape)
 {
     double number;
-    return next_level(c, &shape->high) && next_number(c, &number) &&
+    return next_level(c, &shape->high) && words_next_double(c, &number) &&
            next_kind(c, "hole", "outer", &shape->hole) &&
            (!shape->hole || (s->n > 0 && s->shape[s->n - 1].key == shape->key));
 }
 
 static bool read_head(const struct shapes *s, struct words *c, struct shape *shape, uint32_t *n)
 {
-    const char *word;
     *shape = (struct shape){.closed = true, .first = s->corners};
-    if (!(s->kind == SHAPE_BAND ? next_level : next_number)(c, &shape->key))
+    if (!(s->kind == SHAPE_BAND ? next_level : words_next_double)(c, &shape->key))
         return false;
     if (s->kind == SHAPE_CONTOUR && !next_kind(c, "closed", "open", &shape->closed))
         return false;
     if (s->kind == SHAPE_BAND && !read_band(s, c, shape))
         return false;
-    size_t len = words_next(c, &word);
     /* a corner takes four characters at least */
-    return proto_read_u32(word, len, n) && *n <= (size_t)(c->end - c->s);
+    return words_next_u32(c, n) && *n <= (size_t)(c->end - c->s);
 }
 
 bool shapes_take(struct shapes *s, const char *row, size_t len)
@@ -91,7 +81,7 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     if (!reserve(s, n))
         return false;
     for (size_t i = 0; i < 2 * (size_t)n; i++)
-        if (!next_number(&c, &s->xy[2 * s->corners + i]))
+        if (!words_next_double(&c, &s->xy[2 * s->corners + i]))
             return fault(s, "a row of the reply has too few coordinates");
     if (words_next(&c, &word) != 0)
         return fault(s, "a row of the reply has too many coordinates");

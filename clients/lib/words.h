@@ -2,7 +2,11 @@
 #ifndef CLIENTS_WORDS_H
 #define CLIENTS_WORDS_H
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+
+#include "proto/number.h"
 
 /* The rest of the row: s .. end. */
 struct words {
@@ -18,6 +22,21 @@ static inline size_t words_next(struct words *w, const char **word)
     while (w->s < w->end && *w->s != ' ')
         w->s++;
     return (size_t)(w->s - *word);
+}
+
+/* Read the next word; false if it is no such number, or there is none. */
+static inline bool words_next_u32(struct words *w, uint32_t *v)
+{
+    const char *word;
+    size_t n = words_next(w, &word);
+    return proto_read_u32(word, n, v);
+}
+
+static inline bool words_next_double(struct words *w, double *v)
+{
+    const char *word;
+    size_t n = words_next(w, &word);
+    return proto_read_double(word, n, v);
 }
 
 #endif
