@@ -6,12 +6,19 @@
 
 #include "clients/meshes/line_formats.h"
 
+#define CRS_HELP                                                                                   \
+    "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for\n"      \
+    "                        instance, as the member crs of GeoJSON 2008; RFC 7946 has\n"          \
+    "                        longitudes and latitudes only\n"                                      \
+    "      --force           replace any file\n"
+#define SHAPES_HELP                                                                                \
+    "      --geographic      in a picture x and y are longitude and latitude\n" CRS_HELP
+
 const struct subcommand subcommands[] = {
     {"draw", command_draw, true, false, "draw FILE [PICTURE] [OPTION ...]",
-     "Draws the Delaunay triangulation of a file of points, as PICTURE.svg or PICTURE.png, or in "
-     "the\n"
-     "terminal. Needs no running server: it starts one for itself and ends it. A PNG is made by\n"
-     "rsvg-convert or inkscape.\n\n"
+     "Draws the Delaunay triangulation of a file of points, as PICTURE.svg or PICTURE.png, or in\n"
+     "the terminal. Needs no running server: it starts one for itself and ends it. A PNG is made\n"
+     "by rsvg-convert or inkscape.\n\n"
      "  -f, --format F           svg or png; else the picture's ending decides\n"
      "      --input-format F     of the points; as load's --format\n"
      "  -c, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata V, --negate FIELD,\n"
@@ -31,20 +38,15 @@ const struct subcommand subcommands[] = {
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
      "  -f, --format F           of the mesh; else its ending decides\n"
-     "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N, --nodata "
-     "V,\n"
-     "      --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
+     "      --input-format F, --columns X,Y[,Z], --fields, --skip-bad, --skip-lines N,\n"
+     "      --nodata V, --negate FIELD, --of K, --border, --points, --split, --dry-run, --force,\n"
      "      --inside K, --crs CRS\n"
      "                           as export's\n"
-     "      --error E            a light mesh: only as many points are kept as its surface needs "
-     "to "
-     "be\n"
-     "                           within E of every height (z, or --field F)\n"
+     "      --error E            a light mesh: only as many points are kept as its surface needs\n"
+     "                           to be within E of every height (z, or --field F)\n"
      "      --most N             at most N points are kept\n"
-     "      --angle D            points are added inside borders, or inside the hull, until no "
-     "angle "
-     "is\n"
-     "                           below D degrees (25 or so),\n"
+     "      --angle D            points are added inside borders, or inside the hull, until no\n"
+     "                           angle is below D degrees (25 or so),\n"
      "      --area A, --length L no area above A, no edge longer than L\n"
      "      --keep               lines and borders are not divided\n"
      "      --limit N            points that may be added (16 for each one)\n",
@@ -54,10 +56,8 @@ const struct subcommand subcommands[] = {
      true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
-     "Loads the points and lines of a file (- for the standard input) into the set, in binary "
-     "form. A bad "
-     "line\n"
-     "loads nothing and is named.\n\n"
+     "Loads the points and lines of a file (- for the standard input) into the set, in binary\n"
+     "form. A bad line loads nothing and is named.\n\n"
      "  -f, --format csv      a table: values between commas, semicolons, tabs, bars or blanks\n"
      "  -f, --format xyz      the same; what follows x, y and z does not count\n"
      "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
@@ -95,10 +95,8 @@ const struct subcommand subcommands[] = {
      true, NULL},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--lines] [--colour angle|quality|degree|relief] [--field F] "
-     "[--numbers] "
-     "[--viewport X0,Y0,X1,Y1]",
-     "Writes the triangulated set to a file (- for the standard output). An "
-     "existing\n"
+     "[--numbers] [--viewport X0,Y0,X1,Y1]",
+     "Writes the triangulated set to a file (- for the standard output). An existing\n"
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
@@ -108,13 +106,11 @@ const struct subcommand subcommands[] = {
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
-     "Writes the surface of a field as a raster of square cells (- for the standard output). "
-     "Without a\n"
-     "file the words are sent as the request RASTER.\n\n"
-     "  -f, --format F        asc, an ESRI ASCII grid; bil, 32-bit floats with a .hdr beside; png, "
-     "a\n"
-     "                        picture of shaded relief with a .pgw beside; tif, a GeoTIFF, by "
-     "GDAL's gdal_translate\n"
+     "Writes the surface of a field as a raster of square cells (- for the standard output).\n"
+     "Without a file the words are sent as the request RASTER.\n\n"
+     "  -f, --format F        asc, an ESRI ASCII grid; bil, 32-bit floats with a .hdr beside;\n"
+     "                        png, a picture of shaded relief with a .pgw beside; tif, a GeoTIFF,\n"
+     "                        by GDAL's gdal_translate\n"
      "      --cell SIDE       the side of a cell\n"
      "      --width COLUMNS   or how many cells there are across; else 1000 along the longer side\n"
      "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
@@ -124,137 +120,101 @@ const struct subcommand subcommands[] = {
      "      --missing skip    as if points without a value had been deleted\n"
      "      --outside nearest beyond the hull the values at its nearest place\n"
      "      --clip SET        only inside the borders of another set\n"
-     "      --crs CRS         the coordinates' reference system, EPSG:32629 for instance: in a "
-     "GeoTIFF, in a\n"
-     "                        .prj beside asc and bil, in a .png.aux.xml beside png\n"
+     "      --crs CRS         the coordinates' reference system, EPSG:32629 for instance: in a\n"
+     "                        GeoTIFF, in a .prj beside asc and bil, in a .png.aux.xml beside png\n"
      "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
      "--format --cell --width --viewport --method --max-edge --inside --missing --outside --clip "
-     "--as "
-     "--colour --crs --force",
+     "--as --colour --crs --force",
      true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--bands] [--format F] [--every STEP [--base B] | --levels L,L,...] "
      "...",
-     "Writes contour lines of a field (- for the standard output), about ten levels unless the "
-     "options\n"
-     "say which. Without a file the words are sent as the request CONTOUR.\n\n"
+     "Writes contour lines of a field (- for the standard output), about ten levels unless the\n"
+     "options say which. Without a file the words are sent as the request CONTOUR.\n\n"
      "      --bands           the polygons between the levels, with their holes; a filled picture\n"
-     "  -f, --format F        geojson, a LineString or Polygon each; wkt; svg, a picture: lines on "
-     "shaded relief\n"
+     "  -f, --format F        geojson, a LineString or Polygon each; wkt; svg, a picture: lines\n"
+     "                        on shaded relief\n"
      "      --every STEP      levels at B (0) and at all multiples of STEP from it\n"
      "      --levels L,L,...  these levels; of bands also -inf and inf\n"
      "      --max-edge E      none in triangles that have a longer edge\n"
      "      --inside K        only inside the border of number K, or inside any: --inside any\n"
      "      --missing skip    as if points without a value had been deleted\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
-     "      --no-labels       no levels along the lines of a picture\n"
-     "      --geographic      in a picture x and y are longitude and latitude\n"
-     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
-     "instance, as the\n"
-     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
-     "only\n"
-     "      --force           replace any file\n",
+     "      --no-labels       no levels along the lines of a picture\n" SHAPES_HELP,
      "--bands --format --every --base --levels --max-edge --inside --missing --viewport "
-     "--no-labels "
-     "--geographic --crs "
-     "--force",
+     "--no-labels --geographic --crs --force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
-     "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "
-     "the\n"
-     "words are sent as the request VORONOI.\n\n"
-     "  -f, --format F        geojson, a Polygon each; wkt; svg, a picture. Else the file's "
-     "ending\n"
-     "      --viewport BOX    clips the cells: X0,Y0,X1,Y1; else the box around all points, grown "
-     "by half;\n"
-     "                        in a picture by a twentieth\n"
-     "      --geographic      in a picture x and y are longitude and latitude\n"
-     "      --field F         colours the cells of the picture by a field; without it by z, if "
-     "there is one\n"
-     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
-     "instance, as the\n"
-     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
-     "only\n"
-     "      --force           replace any file\n",
+     "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a\n"
+     "file the words are sent as the request VORONOI.\n\n"
+     "  -f, --format F        geojson, a Polygon each; wkt; svg, a picture. Else the file's\n"
+     "                        ending\n"
+     "      --viewport BOX    clips the cells: X0,Y0,X1,Y1; else the box around all points, grown\n"
+     "                        by half; in a picture by a twentieth\n"
+     "      --field F         colours the cells of the picture by a field; without it by z, if\n"
+     "                        there is one\n" SHAPES_HELP,
      "--format --viewport --field --geographic --crs --force", true, NULL},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
-     "Writes the alpha shape of the triangulated set: the union of the triangles whose "
-     "circumradius is "
-     "at\n"
-     "most RADIUS (- for the standard output); auto: the least radius that gives one piece with "
-     "all "
-     "points.\n"
-     "Without a file the words are sent as the request ALPHA.\n\n"
+     "Writes the alpha shape of the triangulated set: the union of the triangles whose\n"
+     "circumradius is at most RADIUS (- for the standard output); auto: the least radius that\n"
+     "gives one piece with all points. Without a file the words are sent as the request ALPHA.\n\n"
      "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
-     "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
-     "      --geographic      in a picture x and y are longitude and latitude\n"
-     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
-     "instance, as the\n"
-     "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
-     "only\n"
-     "      --force           replace any file\n",
+     "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n" SHAPES_HELP,
      "--format --viewport --geographic --crs --force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
-     "Draws the triangulated set in the terminal, in braille characters; the hull in red, "
-     "lines in\n"
-     "cyan, borders in magenta. A set with heights, in the field F or z, is drawn as shaded\n"
+     "Draws the triangulated set in the terminal, in braille characters; the hull in red, lines\n"
+     "in cyan, borders in magenta. A set with heights, in the field F or z, is drawn as shaded\n"
      "relief, unless --mesh is given. Without --width and --height it fills the terminal;\n"
-     "--plain leaves colours out, as $NO_COLOR does. With --geographic x and y are longitude and "
+     "--plain leaves colours out, as $NO_COLOR does. With --geographic x and y are longitude and\n"
      "latitude.\n",
      "--width --height --field --mesh --plain --geographic", false, NULL},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
-     "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
-     "algorithm\n"
-     "triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
+     "Writes an SVG that plays in a browser (- for the standard output): how the shelling\n"
+     "algorithm triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
      "Without a file the steps are printed as the server sends them.\n\n"
      "      --seconds S       how long the film is, from 1; else each step takes about a third\n"
      "      --numbers         ids beside the points\n"
      "      --force           replace any file, not only one that delaunay has written\n\n"
-     "Orange: the front, and where the third point of an edge (the arrow) is looked for. A "
-     "triangle\n"
-     "is green where it takes in a new point, yellow for a right touch, blue for a left touch; an\n"
-     "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
-     "point\n"
-     "turns red when it is enclosed and leaves the grid, then pale.\n",
+     "Orange: the front, and where the third point of an edge (the arrow) is looked for. A\n"
+     "triangle is green where it takes in a new point, yellow for a right touch, blue for a left\n"
+     "touch; an edge is purple while it waits before a cave, brown once it is known to be on the\n"
+     "hull. A point turns red when it is enclosed and leaves the grid, then pale.\n",
      "--seconds --numbers --force", true, NULL},
     {"top", command_top, false, false, "top [--once]",
-     "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the "
-     "commands\n"
-     "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
+     "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the\n"
+     "commands by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
      "--once", false, NULL},
     {"watch", command_watch, false, true,
      "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F] [CONSTRAINTS]",
-     "Prints what changes in a set as it changes, first everything, until the set is dropped or "
-     "^C is\n"
-     "pressed: places and rings of points, after a line EVENT or, with --json, an object for each\n"
-     "event. SINCE continues at a version, WITHIN shows a box, FIELDS adds values to the points.\n",
+     "Prints what changes in a set as it changes, first everything, until the set is dropped or\n"
+     "^C is pressed: places and rings of points, after a line EVENT or, with --json, an object\n"
+     "for each event. SINCE continues at a version, WITHIN shows a box, FIELDS adds values to the\n"
+     "points.\n",
      NULL, false, "SINCE WITHIN FIELDS"},
     {"metrics", command_metrics, false, false, "metrics",
      "Prints INFO in the text format of Prometheus.\n", NULL, false, NULL},
     {"copy", command_copy, true, false, "copy SET URL URL",
-     "Copies a set, its tolerance, ids and fields from the first daemon to the second, where there "
-     "must be\n"
-     "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
-     "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
+     "Copies a set, its tolerance, ids and fields from the first daemon to the second, where\n"
+     "there must be none of that name, and triangulates it there if it is triangulated here. A\n"
+     "URL is delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
      NULL, false, NULL},
     {"completion", command_completion, true, false, "completion [bash|zsh|fish]",
-     "Prints a script that completes commands, options, sets and files in that shell, bash if none "
-     "is\n"
-     "named: source <(delaunay completion bash), or in fish: delaunay completion fish | source\n",
+     "Prints a script that completes commands, options, sets and files in that shell, bash if\n"
+     "none is named: source <(delaunay completion bash), or in fish: delaunay completion fish |\n"
+     "source\n",
      NULL, false, "bash zsh fish"},
     {"info", NULL, false, false, "info [SECTION ...]",
      "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
      "replication, commands) those of these only.\n",
      NULL, false, "server clients memory stats sets durability replication commands"},
     {"follow", NULL, false, false, "follow ADDRESS PORT [confirm] | follow none",
-     "Lets the server follow another one, its leader; none makes it a leader. With confirm its "
-     "own\n"
-     "changes are discarded where the leader does not have them.\n",
+     "Lets the server follow another one, its leader; none makes it a leader. With confirm its\n"
+     "own changes are discarded where the leader does not have them.\n",
      NULL, false, "none confirm"},
 #include "clients/cli/requests.h"
 };
@@ -289,14 +249,8 @@ void subcommand_print_help(const struct subcommand *s)
         "      --numbers         ids beside the points, however many there are\n"
         "      --inside K        only inside the border of number K, or inside any: --inside any\n"
         "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
-        "      --geographic      x and y are longitude and latitude: a map with a scale in km\n"
-        "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for "
-        "instance, as the\n"
-        "                        member crs of GeoJSON 2008; RFC 7946 has longitudes and latitudes "
-        "only\n"
-        "      --force           replace any file\n\n"
-        "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
-        "and\n"
-        "2DM: from 1), which is the id itself unless points have been deleted.\n",
+        "      --geographic      x and y are longitude and latitude: a map in km\n" CRS_HELP "\n"
+        "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id\n"
+        "(OBJ and 2DM: from 1), which is the id itself unless points have been deleted.\n",
         stdout);
 }

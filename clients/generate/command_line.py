@@ -31,14 +31,10 @@ def quoted(text):
 
 
 def row(command):
-    fields = [".name = " + quoted(command.name.lower())]
-    if command.about == "set":
-        fields.append(".set = true")
-    fields.append(".usage = " + quoted(usage(command)))
-    fields.append(".help = " + quoted(help_text(command)))
-    if command.keywords():
-        fields.append(".words = " + quoted(" ".join(command.keywords())))
-    return "{%s},\n" % ",\n ".join(fields)
+    about_set = "true" if command.about == "set" else "false"
+    words = quoted(" ".join(command.keywords())) if command.keywords() else "NULL"
+    first = '{"%s", NULL, false, %s, %s' % (command.name.lower(), about_set, quoted(usage(command)))
+    return "%s,\n %s, NULL, false, %s},\n" % (first, quoted(help_text(command)), words)
 
 
 def requests(commands, by_hand):

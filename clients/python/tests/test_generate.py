@@ -66,9 +66,8 @@ class Generated(unittest.TestCase):
 
     def test_subcommands(self):
         row = command_line.generate([READS], set(), "")
-        self.assertIn('.usage = "span SET X Y [K] [METHOD slow|fast] [CW]"', row)
-        self.assertIn('.help = "How far the K points at X Y lie apart.\\n"', row)
-        self.assertIn('.words = "METHOD slow fast CW"', row)
+        self.assertIn('{"span", NULL, false, true, "span SET X Y [K] [METHOD slow|fast] [CW]",\n', row)
+        self.assertIn(' "How far the K points at X Y lie apart.\\n", NULL, false, "METHOD slow fast CW"},\n', row)
 
     def test_usages_that_are_more_than_a_list_of_values_get_no_method(self):
         for usage in ("SPAN set x | SPAN set id", "SPAN set [a [b]]", "SPAN set FIELDS a,b", "SPAN set x y [x y ...]"):
