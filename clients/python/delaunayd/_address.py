@@ -29,6 +29,13 @@ class Address(NamedTuple):
         return _PRIVATE if self.private else self.path or "%s:%d" % (self.host, self.port)
 
 
+def _token(text: Optional[str]) -> str:
+    try:
+        return unquote(text or "", errors="strict")
+    except UnicodeDecodeError:
+        raise ValueError("the token of the URL is not text in UTF-8") from None
+
+
 def parse(url: Optional[str]) -> Address:
     """Raises ValueError if it is not a valid URL."""
     url = url or os.environ.get("DELAUNAY_URL")
@@ -41,12 +48,12 @@ def parse(url: Optional[str]) -> Address:
     found = _TCP.match(url)
     if found is not None:
         token, v6, host, port = found.groups()
-        return Address(v6 or host, int(port or PORT), "", unquote(token or ""))
+        return Address(v6 or host, int(port or PORT), "", _token(token))
     found = _UNIX.match(url)
     if found is None:
         raise ValueError(_FORMS)
     token, path = found.groups()
-    return Address(path=path, token=unquote(token or ""))
+    return Address(path=path, token=_token(token))
 
 
 def _connect_to(address: Address, timeout: Optional[float]) -> socket.socket:

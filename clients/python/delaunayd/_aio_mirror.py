@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from typing import AsyncIterator, Iterable, Optional, Sequence, Tuple, Union
+from typing import AsyncIterator, Optional, Tuple
 
 from . import _address, _mirror
-from ._mirror import FIRST_PAUSE, LAST_PAUSE, LATER, PIECE, Change
+from ._mirror import LATER, PIECE, Change
 from ._protocol import ConnectionLost, Refused
 
 _Streams = Tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -23,32 +23,15 @@ class Mirror(_mirror.Mirror):
     The state is complete after open() or at the beginning of `async with`; `timeout` in seconds limits connecting and the wait for
     it. poll() and wait() may be cancelled, with asyncio.wait_for, and called again."""
 
-    def __init__(
-        self,
-        url: Union[str, _address.Address, None],
-        name: str,
-        fields: Iterable[str] = (),
-        within: Optional[Sequence[float]] = None,
-        timeout: Optional[float] = None,
-    ):
-        super().__init__(name, fields, within)
-        self._address = url if isinstance(url, _address.Address) else _address.parse(url)
-        self._timeout = timeout
-        self._streams: Optional[_Streams] = None
-        self._closed = False
-        self._pause = 0.0  # before the next attempt to connect
+    _streams: Optional[_Streams] = None
 
     async def open(self) -> None:
         """Connects and waits for the first state. Raises Refused, ConnectionError or TimeoutError."""
 
         async def first_state() -> None:
             self._streams = await self._connect()
-            while not self._whole:
-                self._step()
-                if self.dropped:
-                    raise Refused("ERR NOSET the set %s has been dropped" % self.name)
-                if not self._whole:
-                    await self._read(self._streams)
+            while not self._has_begun():
+                await self._read(self._streams)
 
         try:
             await asyncio.wait_for(first_state(), self._timeout)
@@ -121,12 +104,12 @@ class Mirror(_mirror.Mirror):
         s.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         streams = await asyncio.open_connection(sock=s)
         self._begin_connection()
-        streams[1].write(self._request(self._address.token))
+        streams[1].write(self._request())
         return streams
 
     async def _reconnect(self) -> _Streams:
         await asyncio.sleep(self._pause)
-        self._pause = min(LAST_PAUSE, max(FIRST_PAUSE, 2 * self._pause))
+        self._lengthen_pause()
         self._streams = await self._connect()
         return self._streams
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, 
 
 from . import _protocol as protocol
 from ._constraints import ConstraintCommands, Inside
-from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, option, set_name
+from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word, field_name, option, set_name
 
 if TYPE_CHECKING:
     from ._types import Floats, Uint32s

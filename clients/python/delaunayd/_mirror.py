@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from typing import Any, Callable, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
-from . import _protocol as protocol
+from . import _address, _protocol as protocol
 from ._protocol import ConnectionLost, Refused, Request
 
 Triangle = Tuple[int, int, int]
@@ -96,10 +96,21 @@ def _has(triangle: Triangle, ring_of: RingOf) -> bool:
 class Mirror:
     """Points, rings and version of a set; what both kinds of mirrors have."""
 
-    def __init__(self, name: str, fields: Iterable[str], within: Optional[Sequence[float]]):
+    def __init__(
+        self,
+        url: Union[str, _address.Address, None],
+        name: str,
+        fields: Iterable[str] = (),
+        within: Optional[Sequence[float]] = None,
+        timeout: Optional[float] = None,
+    ):
         self.name = protocol.set_name(name)
         self.fields = [protocol.field_name(field) for field in fields]
         self.within = None if within is None else tuple(map(float, within))
+        self._address = url if isinstance(url, _address.Address) else _address.parse(url)
+        self._timeout = timeout
+        self._closed = False
+        self._pause = 0.0  # before the next attempt to connect
         self.version = 0
         self.dropped = False
         self._whole = False  # there has been a first state
@@ -194,7 +205,18 @@ class Mirror:
         self._new_rings: Dict[int, Optional[bytes]] = {}
         self._new_constraints: Dict[Constraint, Optional[Tuple[float, ...]]] = {}  # None: released
 
-    def _request(self, token: str) -> bytes:
+    def _lengthen_pause(self) -> None:
+        """An attempt to connect begins."""
+        self._pause = min(LAST_PAUSE, max(FIRST_PAUSE, 2 * self._pause))
+
+    def _has_begun(self) -> bool:
+        """Whether the first state is in what has been received. Raises Refused if there will be none."""
+        self._step()
+        if self.dropped:
+            raise Refused("ERR NOSET the set %s has been dropped" % self.name)
+        return self._whole
+
+    def _request(self) -> bytes:
         """What a new connection sends."""
         words: List[Any] = ["WATCH", self.name]
         if self._whole:
@@ -204,7 +226,7 @@ class Mirror:
         if self.fields:
             words += ["FIELDS", ",".join(self.fields)]
         words.append("CONSTRAINTS")
-        first: List[Request] = [protocol.request("AUTH", token)] if token else []
+        first: List[Request] = [protocol.request("AUTH", self._address.token)] if self._address.token else []
         return b"".join(request.line for request in [*first, protocol.request(*words)])
 
     def _receive(self, data: bytes) -> None:

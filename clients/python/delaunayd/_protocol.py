@@ -259,26 +259,25 @@ def values(reply: Reply) -> Dict[str, Value]:
     return {key: value(text) for key, text in reply.keys.items()}
 
 
+def _little(numbers: array[Any]) -> array[Any]:
+    """Numbers whose bytes become little-endian, or those of this machine again."""
+    if sys.byteorder == "big":
+        numbers.byteswap()
+    return numbers
+
+
 def uint32s(data: bytes, width: int) -> Any:
     """Little-endian words as rows of `width`: an array of shape (n, width), or a flat array.array without NumPy."""
     if numpy is not None:
         return numpy.frombuffer(data, dtype="<u4").reshape(-1, width)
-    words = array("I")
-    words.frombytes(data)
-    if sys.byteorder == "big":
-        words.byteswap()
-    return words
+    return _little(array("I", bytes(data)))
 
 
 def doubles(data: bytes, *shape: int) -> Any:
     """Little-endian doubles: an array of the shape (n, *shape), or a flat array.array without NumPy."""
     if numpy is not None:
         return numpy.frombuffer(data, dtype="<f8").reshape(-1, *shape)
-    words = array("d")
-    words.frombytes(data)
-    if sys.byteorder == "big":
-        words.byteswap()
-    return words
+    return _little(array("d", bytes(data)))
 
 
 def flat(table: Any) -> Any:
@@ -293,9 +292,7 @@ def column(values: Any) -> Tuple[memoryview, int]:
         if a.ndim != 1:
             raise ValueError("values must have the shape (n,)")
         return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
-    flat = array("d", values)
-    if sys.byteorder == "big":
-        flat.byteswap()
+    flat = _little(array("d", values))
     return memoryview(flat).cast("B"), len(flat)
 
 
@@ -325,9 +322,7 @@ def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview
 def _cell_rows(data: bytes) -> List[int]:
     """Where the rows of VORONOI BINARY begin, in units of 8 bytes: id, k, then k times x, y."""
     rows: List[int] = []
-    at, words = 0, array("I", bytes(data))
-    if sys.byteorder == "big":
-        words.byteswap()
+    at, words = 0, _little(array("I", bytes(data)))
     end, append = len(words), rows.append
     while at < end:
         append(at >> 1)
@@ -416,17 +411,13 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
             flat.append(y)
     if len(flat) % 2 != 0:
         raise ValueError("odd number of coordinates")
-    if sys.byteorder == "big":
-        flat.byteswap()
-    return memoryview(flat).cast("B"), len(flat) // 2
+    return memoryview(_little(flat)).cast("B"), len(flat) // 2
 
 
 def double_words(data: Any) -> List[float]:
     """Little-endian doubles as numbers of Python."""
-    flat = array("d", bytes(data))
-    if sys.byteorder == "big":
-        flat.byteswap()
-    return flat.tolist()
+    numbers: List[float] = _little(array("d", bytes(data))).tolist()
+    return numbers
 
 
 def id_pairs(ends: Any) -> Tuple[memoryview, int]:
@@ -446,9 +437,7 @@ def id_pairs(ends: Any) -> Tuple[memoryview, int]:
     flat = array("I", ends if isinstance(ends, array) else [int(i) for pair in ends for i in pair])
     if len(flat) % 2 != 0:
         raise ValueError("ends must be pairs of ids")
-    if sys.byteorder == "big":
-        flat.byteswap()
-    return memoryview(flat).cast("B"), len(flat) // 2
+    return memoryview(_little(flat)).cast("B"), len(flat) // 2
 
 
 def check_rows(data: memoryview, width: int) -> None:
@@ -472,11 +461,7 @@ def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:
         ids.frombytes(data[at : at + 4])
         xy.frombytes(data[at + 4 : at + 20])
         found.frombytes(data[at + 20 : at + width])
-    if sys.byteorder == "big":
-        ids.byteswap()
-        xy.byteswap()
-        found.byteswap()
-    return ids, xy, found
+    return _little(ids), _little(xy), _little(found)
 
 
 def areas(data: bytes) -> Tuple[Any, Any]:

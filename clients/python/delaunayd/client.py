@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import select
-import socket
 import threading
 import weakref
 from typing import Any, Callable, Generator, Iterable, List, Optional, Sequence, Union

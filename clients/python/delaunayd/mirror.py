@@ -8,7 +8,7 @@ import time
 from typing import Callable, Iterable, Iterator, Optional, Sequence, Union
 
 from . import _address, _mirror
-from ._mirror import FIRST_PAUSE, LAST_PAUSE, LATER, PIECE, Change, Constraint
+from ._mirror import LATER, PIECE, Change, Constraint
 from ._protocol import ConnectionLost, Refused
 
 __all__ = ["Change", "Constraint", "Mirror"]
@@ -46,21 +46,14 @@ class Mirror(_mirror.Mirror):
         timeout: Optional[float] = None,
         on_change: Optional[Callable[[Change], object]] = None,
     ):
-        super().__init__(name, fields, within)
-        self._address = url if isinstance(url, _address.Address) else _address.parse(url)
-        self._timeout = timeout
+        super().__init__(url, name, fields, within, timeout)
         self._on_change = on_change
         self._socket: Optional[socket.socket] = None
-        self._closed = False
-        self._pause = 0.0  # before the next attempt to connect
         deadline = None if timeout is None else time.monotonic() + timeout
         try:
             self._connect(deadline)
-            while not self._whole:
-                self._step()
-                if self.dropped:
-                    raise Refused("ERR NOSET the set %s has been dropped" % name)
-                if not self._whole and not self._read(deadline):
+            while not self._has_begun():
+                if not self._read(deadline):
                     raise TimeoutError("the set %s did not arrive in time" % name)
         except BaseException:
             self.close()
@@ -143,7 +136,7 @@ class Mirror(_mirror.Mirror):
         self._socket = _address.connect(self._address, limit)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         self._begin_connection()
-        self._socket.sendall(self._request(self._address.token))
+        self._socket.sendall(self._request())
 
     def _live(self, deadline: Optional[float]) -> bool:
         """Connects if the connection was lost. False: not before the deadline."""
@@ -152,7 +145,7 @@ class Mirror(_mirror.Mirror):
                 time.sleep(max(0.0, deadline - time.monotonic()))
                 return False
             time.sleep(self._pause)
-            self._pause = min(LAST_PAUSE, max(FIRST_PAUSE, 2 * self._pause))
+            self._lengthen_pause()
             try:
                 self._connect(deadline)
             except OSError:

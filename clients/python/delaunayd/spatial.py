@@ -21,7 +21,7 @@ from __future__ import annotations
 import sys
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ConstrainedDelaunay", "Crossing", "Delaunay", "simplify", "triangulate_polygon", "tsearch"]
 
+_T = TypeVar("_T")
 _HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
 
 
@@ -163,11 +164,12 @@ class Delaunay:
 
     # ---- tables; each is computed on first use ----
 
-    def _cached(self, key: str, compute: Callable[[_Moment], Any]) -> Any:
+    def _cached(self, key: str, compute: Callable[[_Moment], _T]) -> _T:
         now = self._now
         if key not in now.cache:
             now.cache[key] = compute(now)
-        return now.cache[key]
+        found: _T = now.cache[key]
+        return found
 
     @property
     def points(self) -> Floats:
@@ -198,49 +200,41 @@ class Delaunay:
     @property
     def min_bound(self) -> Floats:
         """The least x and y."""
-        bound: Floats = self._cached("min_bound", lambda now: now.points.min(axis=0))
-        return bound
+        return self._cached("min_bound", lambda now: np.asarray(now.points.min(axis=0)))
 
     @property
     def max_bound(self) -> Floats:
         """The greatest x and y."""
-        bound: Floats = self._cached("max_bound", lambda now: now.points.max(axis=0))
-        return bound
+        return self._cached("max_bound", lambda now: np.asarray(now.points.max(axis=0)))
 
     @property
     def good(self) -> Ints:
         """1 for each triangle: all are good."""
-        ones: Ints = self._cached("good", lambda now: np.ones(len(now.triangulation.simplices), dtype=np.int32))
-        return ones
+        return self._cached("good", lambda now: np.ones(len(now.triangulation.simplices), dtype=np.int32))
 
     @property
     def neighbors(self) -> Ints:
         """neighbors[i, k] is the triangle opposite corner k of triangle i, -1 at the hull."""
-        rows: Ints = self._cached("neighbors", lambda now: now.triangulation.neighbors())
-        return rows
+        return self._cached("neighbors", lambda now: now.triangulation.neighbors())
 
     @property
     def convex_hull(self) -> Ints:
         """The edges of the hull counterclockwise, shape (n, 2); of collinear points, the edges between them."""
-        edges: Ints = self._cached("convex_hull", _hull_edges)
-        return edges
+        return self._cached("convex_hull", _hull_edges)
 
     @property
     def vertex_neighbor_vertices(self) -> Tuple[Ints, Ints]:
         """(indptr, indices): the neighbours of k are indices[indptr[k]:indptr[k + 1]], ascending."""
-        pair: Tuple[Ints, Ints] = self._cached("vertex_neighbor_vertices", _vertex_neighbors)
-        return pair
+        return self._cached("vertex_neighbor_vertices", _vertex_neighbors)
 
     @property
     def vertex_to_simplex(self) -> Ints:
         """A triangle of each point, for one that coincides with another a triangle of that; -1 if there is none."""
-        rows: Ints = self._cached("vertex_to_simplex", _vertex_simplices)
-        return rows
+        return self._cached("vertex_to_simplex", _vertex_simplices)
 
     @property
     def _coincident(self) -> Ints:
-        pairs: Ints = self._cached("coincident", lambda now: now.triangulation.coincident())
-        return pairs
+        return self._cached("coincident", lambda now: now.triangulation.coincident())
 
     @property
     def coplanar(self) -> Ints:
@@ -252,10 +246,7 @@ class Delaunay:
     def transform(self) -> Floats:
         """Barycentric coordinates: those of x in triangle i are c = transform[i, :2].dot(x - transform[i, 2]) and 1 - c.sum(). NaN
         for a triangle that is too thin. Shape (nsimplex, 3, 2)."""
-        matrices: Floats = self._cached(
-            "transform", lambda now: _planes.transforms(now.points, now.triangulation.simplices)
-        )
-        return matrices
+        return self._cached("transform", lambda now: np.asarray(_planes.transforms(now.points, now.triangulation.simplices)))
 
     # ---- the paraboloid ----
 
@@ -273,10 +264,9 @@ class Delaunay:
     def equations(self) -> Floats:
         """The plane of each lifted triangle: (normal, offset), shape (nsimplex, 4)."""
         scale, shift = self.paraboloid_scale, self.paraboloid_shift
-        planes: Floats = self._cached(
-            "equations", lambda now: _planes.planes(now.points, now.triangulation.simplices, scale, shift)
+        return self._cached(
+            "equations", lambda now: np.asarray(_planes.planes(now.points, now.triangulation.simplices, scale, shift))
         )
-        return planes
 
     def lift_points(self, x: ArrayLike) -> Floats:
         """Places of shape (..., 2) lifted to the paraboloid, shape (..., 3)."""
@@ -415,8 +405,7 @@ class ConstrainedDelaunay(Delaunay):
     @property
     def constrained_edges(self) -> Ints:
         """The edges that are parts of segments, the smaller point first, sorted, shape (n, 2)."""
-        edges: Ints = self._cached("constrained_edges", lambda now: now.triangulation.constrained_edges())
-        return edges
+        return self._cached("constrained_edges", lambda now: now.triangulation.constrained_edges())
 
     # ---- regions ----
 
@@ -424,8 +413,7 @@ class ConstrainedDelaunay(Delaunay):
     def inside(self) -> NDArray[Any]:
         """Whether each triangle is inside a border; only closed borders count. `simplices[d.inside]` are the triangles inside, and
         matplotlib's Triangulation takes `mask=~d.inside`."""
-        mask: NDArray[Any] = self._cached("inside", lambda now: now.triangulation.inside())
-        return mask
+        return self._cached("inside", lambda now: now.triangulation.inside())
 
     def inside_of(self, number: int) -> NDArray[Any]:
         """Whether each triangle is inside the border of this number. ValueError: there is no such border, or it is open."""
@@ -442,19 +430,16 @@ class ConstrainedDelaunay(Delaunay):
     @property
     def region(self) -> Ints:
         """The smallest number of a border that contains each triangle, -1 outside of all."""
-        rows: Ints = self._cached("region", lambda now: _first_region(*self._faces))
-        return rows
+        return self._cached("region", lambda now: _first_region(*self._faces))
 
     @property
     def regions(self) -> Regions:
         """What the borders enclose, as Client.regions() has it; areas are exact, and rounded once."""
-        found: Regions = self._cached("regions", _regions)
-        return found
+        return self._cached("regions", _regions)
 
     @property
     def _faces(self) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        faces: Tuple[NDArray[Any], NDArray[Any], NDArray[Any]] = self._cached("faces", lambda now: now.triangulation.faces())
-        return faces
+        return self._cached("faces", lambda now: now.triangulation.faces())
 
     def refine(
         self, angle: Optional[float] = None, *, area: Optional[float] = None, length: Optional[float] = None,

@@ -71,7 +71,7 @@ def edit(client, name, rnd, place):
 
 class Changes(unittest.TestCase):
     def test_an_end_of_a_line_that_leaves_a_box_changes_no_triangles(self):
-        m = _mirror.Mirror("t", (), (0, 0, 2, 2))
+        m = _mirror.Mirror(None, "t", (), (0, 0, 2, 2))
         m._receive(b"OK 0\nEVENT 4 set=t version=1 reset\npoint 0 0 0\nlist 0 b 7\npoint 1 1 0\nlist 1 b 5 6\n")
         self.assertIsNone(m._step())
         m._receive(b"EVENT 1 set=t version=2\ngone 0\n")
@@ -80,7 +80,7 @@ class Changes(unittest.TestCase):
         self.assertEqual(triples(m.triangles()), [(1, 5, 6)])
 
     def test_a_point_of_a_box_on_a_line_is_no_triangle_once_a_neighbour_is_in_the_box_too(self):
-        m = _mirror.Mirror("t", (), (0, 0, 2, 2))
+        m = _mirror.Mirror(None, "t", (), (0, 0, 2, 2))
         m._receive(b"OK 0\nEVENT 2 set=t version=1 reset\npoint 1 1 0\nlist 1 b 5 6\n")
         self.assertIsNone(m._step())
         self.assertEqual(triples(m.triangles()), [(1, 5, 6)])  # what a part does not show
@@ -165,7 +165,7 @@ class Following(WithDaemon):
         self.assertEqual(m.poll(WAIT).constraints_released, [(0, 1, False, 0)])
 
     def test_a_reset_tells_which_constraints_are_different(self):
-        m = _mirror.Mirror("t", (), None)
+        m = _mirror.Mirror(None, "t")
         m._receive(b"OK 0\nEVENT 2 set=t version=1 reset\nconstraint 0 1 line 0\nconstraint 0 1 line 3\n")
         self.assertIsNone(m._step())
         m._receive(b"EVENT 2 set=t version=2 reset\nconstraint 0 1 line 3\nconstraint 0 1 border 3\n")

@@ -161,6 +161,11 @@ class Addresses(unittest.TestCase):
             want = A(host, int(port), "", token) if port else A(path=host, token=token)
             self.assertEqual(_address.parse(url), A(private=True) if host == "private" else want, url)
 
+    def test_a_token_that_is_no_text_is_refused(self):
+        for url in ("delaunay://:%FF@h", "unix://:a%C3@/s"):
+            with self.assertRaisesRegex(ValueError, "token of the URL is not text"):
+                _address.parse(url)
+
     def test_a_path_is_an_address(self):
         self.assertEqual(_address.parse("/run/d.sock"), _address.Address(path="/run/d.sock"))
 
