@@ -15,7 +15,13 @@ const TCP = /^delaunay:\/\/(?:[^@/:]*:([^@/]*)@)?(?:\[([^\]/]+)\]|([^@/:[\]]+))(
 const UNIX = /^unix:\/\/(?:[^@/:]*:([^@/]*)@)?(\/.+)$/;
 
 /** A % that begins no code of a character stands for itself. */
-const decode = (token = '') => decodeURIComponent(token.replace(/%(?![\da-fA-F]{2})/g, '%25'));
+function decode(token = '') {
+  try {
+    return decodeURIComponent(token.replace(/%(?![\da-fA-F]{2})/g, '%25'));
+  } catch {
+    throw new TypeError('the token of the URL is not text in UTF-8');
+  }
+}
 
 /** {where: options of net.connect, token} of delaunay://[:token@]host[:port], unix://[:token@]/path, or /path. */
 function parseUrl(url) {

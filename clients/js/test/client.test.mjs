@@ -2,26 +2,15 @@
 
 import assert from 'node:assert/strict';
 import net from 'node:net';
-import { after, before, beforeEach, describe, it as test } from 'node:test';
+import { describe, it as test } from 'node:test';
 import { connect, Disconnected, NONE, Refused, Triangulation } from '../index.mjs';
-import { startDaemon } from './daemon.mjs';
+import { useDaemon } from './daemon.mjs';
 
-let daemon;
 let client;
 
 describe('a client', () => {
-  before(async () => {
-    daemon = await startDaemon();
-    client = await connect(daemon.url);
-  });
-
-  after(async () => {
-    client.close();
-    assert.equal(await daemon.end(), 0);
-  });
-
-  beforeEach(async () => {
-    for (const set of await client.sets()) await client.drop(set);
+  useDaemon((c) => {
+    client = c;
   });
 
   const square = Float64Array.of(0, 0, 4, 0, 4, 4, 0, 4, 2, 2);
@@ -30,7 +19,6 @@ describe('a client', () => {
     await client.load('t', square, { fields: { z: [0, 1, 2, 3, 4] } });
     assert.equal(await client.dropField('t', 'z'), undefined);
     assert.deepEqual(await client.fields('t'), {});
-    assert.equal((await client.digest('t')).length, 16);
     assert.equal((await client.trace('t'))[0][0], 'grid');
     assert.equal(await client.wait(0, 1), 0);
     assert.equal((await client.stat('t')).triangulated, false);

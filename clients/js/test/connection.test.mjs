@@ -112,6 +112,10 @@ test('URLs are read as in all clients', async () => {
   }
 });
 
+test('a token that is no text is refused', () => {
+  for (const url of ['delaunay://:%FF@h', 'unix://:a%C3@/s']) assert.throws(() => address.parseUrl(url), { name: 'TypeError', message: /token of the URL is not text/ });
+});
+
 test('tokens are shown on TCP and Unix sockets, again after a reconnection', async () => {
   const dir = directory();
   writeFileSync(path.join(dir, 'tokens'), 'rw a/b@c\n');

@@ -5,17 +5,9 @@ import { test } from 'node:test';
 import Constrainautor from '../constrainautor.mjs';
 import earcut, { deviation, flatten } from '../earcut.mjs';
 import { Constrainautor as same, Delaunator, LiveSet, earcut as sameEarcut } from '../index.mjs';
+import { sequence } from './daemon.mjs';
 
 const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
-
-/** Whole numbers below a limit, the same every time. */
-function sequence(seed) {
-  let state = seed;
-  return (limit) => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return Math.floor((state / 2 ** 32) * limit);
-  };
-}
 
 const random = sequence(11);
 

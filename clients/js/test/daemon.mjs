@@ -1,6 +1,9 @@
-// Daemons for tests: $DELAUNAYD on a free port or on the port given.
+// Daemons for tests: $DELAUNAYD on a free port or on the port given. Random numbers that are always the same.
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
+import { after, before, beforeEach } from 'node:test';
+import { connect } from '../index.mjs';
 
 export async function startDaemon(...flags) {
   const child = spawn(process.env.DELAUNAYD, ['--port', '0', '--log-level', 'error', ...flags], { stdio: ['ignore', 'pipe', 'inherit'] });
@@ -14,5 +17,31 @@ export async function startDaemon(...flags) {
       child.kill(signal);
       return (await once(child, 'exit'))[0];
     },
+  };
+}
+
+/** A daemon for the tests of a file: take() gets a client of it. Each test begins without sets. */
+export function useDaemon(take) {
+  let daemon, client;
+  before(async () => {
+    daemon = await startDaemon();
+    client = await connect(daemon.url);
+    take(client, daemon);
+  });
+  after(async () => {
+    client.close();
+    assert.equal(await daemon.end(), 0);
+  });
+  beforeEach(async () => {
+    for (const set of await client.sets()) await client.drop(set);
+  });
+}
+
+/** Numbers from 0 to 1, the same every time; below a limit, whole ones. */
+export function sequence(seed) {
+  let state = seed;
+  return (limit) => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return limit === undefined ? state / 2 ** 32 : Math.floor((state / 2 ** 32) * limit);
   };
 }

@@ -4,18 +4,10 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { after, test } from 'node:test';
 import { Delaunator, LiveSet, NONE, connect } from '../index.mjs';
+import { sequence } from './daemon.mjs';
 
 const client = await connect('private:');
 after(() => client.close());
-
-/** Numbers from 0 to 1, the same every time. */
-function sequence(seed) {
-  let state = seed;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return state / 2 ** 32;
-  };
-}
 
 const random = sequence(7);
 const any = (n, scale = 1000) => Float64Array.from({ length: 2 * n }, () => scale * random());

@@ -5,27 +5,15 @@ import { mkdtempSync, rmSync } from 'node:fs';
 import net from 'node:net';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { connect } from '../index.mjs';
-import { startDaemon } from './daemon.mjs';
+import { sequence, startDaemon, useDaemon } from './daemon.mjs';
 
 let daemon, client;
 
-before(async () => {
-  daemon = await startDaemon();
-  client = await connect(daemon.url);
+useDaemon((...both) => {
+  [client, daemon] = both;
 });
-
-after(async () => {
-  client.close();
-  await daemon.end();
-});
-
-/** Random numbers, always the same for a seed. */
-function numbers(seed) {
-  let state = seed;
-  return (n) => (state = (state * 48271) % 2147483647) % n;
-}
 
 /** Compares a mirror with POINTS, LISTS and TRIANGLES at the version that the set has now. */
 async function compare(mirror, set, from = client) {
@@ -108,7 +96,7 @@ async function change(set, random, from = client) {
 test('a mirror is what POINTS, LISTS, TRIANGLES and CONSTRAINTS say after every edit', async () => {
   for (let seed = 1; seed <= 20; seed++) {
     const set = `m${seed}`;
-    const random = numbers(seed);
+    const random = sequence(seed);
     await client.create(set);
     const mirror = await client.mirror(set);
     const check = ledger(mirror);
@@ -122,7 +110,7 @@ test('a mirror is what POINTS, LISTS, TRIANGLES and CONSTRAINTS say after every 
 });
 
 test('a mirror of a box and of fields', async () => {
-  const random = numbers(11);
+  const random = sequence(11);
   await client.load('box', [[0, 0], [5, 0], [0, 4], [5, 4]], { fields: { z: [1, 2, 3, 4], w: [5, 6, 7, 8] } });
   await client.triangulate('box');
   const within = [1, 1, 4, 3];
@@ -237,7 +225,7 @@ async function proxy() {
 }
 
 test('a mirror whose connection is lost goes on where it was', async () => {
-  const random = numbers(7);
+  const random = sequence(7);
   const between = await proxy();
   const other = await connect(between.url);
   await client.load('cut', [[0, 0], [4, 0], [0, 4], [5, 5]]);
@@ -260,7 +248,7 @@ test('a mirror whose connection is lost goes on where it was', async () => {
 test('a mirror survives its daemon, and sees that its set is gone', async () => {
   const directory = mkdtempSync(path.join(tmpdir(), 'delaunay_mirror_'));
   const flags = ['--data', path.join(directory, 'data'), '--unix', path.join(directory, 'socket')];
-  const random = numbers(3);
+  const random = sequence(3);
   let own = await startDaemon(...flags);
   const reader = await connect(path.join(directory, 'socket'));
   await reader.load('kept', [[0, 0], [4, 0], [0, 4], [5, 5]]);

@@ -1,12 +1,17 @@
 // Surfaces against a real daemon, $DELAUNAYD.
 
 import assert from 'node:assert/strict';
-import { after, before, beforeEach, describe, it as test } from 'node:test';
+import { describe, it as test } from 'node:test';
 import { connect, Refused } from '../index.mjs';
-import { startDaemon } from './daemon.mjs';
+import { useDaemon } from './daemon.mjs';
 
-let daemon;
 let client;
+
+/** The set t: a square with a point in the middle, triangulated. */
+async function loadSquare(fields) {
+  await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields });
+  await client.triangulate('t');
+}
 
 const area = (polygon) => {
   let sum = 0;
@@ -15,23 +20,12 @@ const area = (polygon) => {
 };
 
 describe('surfaces', () => {
-  before(async () => {
-    daemon = await startDaemon();
-    client = await connect(daemon.url);
-  });
-
-  after(async () => {
-    client.close();
-    assert.equal(await daemon.end(), 0);
-  });
-
-  beforeEach(async () => {
-    for (const set of await client.sets()) await client.drop(set);
+  useDaemon((c) => {
+    client = c;
   });
 
   test('are polygons as those of d3', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2]);
-    await client.triangulate('t');
+    await loadSquare();
     const cells = await client.voronoi('t');
     assert.deepEqual(cells.box, [-2, -2, 6, 6]);
     assert.deepEqual(cells.cellPolygon(4), [[0, 2], [2, 0], [4, 2], [2, 4], [0, 2]]);
@@ -46,8 +40,7 @@ describe('surfaces', () => {
   });
 
   test('weights and facts about fields are objects', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2]);
-    await client.triangulate('t');
+    await loadSquare();
     assert.deepEqual([...(await client.weights('t', 2, 1))], [[0, 0.25], [1, 0.25], [4, 0.5]]);
     await client.request('FSET t z 0 1.5 4 -2');
     await client.request('FSET t none 0 nan');
@@ -58,8 +51,7 @@ describe('surfaces', () => {
   });
 
   test('values of any number of places are one request', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 8] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 8] });
     const calls = async () => {
       const row = (await client.request('INFO commands')).rows.find((text) => text.startsWith('command_INTERPOLATEB:'));
       return Number(/calls=(\d+)/.exec(row ?? 'calls=0')[1]);
@@ -92,8 +84,7 @@ describe('surfaces', () => {
   });
 
   test('alpha shapes, lists and triangles of a box', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2]);
-    await client.triangulate('t');
+    await loadSquare();
     assert.deepEqual(await client.alpha('t', 2), [{ hole: false, ids: Uint32Array.of(0, 1, 2, 3) }]);
     assert.deepEqual(await client.alpha('t', 1.5), []);
     await assert.rejects(client.alpha('t', -1), Refused);
@@ -116,8 +107,7 @@ describe('surfaces', () => {
   });
 
   test('missing values are skipped, and several fields are side by side', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 8, 8, NaN], s: [1, 2, 3, 4, 5] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 8, 8, NaN], s: [1, 2, 3, 4, 5] });
     const missing = 'skip';
     assert.deepEqual(await client.interpolate('t', 'z', [2, 2]), Float64Array.of(NaN));
     assert.deepEqual(await client.interpolate('t', 'z', [2, 2, 2, 1], { missing }), Float64Array.of(4, 2));
@@ -135,8 +125,7 @@ describe('surfaces', () => {
   });
 
   test('the automatic radius gives one piece, and a simplified set is within the error', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 3] });
     assert.deepEqual(await client.alphaAuto('t'), { radius: 2, loops: [{ hole: false, ids: Uint32Array.of(0, 1, 2, 3) }] });
     assert.deepEqual(await client.simplify('t', 'z', 3, 'few'), { points: 4, constraints: 0, error: 3 });
     assert.deepEqual(await client.simplify('t', 'z', 1, 'all', { points: 9, ids: 'old' }), { points: 5, constraints: 0, error: 0 });
@@ -144,8 +133,7 @@ describe('surfaces', () => {
   });
 
   test('volumes are between a surface and a level, or another surface', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 3], low: [1, 1, 1, 1, 1] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 3], low: [1, 1, 1, 1, 1] });
     assert.deepEqual(await client.volume('t', 'z'), { above: 16, below: 0, area: 16 });
     const { above, below } = await client.volume('t', 'z', { level: 1 });
     assert.ok(Math.abs(above - 128 / 27) < 1e-12 && Math.abs(below - 128 / 27) < 1e-12);
@@ -157,8 +145,7 @@ describe('surfaces', () => {
   });
 
   test('bands are polygons with holes', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 4] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 4] });
     const top = [[1, 1], [3, 1], [3, 3], [1, 3], [1, 1]];
     assert.deepEqual(await client.bands('t', 'z', { levels: [-Infinity, 2, Infinity] }), [
       { type: 'Polygon', low: -Infinity, high: 2, coordinates: [[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], top.toReversed()] },
@@ -170,8 +157,7 @@ describe('surfaces', () => {
   });
 
   test('profiles have places and the edges between', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 2] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 2] });
     const want = Float64Array.of(0, 0, 1, 0, 1, 1, 1, 1, 2, 2, 1, 1, 3, 2, 2, 2, 5, 2, 4, 0, 6, 2, 5, NaN);
     assert.deepEqual(await client.profile('t', 'z', [[0, 1], [2, 1], [2, 5]]), want);
     const places = [{ x: 1, y: 1 }, { x: 3, y: 1 }];
@@ -181,8 +167,7 @@ describe('surfaces', () => {
   });
 
   test('gradients and rasters of slopes', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 2] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 0, 0, 0, 2] });
     assert.deepEqual(await client.gradient('t', 'z', [[2, 1], [1, 2], [9, 9]]), Float64Array.of(0, 1, 1, 0, NaN, NaN));
     assert.deepEqual(await client.raster('t', 'z', [0, 0, 4, 4], 2, 2, { quantity: 'slope' }), Float64Array.of(45, 45, 45, 45));
     assert.deepEqual(await client.raster('t', 'z', [1, 0, 3, 4], 1, 4, { quantity: 'aspect' }), Float64Array.of(0, 0, 180, 180));
@@ -190,8 +175,7 @@ describe('surfaces', () => {
   });
 
   test('contours leave out the triangles of missing values', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [9, 9, NaN, 9, 1] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [9, 9, NaN, 9, 1] });
     const [{ coordinates }] = await client.contours('t', 'z', [5]);
     assert.deepEqual(coordinates, [[[[3, 1], [1, 1], [1, 3], [0, 4], [0, 0], [4, 0], [3, 1]]]]);
   });
@@ -206,8 +190,7 @@ describe('surfaces', () => {
   });
 
   test('contours are of one state of the set', async () => {
-    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 9, 0, 0, 8] } });
-    await client.triangulate('t');
+    await loadSquare({ z: [0, 9, 0, 0, 8] });
     const { request } = client;
     let edits = 2; // while contours are asked for
     client.request = async (line, options) => { // an edit comes between two of its requests
