@@ -72,7 +72,7 @@ bool options_name_file(int argc, char **argv)
     return false;
 }
 
-bool options_read_box(const char *text, double *box)
+static bool read_box(const char *text, double *box)
 {
     for (int i = 0; i < 4; i++) {
         size_t len = strcspn(text, ",");
@@ -83,6 +83,15 @@ bool options_read_box(const char *text, double *box)
     return box[0] < box[2] && box[1] < box[3];
 }
 
+int options_viewport(double *box, bool *has_box, char **argv)
+{
+    *has_box = read_box(optarg, box);
+    if (*has_box)
+        return EXIT_DONE;
+    return options_wrong(
+        argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
+}
+
 int options_crs(struct crs *crs, char **argv)
 {
     if (crs_read(optarg, crs))
@@ -90,8 +99,11 @@ int options_crs(struct crs *crs, char **argv)
     return options_wrong(argv[0], "a reference system is EPSG:32629, for instance, not %s", optarg);
 }
 
-bool options_is_inside(const char *text)
+int options_inside(const char **inside, char **argv)
 {
-    size_t len = strlen(text);
-    return strcmp(text, "any") == 0 || (len > 0 && len <= 10 && strspn(text, "0123456789") == len);
+    size_t len = strlen(optarg);
+    *inside = optarg;
+    if (strcmp(optarg, "any") == 0 || (len > 0 && len <= 10 && strspn(optarg, "0123456789") == len))
+        return EXIT_DONE;
+    return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
 }

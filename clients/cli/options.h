@@ -29,13 +29,10 @@ int options_unknown(const char *command, char **argv, int option);
  * them is an option, or names a file: "-", or a word with a '.' or '/' that is not a number. */
 bool options_name_file(int argc, char **argv);
 
-/* Reads X0,Y0,X1,Y1, from lower left to upper right. */
-bool options_read_box(const char *text, double *box);
-
-/* Takes optarg, the value of --crs; returns the exit status. */
+/* Take optarg, the value of --viewport: X0,Y0,X1,Y1 from lower left to upper right; of --crs; of --inside: `any`, or the number of a
+ * border. Return the exit status. */
+int options_viewport(double *box, bool *has_box, char **argv);
 int options_crs(struct crs *crs, char **argv);
-
-/* Whether the text says inside which border: `any`, or a number. */
-bool options_is_inside(const char *text);
+int options_inside(const char **inside, char **argv);
 
 #endif

@@ -39,6 +39,13 @@ bool output_beside(const char *path, const char *ending, char *to, size_t room)
     return (size_t)snprintf(to, room, "%.*s.%s", (int)n, path, ending) < room;
 }
 
+int output_check_beside(const char *path, const char *ending, bool force, char to[OUTPUT_PATH])
+{
+    return output_beside(path, ending, to, OUTPUT_PATH)
+               ? output_check(to, force)
+               : output_fault(path, "the name is too long");
+}
+
 const char *output_form(const char *named, const char *path, const char *standard)
 {
     const char *dot = strrchr(path, '.');

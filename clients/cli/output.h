@@ -22,6 +22,11 @@ const char *output_form(const char *named, const char *path, const char *standar
 /* The name of a file beside the one at `path`: PATH with this ending in place of its own. False if there is no room. */
 bool output_beside(const char *path, const char *ending, char *to, size_t room);
 
+enum { OUTPUT_PATH = 4096 };
+
+/* The same, and whether that file may be written. Returns the exit status. */
+int output_check_beside(const char *path, const char *ending, bool force, char to[OUTPUT_PATH]);
+
 /* Writes into `out`; returns the exit status, after a message if it fails. */
 typedef int output_write_fn(void *ctx, FILE *out);
 

@@ -6,6 +6,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/commands/shapes_file.h"
+#include "clients/lib/words.h"
 #include "clients/pictures/legend.h"
 #include "clients/pictures/surface_picture.h"
 #include "proto/number.h"
@@ -72,24 +73,16 @@ static enum delaunay_result send_request(struct delaunay_client *c, const struct
     if (w->levels != NULL) {
         n = put_levels(line, n, sizeof line, w->levels);
     } else {
-        n += (size_t)snprintf(line + n, sizeof line - n, " EVERY ");
-        if (w->every != NULL)
-            n += (size_t)snprintf(line + n, sizeof line - n, "%s", w->every);
-        else
-            n += proto_write_double(line + n, step);
-        if (w->base != NULL)
-            n += (size_t)snprintf(line + n, sizeof line - n, " BASE %s", w->base);
+        char every[PROTO_NUMBER_MAX + 1];
+        every[proto_write_double(every, step)] = '\0';
+        n = words_put(line, n, sizeof line, "EVERY", w->every != NULL ? w->every : every);
+        n = words_put(line, n, sizeof line, "BASE", w->base);
     }
-    if (w->bands)
-        n += (size_t)snprintf(line + n, sizeof line - n, " BANDS");
-    if (w->max_edge != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " MAXEDGE %s", w->max_edge);
-    if (w->inside != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %s",
-                              strcmp(w->inside, "any") == 0 ? "" : w->inside);
-    if (w->missing != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " MISSING %.20s", w->missing);
-    return delaunay_send(c, line, n);
+    n = words_put(line, n, sizeof line, "BANDS", w->bands ? "" : NULL);
+    n = words_put(line, n, sizeof line, "MAXEDGE", w->max_edge);
+    n = words_put(line, n, sizeof line, "INSIDE", words_inside(w->inside));
+    n = words_put(line, n, sizeof line, "MISSING", w->missing);
+    return n < sizeof line ? delaunay_send(c, line, n) : DELAUNAY_BADREQUEST;
 }
 
 static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
@@ -168,10 +161,8 @@ static int read_option(void *ctx, int option, char **argv)
         w->levels = optarg;
     else if (option == 'l')
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
-    else if (option == 'i' && options_is_inside(optarg))
-        w->inside = optarg;
     else if (option == 'i')
-        return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
+        return options_inside(&w->inside, argv);
     else if (option == 'M')
         w->missing = optarg;
     else if (option != 'e' && option != 'b' && option != 'm')

@@ -11,6 +11,7 @@
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/sending.h"
 #include "clients/commands/export.h"
+#include "clients/lib/words.h"
 #include "proto/number.h"
 
 static const char all_points[] = "points", few_points[] = "light";
@@ -60,15 +61,6 @@ static bool refining_asked(const struct refining *r)
     return r->angle != NULL || r->area != NULL || r->length != NULL;
 }
 
-/* Appends the word and its value, unless that is NULL, to line[n], which has room for `room`; returns the new n. */
-static size_t put(char *line, size_t n, size_t room, const char *word, const char *value)
-{
-    if (value == NULL || n >= room)
-        return n;
-    int more = snprintf(line + n, room - n, " %s %s", word, value);
-    return n + (more > 0 ? (size_t)more : 0);
-}
-
 static void report_refining(const struct delaunay_part *status)
 {
     const char *angle;
@@ -95,12 +87,12 @@ static int refining_refine(struct delaunay_client *c, const char *set, const str
 {
     char line[400];
     int begin = snprintf(line, sizeof line, "REFINE %s%s", set, r->keep ? " KEEP" : "");
-    size_t n = put(line, (size_t)begin, sizeof line, "ANGLE", r->angle);
-    n = put(line, n, sizeof line, "AREA", r->area);
-    n = put(line, n, sizeof line, "LENGTH", r->length);
-    n = put(line, n, sizeof line, "LIMIT", r->limit);
+    size_t n = words_put(line, (size_t)begin, sizeof line, "ANGLE", r->angle);
+    n = words_put(line, n, sizeof line, "AREA", r->area);
+    n = words_put(line, n, sizeof line, "LENGTH", r->length);
+    n = words_put(line, n, sizeof line, "LIMIT", r->limit);
     if (inside != NULL && strcmp(inside, "any") != 0)
-        n = put(line, n, sizeof line, "INSIDE", inside);
+        n = words_put(line, n, sizeof line, "INSIDE", inside);
     if (n >= sizeof line)
         return options_wrong("", "a limit has too many digits");
     enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);
@@ -172,9 +164,10 @@ static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s
         return EXIT_REFUSED;
     }
     int begin = snprintf(line, sizeof line, "SIMPLIFY %s %.100s", all_points, field);
-    size_t n = put(line, (size_t)begin, sizeof line, "ERROR", s->error != NULL ? s->error : "0");
-    n = put(line, n, sizeof line, "POINTS", s->most);
-    n = put(line, n, sizeof line, "INTO", few_points);
+    size_t n =
+        words_put(line, (size_t)begin, sizeof line, "ERROR", s->error != NULL ? s->error : "0");
+    n = words_put(line, n, sizeof line, "POINTS", s->most);
+    n = words_put(line, n, sizeof line, "INTO", few_points);
     if (n >= sizeof line)
         return options_wrong("", "a limit has too many digits");
     enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);

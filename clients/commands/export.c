@@ -78,13 +78,11 @@ static int write_world(void *ctx, FILE *out)
 /* The picture or mesh; beside a PNG, where it lies. */
 static int write_files(struct export_work *w)
 {
-    char beside[4096];
+    char beside[OUTPUT_PATH];
     const char *path = w->e->path;
     if (!w->e->png)
         return output_write(path, write_model, w, NULL);
-    if (!output_beside(path, "pgw", beside, sizeof beside))
-        return output_fault(path, "the name is too long");
-    int status = output_check(beside, w->e->force);
+    int status = output_check_beside(path, "pgw", w->e->force, beside);
     if (status == EXIT_DONE)
         status = output_write(path, write_model, w, make_png);
     return status == EXIT_DONE ? output_write(beside, write_world, w, NULL) : status;
@@ -235,10 +233,8 @@ int export_option(void *export, int option, char **argv)
         e->picture.geographic = true;
     else if (option == 'P')
         e->planar = true;
-    else if (option == 'i' && !options_is_inside(optarg))
-        return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
     else if (option == 'i')
-        e->inside = optarg;
+        return options_inside(&e->inside, argv);
     else if (option == 'L')
         e->lines = true;
     else if (option == 'K')
@@ -246,11 +242,8 @@ int export_option(void *export, int option, char **argv)
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
         return options_wrong(
             argv[0], "unknown colour %s; there are angle, quality, degree and relief", optarg);
-    else if (option == 'v' && !options_read_box(optarg, e->picture.box))
-        return options_wrong(
-            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option == 'v')
-        e->picture.has_box = true;
+        return options_viewport(e->picture.box, &e->picture.has_box, argv);
     else if (option != 'o')
         return options_unknown(argv[0], argv, option);
     return EXIT_DONE;

@@ -117,10 +117,8 @@ static int write_pam(void *ctx, FILE *out)
 /* A file beside the raster: PATH with this ending in place of its own. */
 static int write_beside(struct work *w, const char *ending, output_write_fn *write)
 {
-    char beside[4096];
-    if (!output_beside(w->path, ending, beside, sizeof beside))
-        return output_fault(w->path, "the name is too long");
-    int status = output_check(beside, w->force);
+    char beside[OUTPUT_PATH];
+    int status = output_check_beside(w->path, ending, w->force, beside);
     return status == EXIT_DONE ? output_write(beside, write, w, NULL) : status;
 }
 
@@ -219,10 +217,8 @@ static int read_option(void *ctx, int option, char **argv)
     else if (option == 'o' && !relief_read_style(optarg, &w->style))
         return options_wrong(argv[0], "unknown colour %s; there are relief, light and height",
                              optarg);
-    else if (option == 'i' && !options_is_inside(optarg))
-        return options_wrong(argv[0], "inside any border, or of one number, not %s", optarg);
     else if (option == 'i')
-        r->inside = optarg;
+        return options_inside(&r->inside, argv);
     else if (option == 'O')
         r->outside = optarg;
     else if (option == 'M')
@@ -242,11 +238,8 @@ static int read_option(void *ctx, int option, char **argv)
         r->columns = (uint32_t)width;
     else if (option == 'K')
         return options_crs(&w->crs, argv);
-    else if (option == 'v' && !options_read_box(optarg, r->box))
-        return options_wrong(
-            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option == 'v')
-        r->has_box = true;
+        return options_viewport(r->box, &r->has_box, argv);
     else if (strchr("oec", option) == NULL)
         return options_unknown(argv[0], argv, option);
     return EXIT_DONE;

@@ -19,11 +19,8 @@ int shapes_file_option(void *file, int option, char **argv)
         f->geographic = true;
     else if (option == 'K')
         return options_crs(&f->crs, argv);
-    else if (option == 'v' && options_read_box(optarg, f->box))
-        f->has_box = true;
     else if (option == 'v')
-        return options_wrong(
-            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
+        return options_viewport(f->box, &f->has_box, argv);
     else
         return options_unknown(argv[0], argv, option);
     return EXIT_DONE;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/points/join.h"
 #include "proto/number.h"
 
 /* ---- columns ---- */
@@ -278,58 +279,24 @@ bool survey(struct points_file *f, struct table_file *t, const struct survey_wis
 
 /* ---- coincident points ---- */
 
-static uint64_t hash(const double *xy)
-{
-    const double place[2] = {xy[0] + 0, xy[1] + 0}; /* -0 is 0 */
-    uint64_t bits[2];
-    memcpy(bits, place, sizeof bits);
-    uint64_t h = (bits[0] ^ (bits[1] << 31 | bits[1] >> 33)) * 0x9E3779B97F4A7C15;
-    return (h ^ h >> 29) * 0xBF58476D1CE4E5B9;
-}
-
-/* The field in which two points differ; f->fields if in none. */
-static size_t difference(const struct points_file *f, size_t a, size_t b)
-{
-    size_t k = 0;
-    while (k < f->fields) {
-        double u = f->value[a * f->fields + k], v = f->value[b * f->fields + k];
-        if (u != v && !(isnan(u) && isnan(v)))
-            break;
-        k++;
-    }
-    return k;
-}
-
 bool survey_coincident(const struct points_file *f, struct coincidence *c)
 {
     *c = (struct coincidence){.points = 0};
-    size_t cap = 16;
-    while (cap < 2 * f->n)
-        cap *= 2;
-    uint32_t *place = calloc(cap, sizeof place[0]); /* a point's number from 1 */
-    if (place == NULL)
-        return false;
-    for (size_t i = 0; i < f->n; i++) {
-        size_t at = (size_t)(hash(f->xy + 2 * i) >> 16) & (cap - 1);
-        const double *here = f->xy + 2 * i, *there = NULL;
-        for (; place[at] != 0; at = (at + 1) & (cap - 1)) {
-            there = f->xy + 2 * (size_t)(place[at] - 1);
-            if (there[0] == here[0] && there[1] == here[1])
-                break;
-        }
-        if (place[at] == 0) {
-            place[at] = (uint32_t)i + 1;
+    struct place_table t;
+    bool ok = place_table_init(&t, f, f->n);
+    for (size_t i = 0; ok && i < f->n; i++) {
+        const size_t first = place_table_find(&t, i, false);
+        if (first == i)
             continue;
-        }
         c->points++;
-        size_t k = difference(f, place[at] - 1, i);
+        size_t k = points_difference(f, first, i);
         if (k < f->fields && c->different++ == 0) {
             c->first = i;
             c->field = k;
         }
     }
-    free(place);
-    return true;
+    place_table_free(&t);
+    return ok;
 }
 
 void survey_note_coincident(struct points_file *f, const struct table_file *t)

@@ -1,6 +1,7 @@
 /* model.c - see model.h. */
 #include "clients/meshes/model.h"
 
+#include "clients/lib/words.h"
 #include "proto/number.h"
 
 #include <math.h>
@@ -344,9 +345,8 @@ static enum delaunay_result send_parts(struct delaunay_client *c, const char *se
                                        const struct model *m)
 {
     char form[40];
-    bool any = m->inside != NULL && strcmp(m->inside, "any") == 0;
-    snprintf(form, sizeof form, "%s%s%.20s BINARY", m->inside != NULL ? " INSIDE" : "",
-             m->inside == NULL || any ? "" : " ", m->inside == NULL || any ? "" : m->inside);
+    size_t n = words_put(form, 0, sizeof form, "INSIDE", words_inside(m->inside));
+    words_put(form, n, sizeof form, "BINARY", "");
     enum delaunay_result r = is_compared(parts) ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = send_points(c, set, m);

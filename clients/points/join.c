@@ -7,12 +7,6 @@
 
 enum { NOBODY = UINT32_MAX };
 
-struct table {
-    const struct points_file *f;
-    uint32_t *place; /* owns cap */
-    size_t cap;
-};
-
 static uint64_t mix(uint64_t v)
 {
     v = (v ^ v >> 30) * 0xBF58476D1CE4E5B9u;
@@ -28,46 +22,51 @@ static uint64_t bits(double v)
     return b;
 }
 
-static bool same_value(double a, double b)
-{
-    return a == b || (isnan(a) && isnan(b));
-}
-
 static bool same_place(const struct points_file *f, size_t a, size_t b)
 {
     return f->xy[2 * a] == f->xy[2 * b] && f->xy[2 * a + 1] == f->xy[2 * b + 1];
 }
 
-static bool same_point(const struct points_file *f, size_t a, size_t b)
+size_t points_difference(const struct points_file *f, size_t a, size_t b)
 {
-    bool same = same_place(f, a, b);
-    for (size_t k = 0; same && k < f->fields; k++)
-        same = same_value(f->value[f->fields * a + k], f->value[f->fields * b + k]);
-    return same;
+    for (size_t k = 0; k < f->fields; k++) {
+        double v = f->value[f->fields * a + k], w = f->value[f->fields * b + k];
+        if (v != w && !(isnan(v) && isnan(w)))
+            return k;
+    }
+    return f->fields;
 }
 
-/* The first corner that is the same point; i itself if there is none. */
-static uint32_t find(struct table *t, size_t i)
+static bool are_same(const struct points_file *f, size_t a, size_t b, bool values)
+{
+    return same_place(f, a, b) && (!values || points_difference(f, a, b) == f->fields);
+}
+
+uint32_t place_table_find(struct place_table *t, size_t i, bool values)
 {
     const double *xy = t->f->xy + 2 * i;
     size_t at = (size_t)mix(bits(xy[0]) ^ mix(bits(xy[1]))) & (t->cap - 1);
-    while (t->place[at] != NOBODY && !same_point(t->f, t->place[at], i))
+    while (t->place[at] != NOBODY && !are_same(t->f, t->place[at], i, values))
         at = (at + 1) & (t->cap - 1);
     if (t->place[at] == NOBODY)
         t->place[at] = (uint32_t)i;
     return t->place[at];
 }
 
-static bool table_init(struct table *t, const struct points_file *f)
+bool place_table_init(struct place_table *t, const struct points_file *f, size_t n)
 {
-    t->f = f;
-    t->cap = 64;
-    while (t->cap < 2 * f->paths.corners)
+    *t = (struct place_table){.f = f, .cap = 64};
+    while (t->cap < 2 * n)
         t->cap *= 2;
     t->place = malloc(t->cap * sizeof t->place[0]);
     if (t->place != NULL)
         memset(t->place, 0xFF, t->cap * sizeof t->place[0]);
     return t->place != NULL;
+}
+
+void place_table_free(struct place_table *t)
+{
+    free(t->place);
 }
 
 static void keep_point(struct points_file *f, size_t from, size_t to)
@@ -79,11 +78,11 @@ static void keep_point(struct points_file *f, size_t from, size_t to)
 }
 
 /* next[i], NOBODY where no path has a corner, becomes the new place of the point i. */
-static void number_points(struct points_file *f, struct table *t, uint32_t *next)
+static void number_points(struct points_file *f, struct place_table *t, uint32_t *next)
 {
     size_t kept = 0;
     for (size_t i = 0; i < f->n; i++) {
-        uint32_t first = next[i] != NOBODY ? find(t, i) : (uint32_t)i;
+        uint32_t first = next[i] != NOBODY ? place_table_find(t, i, true) : (uint32_t)i;
         next[i] = first < i ? next[first] : (uint32_t)kept++;
         f->paths.joined += first < i;
     }
@@ -103,8 +102,8 @@ static void move_points(struct points_file *f, const uint32_t *next)
 static bool join_points(struct points_file *f)
 {
     uint32_t *next = malloc((f->n + 1) * sizeof next[0]);
-    struct table t;
-    bool ok = table_init(&t, f) && next != NULL;
+    struct place_table t;
+    bool ok = place_table_init(&t, f, f->paths.corners) && next != NULL;
     if (ok) {
         memset(next, 0xFF, f->n * sizeof next[0]);
         for (size_t i = 0; i < f->paths.corners; i++)
@@ -112,7 +111,7 @@ static bool join_points(struct points_file *f)
         number_points(f, &t, next);
         move_points(f, next);
     }
-    free(t.place);
+    place_table_free(&t);
     free(next);
     return ok;
 }

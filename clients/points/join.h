@@ -9,6 +9,23 @@
  * rings that their polygon has already, and counts the rest. False with a fault when out of memory. Cost: O(n log n). */
 bool paths_join(struct points_file *f);
 
+/* The places of points: each is known by the first point there. */
+struct place_table {
+    const struct points_file *f;
+    uint32_t *place; /* owns cap */
+    size_t cap;
+};
+
+/* For n points. False when out of memory; place_table_free in any case. */
+bool place_table_init(struct place_table *t, const struct points_file *f, size_t n);
+void place_table_free(struct place_table *t);
+
+/* The first point at the place of point i, with equal values if `values` is true, that this was asked of; i itself if there is none. */
+uint32_t place_table_find(struct place_table *t, size_t i, bool values);
+
+/* The first field in which two points differ; f->fields if there is none. Nan equals nan. */
+size_t points_difference(const struct points_file *f, size_t a, size_t b);
+
 /* A segment: what is 2 k for a line of number k, 2 k + 1 for a border; a < b are places of points. */
 struct segment {
     uint32_t what, a, b;

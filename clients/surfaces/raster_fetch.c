@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/words.h"
 #include "proto/number.h"
 
 struct bounds {
@@ -75,25 +76,18 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
     for (int i = 0; i < 4; i++)
         n = put(line, n, box[i]);
     n += (size_t)snprintf(line + n, sizeof line - n, " %u %u", g->columns, g->rows);
-    if (r->method != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " METHOD %.20s", r->method);
+    n = words_put(line, n, sizeof line, "METHOD", r->method);
     if (r->max_edge > 0) {
         n += (size_t)snprintf(line + n, sizeof line - n, " MAXEDGE");
         n = put(line, n, r->max_edge);
     }
-    if (r->inside != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " INSIDE %.20s",
-                              strcmp(r->inside, "any") == 0 ? "" : r->inside);
-    if (r->missing != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " MISSING %.20s", r->missing);
-    if (r->outside != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " OUTSIDE %.20s", r->outside);
-    if (r->clip != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " CLIP %.100s", r->clip);
-    if (r->quantity != NULL)
-        n += (size_t)snprintf(line + n, sizeof line - n, " AS %.20s", r->quantity);
-    n += (size_t)snprintf(line + n, sizeof line - n, " BINARY");
-    return delaunay_send(c, line, n);
+    n = words_put(line, n, sizeof line, "INSIDE", words_inside(r->inside));
+    n = words_put(line, n, sizeof line, "MISSING", r->missing);
+    n = words_put(line, n, sizeof line, "OUTSIDE", r->outside);
+    n = words_put(line, n, sizeof line, "CLIP", r->clip);
+    n = words_put(line, n, sizeof line, "AS", r->quantity);
+    n = words_put(line, n, sizeof line, "BINARY", "");
+    return n < sizeof line ? delaunay_send(c, line, n) : DELAUNAY_BADREQUEST;
 }
 
 /* Little-endian doubles, in place. */
