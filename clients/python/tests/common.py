@@ -51,3 +51,8 @@ class WithDaemon(unittest.TestCase):
         for name in self.client.sets():
             with contextlib.suppress(Refused):  # a temporary one that ends just now
                 self.client.drop(name)
+
+    def load(self, name, points, fields=None):
+        """A set, triangulated."""
+        self.client.load(name, points, fields)
+        self.client.triangulate(name)

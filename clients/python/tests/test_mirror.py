@@ -103,8 +103,7 @@ class Following(WithDaemon):
         self.assertTrue(mirror.wait(self.version(name), WAIT))
 
     def test_a_mirror_has_the_points_rings_and_triangles_of_a_set(self):
-        self.client.load("t", SQUARE + [(2, 2), (1, 3)])
-        self.client.triangulate("t")
+        self.load("t", SQUARE + [(2, 2), (1, 3)])
         with self.client.mirror("t", timeout=WAIT) as m:
             self.assertEqual(mirrored(m), state(self.client, "t"))
             self.assertEqual((len(m), m.version, m.dropped), (7, self.version(), False))
@@ -117,8 +116,7 @@ class Following(WithDaemon):
                 self.assertEqual(plain(m.triangles()), plain(self.client.triangles("t")))
 
     def test_edits_are_changes(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
         heard = []
         m = self.mirror(on_change=heard.append)
         self.client.add("t", 1, 2)
@@ -138,8 +136,7 @@ class Following(WithDaemon):
         self.assertIsNone(m.poll(0))
 
     def test_constraints_are_changes(self):
-        self.client.load("t", [(0, 0), (4, 0), (4.5, 4), (0, 4)])
-        self.client.triangulate("t")
+        self.load("t", [(0, 0), (4, 0), (4.5, 4), (0, 4)])
         m = self.mirror()
         self.client.command("CONSTRAIN", "t", "BORDER", "OF", 7, 2, 0)
         change = m.poll(WAIT)
@@ -211,8 +208,7 @@ class Following(WithDaemon):
 
     def test_an_edit_costs_a_mirror_as_much_as_what_it_changes(self):
         rnd = random.Random(2)
-        self.client.load("t", [(rnd.random(), rnd.random()) for _ in range(20000)])
-        self.client.triangulate("t")
+        self.load("t", [(rnd.random(), rnd.random()) for _ in range(20000)])
         m = self.mirror()
         starred = []
         star, _mirror._star = _mirror._star, lambda id, *rest: starred.append(id) or star(id, *rest)
@@ -251,8 +247,7 @@ class Following(WithDaemon):
             self.client.mirror("t", fields=["1"])
 
     def test_a_mirror_that_is_not_read_hears_the_net_change(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
         m = self.mirror()
         with self.client.pipeline() as p:
             for k in range(3000):
@@ -268,8 +263,7 @@ class Following(WithDaemon):
 
 
     def test_tasks_follow_a_set(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
 
         async def follow(m):
             return [change async for change in m]

@@ -21,8 +21,7 @@ except ImportError:
 @unittest.skipIf(np is None, "without NumPy")
 class Voronoi(WithDaemon):
     def test_cells_are_arrays(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
         cells = self.client.voronoi("t")
         self.assertEqual(cells.box, (-2, -2, 6, 6))
         self.assertEqual(cells.ids.tolist(), [0, 1, 2, 3, 4])
@@ -38,8 +37,7 @@ class Voronoi(WithDaemon):
     @unittest.skipIf(scipy is None, "without SciPy")
     def test_cells_are_those_of_scipy(self):
         points = np.random.default_rng(16).random((3000, 2))
-        self.client.load("u", points)
-        self.client.triangulate("u")
+        self.load("u", points)
         cells = self.client.voronoi("u", box=(-100, -100, 100, 100))
         theirs = scipy.spatial.Voronoi(points)
         compared = 0
@@ -68,8 +66,7 @@ class Voronoi(WithDaemon):
         check([(0, [(0.0, 0.0)] * 5)])
 
     def test_without_numpy_cells_are_flat(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
         with without_numpy():
             cells = self.client.voronoi("t", ids=[4])
             ids, areas = self.client.areas("t")
@@ -81,15 +78,13 @@ class Voronoi(WithDaemon):
 class Shapes(WithDaemon):
     def setUp(self):
         super().setUp()
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
 
     def test_alpha_shapes_are_loops(self):
         self.assertEqual(self.client.alpha("t", 2), [(False, [0, 1, 2, 3])])
         self.assertEqual(self.client.alpha("t", 1.5), [])
         ring = [(x, y) for x in range(6) for y in range(6) if not (x in (2, 3) and y in (2, 3))]
-        self.client.load("u", ring)
-        self.client.triangulate("u")
+        self.load("u", ring)
         outer, hole = self.client.alpha("u", 1)
         self.assertEqual((outer.hole, hole.hole), (False, True))
         self.assertEqual((outer.ids[0], len(outer.ids), len(hole.ids)), (0, 20, 8))
@@ -98,8 +93,7 @@ class Shapes(WithDaemon):
 
     def test_the_automatic_radius_gives_one_piece(self):
         self.assertEqual(self.client.alpha_auto("t"), (2, [(False, [0, 1, 2, 3])]))
-        self.client.load("l", [(0, 0), (1, 1)])
-        self.client.triangulate("l")
+        self.load("l", [(0, 0), (1, 1)])
         self.assertEqual(self.client.alpha_auto("l"), (0, []))
 
     def test_a_simplified_set_is_within_the_error(self):
@@ -184,8 +178,7 @@ class Fields(WithDaemon):
                 self.client.drop_field("t", name)
 
     def test_weights(self):
-        self.client.load("t", SQUARE)
-        self.client.triangulate("t")
+        self.load("t", SQUARE)
         self.assertEqual(self.client.weights("t", 2, 1), {0: 0.25, 1: 0.25, 4: 0.5})
         self.assertEqual(self.client.weights("t", 2, -1, "natural"), {})
 
@@ -194,8 +187,7 @@ class Fields(WithDaemon):
 class Surfaces(WithDaemon):
     def setUp(self):
         super().setUp()
-        self.client.load("t", SQUARE, fields={"z": [0, 0, 0, 0, 8], "t": [1, 2, np.nan, 4, 5]})
-        self.client.triangulate("t")
+        self.load("t", SQUARE, fields={"z": [0, 0, 0, 0, 8], "t": [1, 2, np.nan, 4, 5]})
 
     def test_fields_are_loaded_with_points(self):
         fields = self.client.fields("t")
@@ -217,8 +209,7 @@ class Surfaces(WithDaemon):
         np.testing.assert_array_equal(nearest, [[8]])
 
     def test_missing_values_are_skipped(self):
-        self.client.load("lacking", SQUARE, fields={"z": [0, 0, 8, 8, np.nan]})
-        self.client.triangulate("lacking")
+        self.load("lacking", SQUARE, fields={"z": [0, 0, 8, 8, np.nan]})
         self.assertTrue(np.isnan(self.client.interpolate("lacking", "z", [(2, 2)])).all())
         skip = {"missing": "skip"}
         np.testing.assert_array_equal(self.client.interpolate("lacking", "z", [(2, 2), (2, 1)], **skip), [4, 2])
@@ -233,8 +224,7 @@ class Surfaces(WithDaemon):
             self.client.interpolate("lacking", ["z", "z"], [(2, 2)], **skip)
 
     def test_several_fields_are_an_axis(self):
-        self.client.load("both", SQUARE, fields={"z": [0, 0, 8, 8, 4], "s": [1, 2, 3, 4, np.nan]})
-        self.client.triangulate("both")
+        self.load("both", SQUARE, fields={"z": [0, 0, 8, 8, 4], "s": [1, 2, 3, 4, np.nan]})
         np.testing.assert_array_equal(self.client.interpolate("both", ["z", "s"], [(0, 0), (2, 2), (4, 2)]), [[0, 1], [4, np.nan], [4, 2.5]])
         self.assertEqual(self.client.interpolate("both", ["z"], [(0, 0)]).shape, (1, 1))
         self.assertEqual(self.client.interpolate("both", ["z", "s"], []).shape, (0, 2))
@@ -328,8 +318,7 @@ class Surfaces(WithDaemon):
 
     def test_without_numpy_there_are_flat_arrays(self):
         with without_numpy():
-            self.client.load("v", SQUARE, fields={"z": [1, 2, 3, 4, 5], "t": [6, 7, 8, 9, 10]})
-            self.client.triangulate("v")
+            self.load("v", SQUARE, fields={"z": [1, 2, 3, 4, 5], "t": [6, 7, 8, 9, 10]})
             self.client.set_field("v", "z", array("d", [9]), first=4)
             self.assertEqual(self.client.get_field("v", "z", range(5)), [1, 2, 3, 4, 9])
             self.assertEqual(self.client.get_field("v", "t", range(5)), [6, 7, 8, 9, 10])
