@@ -9,7 +9,7 @@
  * rings that their polygon has already, and counts the rest. False with a fault when out of memory. Cost: O(n log n). */
 bool paths_join(struct points_file *f);
 
-/* The places of points: each is known by the first point there. */
+/* A hash table of places of points; the first point at a place stands for the place. */
 struct place_table {
     const struct points_file *f;
     uint32_t *place; /* owns cap */

@@ -7,11 +7,10 @@ const { Constraints } = require('./constraints.js');
 const { Disconnected } = require('./errors.js');
 const { checkField, checkSet, doubleBytes, option, pointBytes, typed, words } = require('./framing.js');
 const { flatten } = require('./points.js');
-const { Cells, bandsOf, bordersOf, contourOf, levelWords, multiPolygon } = require('./surfaces.js');
+const { Cells, bandsOf, contourOf, levelWords, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
 const MOST_TRIES = 10; // until the set is not edited meanwhile
-const MOST_IDS = 4096; // of a line of a request
 
 const insideWords = (inside) => option('INSIDE', inside).map((word) => ` ${word}`).join('');
 const missingWords = (missing) => (missing ? ` MISSING ${missing}` : '');
@@ -347,44 +346,14 @@ class Client extends Constraints {
    * levels are of one state of the set: what was edited meanwhile is asked for again. */
   async contours(set, field, levels, { timeout } = {}) {
     const wanted = [...levels];
+    const stat = () => this.request(`STAT ${checkSet(set)}`, { timeout });
+    const above = async (level) => multiPolygon(await this.bands(set, field, { levels: [level, Infinity], timeout }), level);
     if (wanted.length === 0) return [];
     for (let i = 0; i < MOST_TRIES; i++) {
-      const { lines, borders, torn } = await this.#surface(set, field, wanted, timeout);
-      if (!torn) return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), borders, level));
+      const [before, ...polygons] = await Promise.all([stat(), ...wanted.map(above), stat()]);
+      if (polygons.pop().keys.version === before.keys.version) return polygons;
     }
     throw new Error(`${set} is edited while it is read; try again`);
-  }
-
-  /** Contour lines, and the borders of the surface with its heights; torn: the set's version before and after them differs. */
-  async #surface(set, field, levels, timeout) {
-    const stat = () => this.request(`STAT ${checkSet(set)}`, { timeout });
-    const [before, lines, fields] = await Promise.all([
-      stat(),
-      this.contourLines(set, field, { levels, timeout }),
-      this.fields(set),
-    ]);
-    const { points, triangles, version } = before.keys;
-    const read = fields[field]?.count === Number(points) ? this.#hullOf(set, field, timeout) : this.#bordersOf(set, field);
-    const gone = (error) => (error.code === 'NOPOINT' ? null : Promise.reject(error));
-    const borders = await read.catch(gone);
-    const after = await stat();
-    if (borders === null || version !== after.keys.version) return { torn: true };
-    return { lines, borders: triangles === '0' ? [] : borders(), torn: false };
-  }
-
-  async #hullOf(set, field, timeout) {
-    const { rows } = await this.request(`HULL ${checkSet(set)}`, { timeout });
-    const corners = rows.map(numbersOf);
-    const values = [];
-    for (let at = 0; at < corners.length; at += MOST_IDS) {
-      values.push(...(await this.getField(set, field, corners.slice(at, at + MOST_IDS).map(([id]) => id))));
-    }
-    return () => [corners.map(([, x, y], i) => [x, y, values[i]])];
-  }
-
-  async #bordersOf(set, field) {
-    const [triangles, { ids, coords, values }] = await Promise.all([this.triangles(set), this.points(set, { fields: [field] })]);
-    return () => bordersOf(triangles, ids, coords, values[field]);
   }
 
   /** The surface along straight pieces between places: distance, x, y and value of the places and of every edge and corner of the

@@ -20,7 +20,7 @@ export async function startDaemon(...flags) {
   };
 }
 
-/** A daemon for the tests of a file: take() gets a client of it. Each test begins without sets. */
+/** Starts a daemon for the tests of a file, and calls take(client, daemon). Each test begins without sets. */
 export function useDaemon(take) {
   let daemon, client;
   before(async () => {

@@ -177,7 +177,26 @@ describe('surfaces', () => {
   test('contours leave out the triangles of missing values', async () => {
     await loadSquare({ z: [9, 9, NaN, 9, 1] });
     const [{ coordinates }] = await client.contours('t', 'z', [5]);
-    assert.deepEqual(coordinates, [[[[3, 1], [1, 1], [1, 3], [0, 4], [0, 0], [4, 0], [3, 1]]]]);
+    assert.deepEqual(coordinates, [[[[0, 0], [4, 0], [3, 1], [1, 1], [1, 3], [0, 4], [0, 0]]]]);
+  });
+
+  test('contours are the ground at or above a level: summits, hollows, slopes, all or nothing', async () => {
+    const [all, inner] = [[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], [[1, 1], [3, 1], [3, 3], [1, 3], [1, 1]]];
+    for (const [z, level, coordinates] of [
+      [[0, 0, 0, 0, 8], 4, [[inner]]],
+      [[8, 8, 8, 8, 0], 4, [[all, inner.toReversed()]]],
+      [[8, 0, 0, 8, 4], 4, [[[[0, 0], [2, 0], [2, 2], [2, 4], [0, 4], [0, 0]]]]],
+      [[5, 5, 5, 5, 5], 5, [[all]]],
+      [[4, 4, 4, 4, 4], 5, []],
+      [[5, 0, 0, 0, 0], 5, []], // a line of one place
+    ]) {
+      await loadSquare({ z });
+      assert.deepEqual(await client.contours('t', 'z', [level]), [{ type: 'MultiPolygon', value: level, coordinates }]);
+      await client.drop('t');
+    }
+    await loadSquare({ z: [0, 8, 0, 8, 0] }); // two summits at the hull
+    const [low, high] = await client.contours('t', 'z', [0, 4]);
+    assert.deepEqual([low.coordinates, high.coordinates.length], [[[all]], 2]);
   });
 
   test('contours go along hulls of many points', async () => {
@@ -193,9 +212,9 @@ describe('surfaces', () => {
     await loadSquare({ z: [0, 9, 0, 0, 8] });
     const { request } = client;
     let edits = 2; // while contours are asked for
-    client.request = async (line, options) => { // an edit comes between two of its requests
-      const reply = await request.call(client, line, options);
-      if (line.startsWith('HULL') && edits-- > 0) await request.call(client, `MOVE t 1 ${6 + (edits % 2)} 0`);
+    client.request = (line, options) => { // an edit comes between two of its requests
+      const reply = request.call(client, line, options);
+      if (line.startsWith('CONTOUR') && edits-- > 0) request.call(client, `MOVE t 1 ${6 + (edits % 2)} 0`);
       return reply;
     };
     const polygons = await client.contours('t', 'z', [4]);
