@@ -12,14 +12,14 @@
 
 /* ---- options ---- */
 
-static int read_change(struct file_options *r, int option, char **argv)
+static int read_change(struct file_options *r, bool negate, char **argv)
 {
     struct survey_wish *w = &r->from.wish;
     double nodata;
-    size_t *n = option == FILE_NODATA ? &w->nodata_n : &w->negate_n;
+    size_t *n = negate ? &w->negate_n : &w->nodata_n;
     if (*n == SURVEY_CHANGES)
         return options_wrong(argv[0], "at most %d values of one option", SURVEY_CHANGES);
-    if (option == FILE_NEGATE) {
+    if (negate) {
         w->negate[(*n)++] = optarg;
         return EXIT_DONE;
     }
@@ -34,42 +34,43 @@ static bool read_number(const char *text, uint32_t *number)
     return proto_read_u32(text, strlen(text), number) && *number <= PATHS_MOST_NUMBER;
 }
 
-int file_options_take(struct file_options *r, int option, char **argv, bool *known)
+int file_options_take(struct file_options *r, const char *option, char **argv, bool *known)
 {
     struct source *s = &r->from;
     uint32_t lines;
     *known = true;
-    if (option == FILE_SKIP_BAD)
+    if (options_is(option, "skip-bad"))
         s->skip_bad = true;
-    else if (option == FILE_FIELDS)
+    else if (options_is(option, "fields"))
         s->table.fields.all = true;
-    else if (option == FILE_DRY_RUN)
+    else if (options_is(option, "dry-run"))
         r->dry_run = true;
-    else if (option == FILE_FORMAT && !source_read_form(optarg, s))
+    else if (options_is(option, "format") && !source_read_form(optarg, s))
         return options_wrong(
             argv[0],
             "unknown format %s; there are xy, csv, geojson, node, xyz, gpx, las, poly, obj, asc",
             optarg);
-    else if (option == FILE_COLUMNS && !wish_columns(&s->table.wish, optarg))
+    else if (options_is(option, "columns") && !wish_columns(&s->table.wish, optarg))
         return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
                              optarg);
-    else if (option == FILE_SKIP_LINES && !proto_read_u32(optarg, strlen(optarg), &lines))
+    else if (options_is(option, "skip-lines") && !proto_read_u32(optarg, strlen(optarg), &lines))
         return options_wrong(argv[0], "--skip-lines %s is not a number of lines", optarg);
-    else if (option == FILE_SKIP_LINES)
+    else if (options_is(option, "skip-lines"))
         s->table.wish.skip_lines = lines;
-    else if (option == FILE_POINTS)
+    else if (options_is(option, "points"))
         s->points_only = true;
-    else if (option == FILE_BORDER)
+    else if (options_is(option, "border"))
         s->lines_border = true;
-    else if (option == FILE_SPLIT)
+    else if (options_is(option, "split"))
         r->split = true;
-    else if (option == FILE_OF && !read_number(optarg, &s->first_number))
+    else if (options_is(option, "of") && !read_number(optarg, &s->first_number))
         return options_wrong(argv[0], "--of %s is not a number up to %d", optarg,
                              PATHS_MOST_NUMBER);
-    else if (option == FILE_NODATA || option == FILE_NEGATE)
-        return read_change(r, option, argv);
+    else if (options_is(option, "nodata") || options_is(option, "negate"))
+        return read_change(r, options_is(option, "negate"), argv);
     else
-        *known = option == FILE_FORMAT || option == FILE_COLUMNS || option == FILE_OF;
+        *known = options_is(option, "format") || options_is(option, "columns") ||
+                 options_is(option, "of");
     return EXIT_DONE;
 }
 

@@ -5,34 +5,6 @@
 #include "clients/cli/options.h"
 #include "clients/files/source.h"
 
-enum file_options_take {
-    FILE_FORMAT = 300,
-    FILE_COLUMNS,
-    FILE_SKIP_BAD,
-    FILE_FIELDS,
-    FILE_NODATA,
-    FILE_SKIP_LINES,
-    FILE_NEGATE,
-    FILE_DRY_RUN,
-    FILE_POINTS,
-    FILE_BORDER,
-    FILE_OF,
-    FILE_SPLIT
-};
-
-#define FILE_OPTIONS                                                                               \
-    {"columns", required_argument, NULL, FILE_COLUMNS},                                            \
-        {"skip-bad", no_argument, NULL, FILE_SKIP_BAD},                                            \
-        {"fields", no_argument, NULL, FILE_FIELDS},                                                \
-        {"nodata", required_argument, NULL, FILE_NODATA},                                          \
-        {"skip-lines", required_argument, NULL, FILE_SKIP_LINES},                                  \
-        {"negate", required_argument, NULL, FILE_NEGATE},                                          \
-        {"points", no_argument, NULL, FILE_POINTS}, {"border", no_argument, NULL, FILE_BORDER},    \
-        {"of", required_argument, NULL, FILE_OF}, {"split", no_argument, NULL, FILE_SPLIT},        \
-    {                                                                                              \
-        "dry-run", no_argument, NULL, FILE_DRY_RUN                                                 \
-    }
-
 struct file_options {
     struct source from;
     struct points_file file;
@@ -40,8 +12,8 @@ struct file_options {
     bool split; /* where lines cross they get points */
 };
 
-/* Takes one of these options; a usage error's status, or EXIT_DONE. *known says whether it is one. */
-int file_options_take(struct file_options *r, int option, char **argv, bool *known);
+/* Takes an option of load; a usage error's status, or EXIT_DONE. *known says whether it is one. */
+int file_options_take(struct file_options *r, const char *option, char **argv, bool *known);
 
 /* Reads the file. With --dry-run it prints how. *go_on says whether the points are to be sent; returns the exit
  * status if they are not. */

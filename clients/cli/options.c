@@ -7,6 +7,7 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/message.h"
+#include "clients/cli/subcommand.h"
 #include "proto/number.h"
 
 int options_next(int argc, char **argv, const char *letters, const struct option *options)
@@ -19,13 +20,42 @@ int options_next(int argc, char **argv, const char *letters, const struct option
     return getopt_long(argc, argv, with_colon, options, NULL);
 }
 
-int options_read(int argc, char **argv, const char *letters, const struct option *options,
-                 options_take_fn *take, void *ctx, int words, const char *what)
+enum { MOST_OPTIONS = 40, MOST_LETTERS = 600, FIRST_OPTION = 256 };
+
+/* The options of getopt_long. Returns the letters of those that have one. */
+static const char *list_options(const char *options, char names[MOST_LETTERS],
+                                struct option list[MOST_OPTIONS])
 {
+    int n = 0;
+    snprintf(names, MOST_LETTERS, "%s", options);
+    for (char *name = strtok(names, " "); name != NULL; name = strtok(NULL, " "), n++) {
+        size_t len = strcspn(name, "=");
+        list[n] = (struct option){name, name[len] == '=', NULL, FIRST_OPTION + n};
+        name[len] = '\0';
+        if (options_is(name, "colour")) {
+            list[n + 1] = list[n];
+            list[++n].name = "color";
+        }
+    }
+    list[n] = (struct option){NULL, 0, NULL, 0};
+    return strstr(options, "columns=") != NULL  ? "f:c:"
+           : strstr(options, "format=") != NULL ? "f:"
+                                                : "";
+}
+
+int options_read(int argc, char **argv, options_take_fn *take, void *ctx, int words,
+                 const char *what)
+{
+    struct option list[MOST_OPTIONS];
+    char names[MOST_LETTERS];
+    const char *letters = list_options(subcommand_find(argv[0])->options, names, list);
     int option, status = EXIT_DONE;
     optind = 0;
-    while (status == EXIT_DONE && (option = options_next(argc, argv, letters, options)) != -1)
-        status = take(ctx, option, argv);
+    while (status == EXIT_DONE && (option = options_next(argc, argv, letters, list)) != -1)
+        status = option >= FIRST_OPTION ? take(ctx, list[option - FIRST_OPTION].name, argv)
+                 : option == 'f'        ? take(ctx, "format", argv)
+                 : option == 'c'        ? take(ctx, "columns", argv)
+                                        : options_unknown(argv[0], argv, option);
     if (status == EXIT_DONE && words >= 0 && argc - optind != words)
         status = options_wrong(argv[0], "%s takes %s", argv[0], what);
     return status;

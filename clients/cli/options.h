@@ -4,19 +4,25 @@
 
 #include <getopt.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "clients/meshes/crs.h"
 
 /* getopt_long without messages of its own. */
 int options_next(int argc, char **argv, const char *letters, const struct option *options);
 
-/* Takes an option, whose value is in optarg; returns the exit status. */
-typedef int options_take_fn(void *ctx, int option, char **argv);
+/* Takes an option of that name, whose value is in optarg; returns the exit status. */
+typedef int options_take_fn(void *ctx, const char *option, char **argv);
 
-/* Reads all arguments: the options by `take`, and then `words` words, which begin at argv[optind] and are `what`; their number does not
- * matter if it is -1. Returns the exit status. */
-int options_read(int argc, char **argv, const char *letters, const struct option *options,
-                 options_take_fn *take, void *ctx, int words, const char *what);
+/* Reads all arguments of a subcommand: its options (subcommand.h) by `take`, and then `words` words, which begin at argv[optind] and
+ * are `what`; their number does not matter if it is -1. -f is --format, -c is --columns, --color is --colour. Returns the exit status. */
+int options_read(int argc, char **argv, options_take_fn *take, void *ctx, int words,
+                 const char *what);
+
+static inline bool options_is(const char *option, const char *name)
+{
+    return strcmp(option, name) == 0;
+}
 
 /* Reports wrong arguments of the command, "" for `delaunay` itself; returns the exit status. */
 __attribute__((format(printf, 2, 3))) int options_wrong(const char *command, const char *format,

@@ -6,6 +6,12 @@
 
 #include "clients/meshes/line_formats.h"
 
+#define FILE_OPTIONS                                                                               \
+    "columns= fields skip-bad skip-lines= nodata= negate= of= border points split dry-run"
+#define EXPORT_OPTIONS "lines inside= colour= field= numbers viewport= geographic planar crs= force"
+#define DRAW_OPTIONS                                                                               \
+    "format= input-format= " FILE_OPTIONS                                                          \
+    " error= most= angle= area= length= keep limit= " EXPORT_OPTIONS
 #define CRS_HELP                                                                                   \
     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for\n"      \
     "                        instance, as the member crs of GeoJSON 2008; RFC 7946 has\n"          \
@@ -30,10 +36,7 @@ const struct subcommand subcommands[] = {
      "      --planar             x and y alike, whatever the headings are\n"
      "      --error E, --most N, --angle D, --area A, --length L, --keep, --limit N\n"
      "                           as run's\n",
-     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
-     "--lines --inside --colour --field --numbers --viewport --geographic --planar --crs --force",
-     true, NULL},
+     DRAW_OPTIONS, true, NULL},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
@@ -50,10 +53,7 @@ const struct subcommand subcommands[] = {
      "      --area A, --length L no area above A, no edge longer than L\n"
      "      --keep               lines and borders are not divided\n"
      "      --limit N            points that may be added (16 for each one)\n",
-     "--format --input-format --columns --fields --skip-bad --skip-lines --nodata --negate --of "
-     "--border --points --split --dry-run --error --most --angle --area --length --keep --limit "
-     "--lines --inside --colour --field --numbers --viewport --geographic --planar --crs --force",
-     true, NULL},
+     DRAW_OPTIONS, true, NULL},
     {"load", command_load, false, true,
      "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad] [--dry-run] ...",
      "Loads the points and lines of a file (- for the standard input) into the set, in binary\n"
@@ -90,9 +90,7 @@ const struct subcommand subcommands[] = {
      "missing or doubtful is named.\n\n"
      "Compressed files (.gz .bz2 .xz .zst) and UTF-16 are read through gzip, bzip2, xz, zstd,\n"
      "iconv; of a zip archive its only file of points.\n",
-     "--format --columns --fields --skip-bad --skip-lines --nodata --negate --of --border --points "
-     "--split --dry-run",
-     true, NULL},
+     "format= " FILE_OPTIONS, true, NULL},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--lines] [--colour angle|quality|degree|relief] [--field F] "
      "[--numbers] [--viewport X0,Y0,X1,Y1]",
@@ -100,9 +98,7 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --lines --inside --colour --field --numbers --viewport --geographic --planar --crs "
-     "--force",
-     true, NULL},
+     "format= " EXPORT_OPTIONS, true, NULL},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -125,8 +121,8 @@ const struct subcommand subcommands[] = {
      "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "--format --cell --width --viewport --method --max-edge --inside --missing --outside --clip "
-     "--as --colour --crs --force",
+     "format= cell= width= viewport= method= max-edge= inside= missing= outside= clip= as= colour= "
+     "crs= force",
      true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--bands] [--format F] [--every STEP [--base B] | --levels L,L,...] "
@@ -143,8 +139,8 @@ const struct subcommand subcommands[] = {
      "      --missing skip    as if points without a value had been deleted\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --no-labels       no levels along the lines of a picture\n" SHAPES_HELP,
-     "--bands --format --every --base --levels --max-edge --inside --missing --viewport "
-     "--no-labels --geographic --crs --force",
+     "bands format= every= base= levels= max-edge= inside= missing= viewport= no-labels geographic "
+     "crs= force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
@@ -156,7 +152,7 @@ const struct subcommand subcommands[] = {
      "                        by half; in a picture by a twentieth\n"
      "      --field F         colours the cells of the picture by a field; without it by z, if\n"
      "                        there is one\n" SHAPES_HELP,
-     "--format --viewport --field --geographic --crs --force", true, NULL},
+     "format= viewport= field= geographic crs= force", true, NULL},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
      "Writes the alpha shape of the triangulated set: the union of the triangles whose\n"
@@ -164,7 +160,7 @@ const struct subcommand subcommands[] = {
      "gives one piece with all points. Without a file the words are sent as the request ALPHA.\n\n"
      "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n" SHAPES_HELP,
-     "--format --viewport --geographic --crs --force", true, NULL},
+     "format= viewport= geographic crs= force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red, lines\n"
@@ -172,7 +168,7 @@ const struct subcommand subcommands[] = {
      "relief, unless --mesh is given. Without --width and --height it fills the terminal;\n"
      "--plain leaves colours out, as $NO_COLOR does. With --geographic x and y are longitude and\n"
      "latitude.\n",
-     "--width --height --field --mesh --plain --geographic", false, NULL},
+     "width= height= field= mesh plain geographic", false, NULL},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling\n"
      "algorithm triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
@@ -184,11 +180,11 @@ const struct subcommand subcommands[] = {
      "triangle is green where it takes in a new point, yellow for a right touch, blue for a left\n"
      "touch; an edge is purple while it waits before a cave, brown once it is known to be on the\n"
      "hull. A point turns red when it is enclosed and leaves the grid, then pale.\n",
-     "--seconds --numbers --force", true, NULL},
+     "seconds= numbers force", true, NULL},
     {"top", command_top, false, false, "top [--once]",
      "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the\n"
      "commands by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
-     "--once", false, NULL},
+     "once", false, NULL},
     {"watch", command_watch, false, true,
      "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F] [CONSTRAINTS]",
      "Prints what changes in a set as it changes, first everything, until the set is dropped or\n"

@@ -110,13 +110,9 @@ static int draw(void *ctx, FILE *out)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'}, {"viewport", required_argument, NULL, 'v'},
-        {"force", no_argument, NULL, 'F'},        {"geographic", no_argument, NULL, 'G'},
-        {"crs", required_argument, NULL, 'K'},    {NULL, 0, NULL, 0}};
     double radius;
-    int status = options_read(argc, argv, "f:", options, shapes_file_option, &w->file, 3,
-                              "a set, a radius and a file");
+    int status =
+        options_read(argc, argv, shapes_file_option, &w->file, 3, "a set, a radius and a file");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];

@@ -7,6 +7,7 @@
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
 #include "clients/meshes/line_formats.h"
+#include "clients/reading/word_list.h"
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";
@@ -14,10 +15,6 @@ static const char inputs[] = "xy csv geojson node xyz gpx las poly obj",
                   grids[] = "asc bil png tif", shapes[] = "geojson svg wkt",
                   methods[] = "linear natural laplace nearest", paints[] = "relief light height",
                   colours[] = "quality degree relief";
-static const char valued[] =
-    " --columns | --viewport | --seconds | --width | --height | --cell | --every | --base | "
-    "--levels | --max-edge | --inside | --field | --skip-lines | --nodata | --negate | --angle | "
-    "--area | --length | --limit ";
 
 static void put_formats(void)
 {
@@ -62,6 +59,31 @@ static void put_names(bool (*chosen)(const struct subcommand *s), const char *be
         }
 }
 
+/* Each with a blank behind it. */
+static void put_options(const char *options)
+{
+    size_t n;
+    for (const char *name; (name = word_list_next(&options, &n)) != NULL;)
+        printf("--%.*s ", (int)strcspn(name, "= "), name);
+}
+
+/* The options that take a value, as further patterns of a case. */
+static void put_valued(void)
+{
+    for (size_t i = 0; i < subcommand_count; i++) {
+        const char *rest = subcommands[i].options != NULL ? subcommands[i].options : "";
+        size_t n;
+        for (const char *word; (word = word_list_next(&rest, &n)) != NULL;) {
+            bool named = false;
+            for (size_t k = 0; k < i; k++)
+                named |= subcommands[k].options != NULL &&
+                         word_list_has(subcommands[k].options, word, n);
+            if (!named && word[n - 1] == '=')
+                printf(" | --%.*s", (int)n - 1, word);
+        }
+    }
+}
+
 /* The part that bash and zsh share: finds the command and the number of its words before the one to be
  * completed; `where` gets the options for the server. */
 static void put_shell_scan(const char *word, const char *from, const char *to)
@@ -73,13 +95,14 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
            "        case $w in\n"
            "        -h | -p | -u | --host | --port | --url)\n"
            "            where+=(\"$w\" \"${%s[i + 1]}\"); ((i++)) ;;\n"
-           "        -f | -c | --format | --input-format | --colour | --method | %s)\n"
-           "            ((i++)) ;;\n"
-           "        -*) ;;\n"
-           "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
-           "        esac\n"
-           "    done\n",
-           from, to, word, word, valued);
+           "        -f | -c",
+           from, to, word, word);
+    put_valued();
+    puts(")\n            ((i++)) ;;\n"
+         "        -*) ;;\n"
+         "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
+         "        esac\n"
+         "    done");
 }
 
 /* Completes the values of options, with the words between `before` and `after`. */
@@ -92,9 +115,11 @@ static void put_value_cases(const char *before, const char *after)
     printf("%s ;;\n        esac\n        return ;;\n    --input-format) %s%s%s; return ;;\n"
            "    --method) %s%s%s; return ;;\n"
            "    --colour) if [[ $command == raster ]]; then %s%s%s; else %s%s%s; fi; return ;;\n"
-           "    -h | -p | -u | -c | --host | --port | --url | %s) return ;;\n    esac\n",
+           "    -h | -p | -u | -c | --host | --port | --url",
            after, before, inputs, after, before, methods, after, before, paints, after, before,
-           colours, after, valued);
+           colours, after);
+    put_valued();
+    puts(") return ;;\n    esac");
 }
 
 /* A case for the options of each subcommand that has some, which are words of `before` ... `after`. */
@@ -102,9 +127,11 @@ static void put_option_cases(const char *before, const char *after)
 {
     printf("        '') %s%s%s ;;\n", before, global_options, after);
     for (size_t i = 0; i < subcommand_count; i++)
-        if (subcommands[i].options != NULL)
-            printf("        %s) %s%s --help --json%s ;;\n", subcommands[i].name, before,
-                   subcommands[i].options, after);
+        if (subcommands[i].options != NULL) {
+            printf("        %s) %s", subcommands[i].name, before);
+            put_options(subcommands[i].options);
+            printf("--help --json%s ;;\n", after);
+        }
     printf("        *) %s--help --json%s ;;\n", before, after);
 }
 
@@ -172,37 +199,41 @@ static void put_zsh(void)
 
 /* ---- fish ---- */
 
-/* A rule for each word that begins with "--". */
+/* The values of an option, after -a; NULL: others. */
+static const char *values_of(const struct subcommand *s, const char *option)
+{
+    static char names[FORMATS_LIST];
+    bool format = options_is(option, "format");
+    if (options_is(option, "colour"))
+        return s->run == command_raster ? paints : colours;
+    if (options_is(option, "method"))
+        return methods;
+    if (options_is(option, "input-format") || (format && s->run == command_load))
+        return inputs;
+    if (!format)
+        return NULL;
+    if (s->run == command_raster)
+        return grids;
+    if (s->run == command_contour || s->run == command_voronoi || s->run == command_alpha)
+        return shapes;
+    formats_list(names, sizeof names, " ");
+    return names;
+}
+
+/* A rule for each option. */
 static void put_fish_options(const struct subcommand *s)
 {
-    for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
-        char word[32];
-        p += *p == ' ';
-        snprintf(word, sizeof word, " %.*s ", (int)strcspn(p, " "), p);
-        if (strncmp(p, "--", 2) != 0)
-            continue;
-        printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %.*s", s->name,
-               (int)strcspn(p + 2, " "), p + 2);
-        if (strcmp(word, " --colour ") == 0) {
-            printf(" -x -a '%s'", s->run == command_raster ? paints : colours);
-        } else if (strcmp(word, " --method ") == 0) {
-            printf(" -x -a '%s'", methods);
-        } else if (strcmp(word, " --format ") == 0 && s->run == command_raster) {
-            printf(" -x -a '%s'", grids);
-        } else if (strcmp(word, " --format ") == 0 &&
-                   (s->run == command_contour || s->run == command_voronoi ||
-                    s->run == command_alpha)) {
-            printf(" -x -a '%s'", shapes);
-        } else if (strcmp(word, " --input-format ") == 0 ||
-                   (strcmp(word, " --format ") == 0 && s->run == command_load)) {
-            printf(" -x -a '%s'", inputs);
-        } else if (strcmp(word, " --format ") == 0) {
-            fputs(" -x -a '", stdout);
-            put_formats();
-            putchar('\'');
-        } else if (strstr(valued, word) != NULL) {
+    const char *rest = s->options != NULL ? s->options : "";
+    size_t n;
+    for (const char *word; (word = word_list_next(&rest, &n)) != NULL;) {
+        char name[32];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "= "), word);
+        const char *values = values_of(s, name);
+        printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %s", s->name, name);
+        if (values != NULL)
+            printf(" -x -a '%s'", values);
+        else if (word[n - 1] == '=')
             fputs(" -x", stdout);
-        }
         putchar('\n');
     }
 }

@@ -149,43 +149,37 @@ static bool are_levels(const char *text)
     }
 }
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct work *w = ctx;
-    if (option == 'B') {
+    if (options_is(option, "bands")) {
         w->bands = true;
         w->file.shapes.kind = SHAPE_BAND;
-    } else if (option == 'N') {
+    } else if (options_is(option, "no-labels")) {
         w->unlabelled = true;
-    } else if (option == 'l' && strlen(optarg) < 7000 && are_levels(optarg))
+    } else if (options_is(option, "levels") && strlen(optarg) < 7000 && are_levels(optarg))
         w->levels = optarg;
-    else if (option == 'l')
+    else if (options_is(option, "levels"))
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
-    else if (option == 'i')
+    else if (options_is(option, "inside"))
         return options_inside(&w->inside, argv);
-    else if (option == 'M')
+    else if (options_is(option, "missing"))
         w->missing = optarg;
-    else if (option != 'e' && option != 'b' && option != 'm')
+    else if (!options_is(option, "every") && !options_is(option, "base") &&
+             !options_is(option, "max-edge"))
         return shapes_file_option(&w->file, option, argv);
     else if (!proto_is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
         return options_wrong(argv[0], "%s is not a number", optarg);
     else
-        *(option == 'e' ? &w->every : option == 'b' ? &w->base : &w->max_edge) = optarg;
+        *(options_is(option, "every")  ? &w->every
+          : options_is(option, "base") ? &w->base
+                                       : &w->max_edge) = optarg;
     return EXIT_DONE;
 }
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},   {"every", required_argument, NULL, 'e'},
-        {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
-        {"max-edge", required_argument, NULL, 'm'}, {"inside", required_argument, NULL, 'i'},
-        {"viewport", required_argument, NULL, 'v'}, {"force", no_argument, NULL, 'F'},
-        {"geographic", no_argument, NULL, 'G'},     {"crs", required_argument, NULL, 'K'},
-        {"missing", required_argument, NULL, 'M'},  {"bands", no_argument, NULL, 'B'},
-        {"no-labels", no_argument, NULL, 'N'},      {NULL, 0, NULL, 0}};
-    int status =
-        options_read(argc, argv, "f:", options, read_option, w, 3, "a set, a field and a file");
+    int status = options_read(argc, argv, read_option, w, 3, "a set, a field and a file");
     if (status == EXIT_DONE && w->levels != NULL && (w->every != NULL || w->base != NULL))
         status = options_wrong(argv[0], "--levels, or --every and --base");
     if (status != EXIT_DONE)

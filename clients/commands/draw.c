@@ -18,17 +18,6 @@ static const char all_points[] = "points", few_points[] = "light";
 
 /* ---- the mesh may be refined before it is written ---- */
 
-enum { REFINING_ANGLE = 400, REFINING_AREA, REFINING_LENGTH, REFINING_KEEP, REFINING_LIMIT };
-
-#define REFINING_OPTIONS                                                                           \
-    {"angle", required_argument, NULL, REFINING_ANGLE},                                            \
-        {"area", required_argument, NULL, REFINING_AREA},                                          \
-        {"length", required_argument, NULL, REFINING_LENGTH},                                      \
-        {"keep", no_argument, NULL, REFINING_KEEP},                                                \
-    {                                                                                              \
-        "limit", required_argument, NULL, REFINING_LIMIT                                           \
-    }
-
 /* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
 struct refining {
     const char *angle, *area, *length, *limit;
@@ -36,21 +25,19 @@ struct refining {
 };
 
 /* Takes an option of refining. *known: it is one. */
-static int refining_option(struct refining *r, int option, char **argv, bool *known)
+static int refining_option(struct refining *r, const char *option, char **argv, bool *known)
 {
-    const char **to = option == REFINING_ANGLE    ? &r->angle
-                      : option == REFINING_AREA   ? &r->area
-                      : option == REFINING_LENGTH ? &r->length
-                                                  : &r->limit;
+    const char **to = options_is(option, "angle")    ? &r->angle
+                      : options_is(option, "area")   ? &r->area
+                      : options_is(option, "length") ? &r->length
+                      : options_is(option, "limit")  ? &r->limit
+                                                     : NULL;
     double v;
-    *known = option >= REFINING_ANGLE && option <= REFINING_LIMIT;
-    if (option == REFINING_KEEP) {
-        r->keep = true;
+    *known = to != NULL || options_is(option, "keep");
+    r->keep |= options_is(option, "keep");
+    if (to == NULL)
         return EXIT_DONE;
-    }
-    if (!*known)
-        return EXIT_DONE;
-    if (!proto_read_double(optarg, strlen(optarg), &v) || !(v > 0 || option == REFINING_LIMIT))
+    if (!proto_read_double(optarg, strlen(optarg), &v) || !(v > 0 || to == &r->limit))
         return options_wrong(argv[0], "a limit is a number above 0, not %s", optarg);
     *to = optarg;
     return EXIT_DONE;
@@ -104,14 +91,6 @@ static int refining_refine(struct delaunay_client *c, const char *set, const str
 
 /* ---- points may be left out before ---- */
 
-enum { SIMPLIFYING_ERROR = 420, SIMPLIFYING_MOST };
-
-#define SIMPLIFYING_OPTIONS                                                                        \
-    {"error", required_argument, NULL, SIMPLIFYING_ERROR},                                         \
-    {                                                                                              \
-        "most", required_argument, NULL, SIMPLIFYING_MOST                                          \
-    }
-
 /* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
 struct simplifying {
     const char *error, *most;
@@ -119,20 +98,20 @@ struct simplifying {
 };
 
 /* Takes an option of simplifying. *known: it is one. */
-static int simplifying_option(struct simplifying *s, int option, char **argv, bool *known)
+static int simplifying_option(struct simplifying *s, const char *option, char **argv, bool *known)
 {
+    const char **to = options_is(option, "error")  ? &s->error
+                      : options_is(option, "most") ? &s->most
+                                                   : NULL;
     double error;
     uint32_t most;
-    *known = option == SIMPLIFYING_ERROR || option == SIMPLIFYING_MOST;
-    if (option == SIMPLIFYING_ERROR &&
-        (!proto_read_double(optarg, strlen(optarg), &error) || !(error >= 0)))
+    *known = to != NULL;
+    if (to == &s->error && (!proto_read_double(optarg, strlen(optarg), &error) || !(error >= 0)))
         return options_wrong(argv[0], "--error is a height from 0 on, not %s", optarg);
-    if (option == SIMPLIFYING_MOST && (!proto_read_u32(optarg, strlen(optarg), &most) || most == 0))
+    if (to == &s->most && (!proto_read_u32(optarg, strlen(optarg), &most) || most == 0))
         return options_wrong(argv[0], "--most is a number of points, not %s", optarg);
-    if (option == SIMPLIFYING_ERROR)
-        s->error = optarg;
-    else if (option == SIMPLIFYING_MOST)
-        s->most = optarg;
+    if (to != NULL)
+        *to = optarg;
     return EXIT_DONE;
 }
 
@@ -194,11 +173,16 @@ struct drawing {
     char name[100]; /* the file's, as a title */
 };
 
-static int read_option(void *ctx, int option, char **argv)
+/* --format is that of the picture or mesh, --input-format that of the file. */
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct drawing *d = ctx;
-    bool known;
-    int status = file_options_take(&d->input, option == 'c' ? FILE_COLUMNS : option, argv, &known);
+    bool known = false;
+    int status = EXIT_DONE;
+    if (options_is(option, "input-format"))
+        return file_options_take(&d->input, "format", argv, &known);
+    if (!options_is(option, "format"))
+        status = file_options_take(&d->input, option, argv, &known);
     if (!known)
         status = simplifying_option(&d->simplifying, option, argv, &known);
     if (!known)
@@ -229,15 +213,8 @@ static void put_more(const void *ctx)
 
 static int read_arguments(struct drawing *d, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"input-format", required_argument, NULL, FILE_FORMAT},
-                                            FILE_OPTIONS,
-                                            SIMPLIFYING_OPTIONS,
-                                            REFINING_OPTIONS,
-                                            EXPORT_OPTIONS,
-                                            {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
-    int status = options_read(argc, argv, "f:c:", options, read_option, d, -1, NULL);
+    int status = options_read(argc, argv, read_option, d, -1, NULL);
     if (status != EXIT_DONE)
         return status;
     d->on_terminal = argc - optind == 1 && (draws || d->input.dry_run);

@@ -218,34 +218,32 @@ static bool read_colour(const char *text, enum picture_colour *colour)
     return false;
 }
 
-int export_option(void *export, int option, char **argv)
+int export_option(void *export, const char *option, char **argv)
 {
     struct export *e = export;
-    if (option == 'f')
+    if (options_is(option, "format"))
         e->form = optarg;
-    else if (option == 'n')
+    else if (options_is(option, "numbers"))
         e->picture.numbers = true;
-    else if (option == 'F')
+    else if (options_is(option, "force"))
         e->force = true;
-    else if (option == 'z')
+    else if (options_is(option, "field"))
         e->field = optarg;
-    else if (option == 'G')
+    else if (options_is(option, "geographic"))
         e->picture.geographic = true;
-    else if (option == 'P')
+    else if (options_is(option, "planar"))
         e->planar = true;
-    else if (option == 'i')
+    else if (options_is(option, "inside"))
         return options_inside(&e->inside, argv);
-    else if (option == 'L')
+    else if (options_is(option, "lines"))
         e->lines = true;
-    else if (option == 'K')
+    else if (options_is(option, "crs"))
         return options_crs(&e->crs, argv);
-    else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
+    else if (options_is(option, "colour") && !read_colour(optarg, &e->picture.colour))
         return options_wrong(
             argv[0], "unknown colour %s; there are angle, quality, degree and relief", optarg);
-    else if (option == 'v')
+    else if (options_is(option, "viewport"))
         return options_viewport(e->picture.box, &e->picture.has_box, argv);
-    else if (option != 'o')
-        return options_unknown(argv[0], argv, option);
     return EXIT_DONE;
 }
 
@@ -277,10 +275,8 @@ int export_prepare(struct export *e, char **argv)
 
 int command_export(struct delaunay_client *c, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'}, EXPORT_OPTIONS, {NULL, 0, NULL, 0}};
     struct export e = {0};
-    int status = options_read(argc, argv, "f:", options, export_option, &e, 2, "a set and a file");
+    int status = options_read(argc, argv, export_option, &e, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     const char *set = argv[optind];

@@ -23,18 +23,8 @@ struct export
     struct picture picture;
 };
 
-#define EXPORT_OPTIONS                                                                             \
-    {"numbers", no_argument, NULL, 'n'}, {"colour", required_argument, NULL, 'o'},                 \
-        {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
-        {"field", required_argument, NULL, 'z'}, {"geographic", no_argument, NULL, 'G'},           \
-        {"planar", no_argument, NULL, 'P'}, {"lines", no_argument, NULL, 'L'},                     \
-        {"inside", required_argument, NULL, 'i'}, {"crs", required_argument, NULL, 'K'},           \
-    {                                                                                              \
-        "force", no_argument, NULL, 'F'                                                            \
-    }
-
-/* Takes one of these options of a struct export; a usage error's status, or EXIT_DONE. */
-int export_option(void *export, int option, char **argv);
+/* Takes an option of a struct export; a usage error's status, or EXIT_DONE. */
+int export_option(void *export, const char *option, char **argv);
 
 /* When all options have been read and e->path is known: chooses the format, and refuses to replace a file that
  * another program wrote. Returns the exit status. */

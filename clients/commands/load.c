@@ -7,22 +7,15 @@
 #include "clients/cli/json.h"
 #include "clients/cli/sending.h"
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     bool known;
-    int status = file_options_take(ctx,
-                                   option == 'f'   ? FILE_FORMAT
-                                   : option == 'c' ? FILE_COLUMNS
-                                                   : option,
-                                   argv, &known);
-    return known ? status : options_unknown(argv[0], argv, option);
+    return file_options_take(ctx, option, argv, &known);
 }
 
 static int read_arguments(struct file_options *r, const char **set, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, FILE_FORMAT}, FILE_OPTIONS, {NULL, 0, NULL, 0}};
-    int status = options_read(argc, argv, "f:c:", options, read_option, r, 2, "a set and a file");
+    int status = options_read(argc, argv, read_option, r, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     *set = argv[optind];

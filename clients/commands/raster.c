@@ -203,45 +203,43 @@ static bool read_positive(const char *text, double *v)
     return end != text && *end == '\0' && *v > 0 && isfinite(*v);
 }
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct work *w = ctx;
     struct raster_request *r = &w->request;
     double width;
-    if (option == 'f')
+    if (options_is(option, "format"))
         w->named = optarg;
-    else if (option == 'F')
+    else if (options_is(option, "force"))
         w->force = true;
-    else if (option == 'm')
+    else if (options_is(option, "method"))
         r->method = optarg;
-    else if (option == 'o' && !relief_read_style(optarg, &w->style))
+    else if (options_is(option, "colour") && !relief_read_style(optarg, &w->style))
         return options_wrong(argv[0], "unknown colour %s; there are relief, light and height",
                              optarg);
-    else if (option == 'i')
+    else if (options_is(option, "inside"))
         return options_inside(&r->inside, argv);
-    else if (option == 'O')
+    else if (options_is(option, "outside"))
         r->outside = optarg;
-    else if (option == 'M')
+    else if (options_is(option, "missing"))
         r->missing = optarg;
-    else if (option == 'C')
+    else if (options_is(option, "clip"))
         r->clip = optarg;
-    else if (option == 'A')
+    else if (options_is(option, "as"))
         r->quantity = optarg;
-    else if (option == 'e' && !read_positive(optarg, &r->max_edge))
+    else if (options_is(option, "max-edge") && !read_positive(optarg, &r->max_edge))
         return options_wrong(argv[0], "the longest edge is a length, not %s", optarg);
-    else if (option == 'c' && !read_positive(optarg, &r->cell))
+    else if (options_is(option, "cell") && !read_positive(optarg, &r->cell))
         return options_wrong(argv[0], "the side of a cell is a length, not %s", optarg);
-    else if (option == 'w' && (!read_positive(optarg, &width) || width != floor(width) ||
-                               width > RASTER_MOST_COLUMNS))
+    else if (options_is(option, "width") && (!read_positive(optarg, &width) ||
+                                             width != floor(width) || width > RASTER_MOST_COLUMNS))
         return options_wrong(argv[0], "the width is a number of cells, not %s", optarg);
-    else if (option == 'w')
+    else if (options_is(option, "width"))
         r->columns = (uint32_t)width;
-    else if (option == 'K')
+    else if (options_is(option, "crs"))
         return options_crs(&w->crs, argv);
-    else if (option == 'v')
+    else if (options_is(option, "viewport"))
         return options_viewport(r->box, &r->has_box, argv);
-    else if (strchr("oec", option) == NULL)
-        return options_unknown(argv[0], argv, option);
     return EXIT_DONE;
 }
 
@@ -262,17 +260,7 @@ static int choose_form(struct work *w, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"format", required_argument, NULL, 'f'},  {"cell", required_argument, NULL, 'c'},
-        {"width", required_argument, NULL, 'w'},   {"viewport", required_argument, NULL, 'v'},
-        {"method", required_argument, NULL, 'm'},  {"max-edge", required_argument, NULL, 'e'},
-        {"colour", required_argument, NULL, 'o'},  {"color", required_argument, NULL, 'o'},
-        {"inside", required_argument, NULL, 'i'},  {"outside", required_argument, NULL, 'O'},
-        {"missing", required_argument, NULL, 'M'}, {"clip", required_argument, NULL, 'C'},
-        {"as", required_argument, NULL, 'A'},      {"force", no_argument, NULL, 'F'},
-        {"crs", required_argument, NULL, 'K'},     {NULL, 0, NULL, 0}};
-    int status =
-        options_read(argc, argv, "f:", options, read_option, w, 3, "a set, a field and a file");
+    int status = options_read(argc, argv, read_option, w, 3, "a set, a field and a file");
     if (status == EXIT_DONE && w->request.cell > 0 && w->request.columns > 0)
         status = options_wrong(argv[0], "--cell, or --width");
     if (status != EXIT_DONE)

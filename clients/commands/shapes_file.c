@@ -8,21 +8,19 @@
 #include "clients/cli/options.h"
 #include "clients/meshes/degrees.h"
 
-int shapes_file_option(void *file, int option, char **argv)
+int shapes_file_option(void *file, const char *option, char **argv)
 {
     struct shapes_file *f = file;
-    if (option == 'f')
+    if (options_is(option, "format"))
         f->form = optarg;
-    else if (option == 'F')
+    else if (options_is(option, "force"))
         f->force = true;
-    else if (option == 'G')
+    else if (options_is(option, "geographic"))
         f->geographic = true;
-    else if (option == 'K')
+    else if (options_is(option, "crs"))
         return options_crs(&f->crs, argv);
-    else if (option == 'v')
-        return options_viewport(f->box, &f->has_box, argv);
     else
-        return options_unknown(argv[0], argv, option);
+        return options_viewport(f->box, &f->has_box, argv);
     return EXIT_DONE;
 }
 

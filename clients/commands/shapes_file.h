@@ -16,8 +16,8 @@ struct shapes_file {
     struct model model;   /* owns; what the picture shows beside the shapes */
 };
 
-/* Takes -f, --force (F), --geographic (G), --viewport (v) and --crs (K), and refuses any other option. `file`: a struct shapes_file. Returns the exit status. */
-int shapes_file_option(void *file, int option, char **argv);
+/* Takes --format, --force, --geographic, --crs and --viewport. `file`: a struct shapes_file. Returns the exit status. */
+int shapes_file_option(void *file, const char *option, char **argv);
 
 /* Sets the path, and the format unless an option named it. Returns the exit status. */
 int shapes_file_choose(struct shapes_file *f, const char *command, const char *path);

@@ -182,40 +182,31 @@ static bool read_size(const char *text, uint32_t *v)
     return proto_read_u32(text, strlen(text), v) && *v >= 1 && *v <= 2000;
 }
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct canvas *v = ctx;
-    if (option == 'p')
+    if (options_is(option, "plain"))
         v->plain = true;
-    else if (option == 'm')
+    else if (options_is(option, "mesh"))
         v->mesh = true;
-    else if (option == 'z')
+    else if (options_is(option, "field"))
         v->field = optarg;
-    else if (option == 'G')
+    else if (options_is(option, "geographic"))
         v->geographic = true;
-    else if (option != 'w' && option != 'h')
-        return options_unknown(argv[0], argv, option);
-    else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
+    else if (!read_size(optarg, options_is(option, "width") ? &v->columns : &v->lines))
         return options_wrong(argv[0], "a width or height is from 1 to 2000, not %s", optarg);
     return EXIT_DONE;
 }
 
 static int read_arguments(struct canvas *v, int argc, char **argv)
 {
-    static const struct option options[] = {{"width", required_argument, NULL, 'w'},
-                                            {"height", required_argument, NULL, 'h'},
-                                            {"plain", no_argument, NULL, 'p'},
-                                            {"mesh", no_argument, NULL, 'm'},
-                                            {"field", required_argument, NULL, 'z'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {NULL, 0, NULL, 0}};
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
         v->columns = size.ws_col;
         v->lines = size.ws_row - 1u;
     }
     v->plain = command_is_plain();
-    return options_read(argc, argv, "", options, read_option, v, 1, "a set");
+    return options_read(argc, argv, read_option, v, 1, "a set");
 }
 
 static bool has_borders(const struct model *m)

@@ -17,16 +17,14 @@ struct work {
     struct steps steps; /* owns */
 };
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct work *w = ctx;
     double *seconds = &w->film.seconds;
-    if (option == 'n')
+    if (options_is(option, "numbers"))
         w->film.numbers = true;
-    else if (option == 'F')
+    else if (options_is(option, "force"))
         w->force = true;
-    else if (option != 's')
-        return options_unknown(argv[0], argv, option);
     else if (!proto_read_double(optarg, strlen(optarg), seconds) ||
              !(*seconds >= 1 && *seconds <= 36000))
         return options_wrong(argv[0], "--seconds is from 1 to 36000, not %s", optarg);
@@ -35,11 +33,7 @@ static int read_option(void *ctx, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"seconds", required_argument, NULL, 's'},
-                                            {"numbers", no_argument, NULL, 'n'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {NULL, 0, NULL, 0}};
-    int status = options_read(argc, argv, "", options, read_option, w, 2, "a set and a file");
+    int status = options_read(argc, argv, read_option, w, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];

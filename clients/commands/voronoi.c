@@ -60,10 +60,10 @@ static int draw_cells(void *ctx, FILE *out)
                : output_fault("", "out of memory");
 }
 
-static int read_option(void *ctx, int option, char **argv)
+static int read_option(void *ctx, const char *option, char **argv)
 {
     struct work *w = ctx;
-    if (option != 'z')
+    if (!options_is(option, "field"))
         return shapes_file_option(&w->file, option, argv);
     w->field = optarg;
     return EXIT_DONE;
@@ -71,14 +71,7 @@ static int read_option(void *ctx, int option, char **argv)
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
-                                            {"viewport", required_argument, NULL, 'v'},
-                                            {"field", required_argument, NULL, 'z'},
-                                            {"force", no_argument, NULL, 'F'},
-                                            {"geographic", no_argument, NULL, 'G'},
-                                            {"crs", required_argument, NULL, 'K'},
-                                            {NULL, 0, NULL, 0}};
-    int status = options_read(argc, argv, "f:", options, read_option, w, 2, "a set and a file");
+    int status = options_read(argc, argv, read_option, w, 2, "a set and a file");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];

@@ -4,6 +4,7 @@
 
 #include "clients/cli/subcommand.h"
 #include "clients/meshes/formats.h"
+#include "clients/reading/word_list.h"
 #include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
@@ -52,6 +53,7 @@ TEST(completion_offers_commands_options_and_their_values)
     expect("delaunay load -f n", "node");
     expect("delaunay export -f n", "node neigh ndjson");
     expect("delaunay export t x.svg --colour q", "quality");
+    expect("delaunay contour t z --crs EPSG:1 --crs \"\"", "");
     expect("delaunay completion f", "fish");
     expect("delaunay slowlog L", "LEN");
     expect("delaunay hull cities \"\"", "CW");
@@ -121,16 +123,19 @@ TEST(manual_page_has_every_option_and_format)
     static const char *const more[] = {"--host",    "--port",   "--url",          "--json",
                                        "--version", "NO_COLOR", "DELAUNAY_TOKEN", "DELAUNAYD"};
     const char *page = read_page();
+    size_t options = 0;
     for (size_t i = 0; i < subcommand_count; i++) {
         const struct subcommand *s = &subcommands[i];
         if (s->run != NULL)
             expect_in(page, s->name, strlen(s->name));
-        for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
-            p += *p == ' ';
-            if (strncmp(p, "--", 2) == 0)
-                expect_in(page, p, strcspn(p, " "));
+        const char *rest = s->options != NULL ? s->options : "", *name;
+        for (size_t n; (name = word_list_next(&rest, &n)) != NULL; options++) {
+            char option[40];
+            snprintf(option, sizeof option, "--%.*s", (int)strcspn(name, "= "), name);
+            expect_in(page, option, strlen(option));
         }
     }
+    CHECK(options > 80);
     for (size_t i = 0; i < format_count; i++)
         expect_in(page, formats[i].name, strlen(formats[i].name));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
