@@ -51,23 +51,14 @@ static bool print_part(void *ctx, const struct delaunay_part *part)
     return !ferror(stdout);
 }
 
-void command_print_status(const struct delaunay_client *c)
-{
-    struct json_reply j = {.rows = 0};
-    if (!json_chosen()) {
-        puts(delaunay_status(c)->text);
-        return;
-    }
-    json_part(&j, delaunay_status(c));
-    json_end(&j);
-}
-
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
 {
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
     if (r == DELAUNAY_REFUSED && json_chosen()) {
-        command_print_status(c);
+        struct json_reply j = {.rows = 0};
+        json_part(&j, delaunay_status(c));
+        json_end(&j);
         return EXIT_REFUSED;
     }
     if (r == DELAUNAY_REFUSED) {

@@ -56,9 +56,6 @@ int command_copy(struct delaunay_client *c, int argc, char **argv);
 /* completion SHELL: prints a completion script. c is NULL. */
 int command_completion(struct delaunay_client *c, int argc, char **argv);
 
-/* Prints the status line of the last reply, or it as JSON. */
-void command_print_status(const struct delaunay_client *c);
-
 /* Reports the outcome of a request on the standard error, unless it is DELAUNAY_OK; returns the
  * exit status. */
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r);

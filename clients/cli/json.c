@@ -1,6 +1,7 @@
 /* json.c - see json.h. The grammar of numbers is that of RFC 8259, section 6. */
 #include "clients/cli/json.h"
 
+#include "proto/number.h"
 #include "proto/text.h"
 
 #include <ctype.h>
@@ -46,35 +47,13 @@ static bool next_piece(struct piece *rest, char separator, struct piece *piece)
     return true;
 }
 
-static size_t digits(const char *s, size_t len)
-{
-    size_t n = 0;
-    while (n < len && text_is_digit(s[n]))
-        n++;
-    return n;
-}
-
+/* Numbers of JSON have no plus sign, no zeros in front, and digits on both sides of a point. */
 static bool is_json_number(const char *s, size_t len)
 {
-    size_t at = len > 0 && s[0] == '-', n = digits(s + at, len - at);
-    if (n == 0 || (n > 1 && s[at] == '0'))
-        return false;
-    at += n;
-    if (at < len && s[at] == '.') {
-        n = digits(s + at + 1, len - at - 1);
-        if (n == 0)
-            return false;
-        at += 1 + n;
-    }
-    if (at < len && (s[at] == 'e' || s[at] == 'E')) {
-        at++;
-        at += at < len && (s[at] == '+' || s[at] == '-');
-        n = digits(s + at, len - at);
-        if (n == 0)
-            return false;
-        at += n;
-    }
-    return at == len;
+    const char *end = s + len, *first = s + (len > 0 && *s == '-'), *point = memchr(s, '.', len);
+    return proto_is_number(s, len) && text_is_digit(*first) &&
+           (*first != '0' || first + 1 == end || !text_is_digit(first[1])) &&
+           (point == NULL || (point + 1 < end && text_is_digit(point[1])));
 }
 
 void json_string(const char *text, size_t len)

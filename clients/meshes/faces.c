@@ -6,7 +6,8 @@
 
 enum { NO_FACE = UINT32_MAX };
 
-bool faces_is_fixed(const struct model *m, uint32_t a, uint32_t b)
+/* Whether a-b is a constrained edge. */
+static bool is_fixed(const struct model *m, uint32_t a, uint32_t b)
 {
     const uint32_t low = a < b ? a : b, high = a < b ? b : a;
     size_t from = 0, to = m->fixed_n;
@@ -34,7 +35,7 @@ static void flood(struct faces *f, const struct model *m, const struct sides *si
         const uint32_t *v = m->triangle + 3 * (size_t)stack[--n];
         for (size_t k = 0; k < 3; k++) {
             uint32_t a = v[k], b = v[(k + 1) % 3];
-            if (faces_is_fixed(m, a, b))
+            if (is_fixed(m, a, b))
                 continue;
             int64_t next = sides_find(sides, b, a);
             if (next == NO_TRIANGLE) {

@@ -16,7 +16,4 @@ struct faces {
 bool faces_init(struct faces *f, const struct model *m, const struct sides *sides);
 void faces_free(struct faces *f);
 
-/* Whether a-b is a constrained edge. */
-bool faces_is_fixed(const struct model *m, uint32_t a, uint32_t b);
-
 #endif

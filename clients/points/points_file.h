@@ -35,9 +35,6 @@ struct points_file {
     struct report report;         /* what the user should know, whether reading succeeds or not */
 };
 
-/* Called now and then with the bytes and points read so far. */
-typedef void points_file_progress_fn(void *ctx, uint64_t bytes, size_t points);
-
 /* Appends a point with the values f->row. False, with the fault set, if a coordinate is out of the server's range, or out of
  * memory. Memory: 16 bytes a point and 8 a value, doubled while growing. */
 bool points_file_append(struct points_file *f, double x, double y);
