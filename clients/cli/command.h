@@ -1,8 +1,7 @@
 /* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. If a subcommand takes argc and
  * argv, argv[0] is its own name, and options may be among the
  * arguments. */
-#ifndef CLIENTS_COMMAND_H
-#define CLIENTS_COMMAND_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 #include "clients/lib/url.h"
@@ -66,5 +65,3 @@ bool command_is_plain(void);
 /* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the
  * rest. */
 bool command_show_comment(void *ctx, const struct delaunay_part *part);
-
-#endif

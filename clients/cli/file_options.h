@@ -1,6 +1,5 @@
 /* file_options.h - what load, draw and run share: the options that say how a file is read, and how they report it. */
-#ifndef CLIENTS_FILE_OPTIONS_H
-#define CLIENTS_FILE_OPTIONS_H
+#pragma once
 
 #include "clients/cli/options.h"
 #include "clients/files/source.h"
@@ -26,5 +25,3 @@ void file_options_note_coincident(struct file_options *r);
 void file_options_json(const struct file_options *r);
 
 void file_options_free(struct file_options *r);
-
-#endif

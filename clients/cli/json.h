@@ -5,8 +5,7 @@
  *     {"ok":true,"info":{"clients":1}}                 rows key:value
  *     {"ok":true,"set":"t","version":7,"reset":true,"rows":[["point",0,1,2]]}      an event
  *     {"ok":false,"error":"NOSET","message":"..."} */
-#ifndef CLIENTS_JSON_H
-#define CLIENTS_JSON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -37,5 +36,3 @@ void json_number(const char *key, size_t value);
 void json_key(const char *key); /* and a value that the caller writes */
 void json_string(const char *text, size_t len);
 void json_finish(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* line_editor.h - reads lines typed at a prompt, with history, editing and completion if this was built with libedit
  * or readline; otherwise as the terminal delivers them. */
-#ifndef CLIENTS_LINE_EDITOR_H
-#define CLIENTS_LINE_EDITOR_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 
@@ -14,5 +13,3 @@ void line_editor_end(void);
  * what was typed and returns an empty line. */
 char *line_editor_read(const char *prompt);
 void line_editor_free(char *line);
-
-#endif

@@ -1,7 +1,6 @@
 /* message.h - sentences on the standard error about what failed. With --json the last one is also the `message` of the object that a
  * failed command writes. */
-#ifndef CLIENTS_MESSAGE_H
-#define CLIENTS_MESSAGE_H
+#pragma once
 
 #include <stdarg.h>
 
@@ -13,5 +12,3 @@ __attribute__((format(printf, 1, 0))) void message_keep(const char *format, va_l
 
 /* The last sentence, "" if there was none. */
 const char *message_last(void);
-
-#endif

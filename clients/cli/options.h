@@ -1,6 +1,5 @@
 /* options.h - messages about wrong arguments, the same for all subcommands. */
-#ifndef CLIENTS_OPTIONS_H
-#define CLIENTS_OPTIONS_H
+#pragma once
 
 #include <getopt.h>
 #include <stdbool.h>
@@ -40,5 +39,3 @@ bool options_name_file(int argc, char **argv);
 int options_viewport(double *box, bool *has_box, char **argv);
 int options_crs(struct crs *crs, char **argv);
 int options_inside(const char **inside, char **argv);
-
-#endif

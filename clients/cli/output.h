@@ -1,7 +1,6 @@
 /* output.h - the file that a subcommand writes: complete or not at all; it never replaces a file that another
  * program wrote. */
-#ifndef CLIENTS_OUTPUT_H
-#define CLIENTS_OUTPUT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -36,5 +35,3 @@ typedef int output_convert_fn(const char *part, const char *path);
 /* Writes the file, converts it unless convert is NULL, and gives it its name. On any failure there is no new
  * file. Returns the exit status. */
 int output_write(const char *path, output_write_fn *write, void *ctx, output_convert_fn *convert);
-
-#endif

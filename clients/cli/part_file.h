@@ -1,8 +1,7 @@
 /* part_file.h - a file that is written as PATH.part and renamed when it is complete, so that incomplete files
  * are never visible. It gets a mark (an extended attribute with its size and time), which later identifies our
  * own unchanged files. */
-#ifndef CLIENTS_PART_FILE_H
-#define CLIENTS_PART_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -29,5 +28,3 @@ bool part_file_adopt(const char *from, const char *path);
 /* After it: marks the file and gives it its name, or removes it. */
 bool part_file_keep(struct part_file *f);
 void part_file_drop(struct part_file *f);
-
-#endif

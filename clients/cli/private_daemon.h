@@ -1,7 +1,6 @@
 /* private_daemon.h - a private daemon for one task (delaunayd --private): in memory, on a Unix socket that only
  * this user can access. It ends when this process ends, even if that crashes. */
-#ifndef CLIENTS_PRIVATE_DAEMON_H
-#define CLIENTS_PRIVATE_DAEMON_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -19,5 +18,3 @@ bool private_daemon_start(struct private_daemon *d, char *why, size_t room);
 
 /* Closes the connection, and waits until the daemon has ended. */
 void private_daemon_end(struct private_daemon *d);
-
-#endif

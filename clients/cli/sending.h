@@ -1,6 +1,5 @@
 /* sending.h - the points and lines of a file go into a set: all of them, or nothing. */
-#ifndef CLIENTS_SENDING_H
-#define CLIENTS_SENDING_H
+#pragma once
 
 #include "clients/cli/file_options.h"
 #include "clients/lib/delaunay_client.h"
@@ -13,5 +12,3 @@ enum { SENDING_STATUS = 400 };
  * different values. */
 int sending_send(struct file_options *r, struct delaunay_client *c, const char *set,
                  char status[SENDING_STATUS]);
-
-#endif

@@ -1,6 +1,5 @@
 /* subcommand.h - the table of the subcommands of `delaunay`: one row each, for dispatch, --help and completion. */
-#ifndef CLIENTS_SUBCOMMAND_H
-#define CLIENTS_SUBCOMMAND_H
+#pragma once
 
 #include "clients/cli/command.h"
 
@@ -23,5 +22,3 @@ const struct subcommand *subcommand_find(const char *name);
 
 /* Prints its help. */
 void subcommand_print_help(const struct subcommand *s);
-
-#endif

@@ -1,6 +1,5 @@
 /* dispatch.h - carries out the words of a command: a subcommand, or a request of the protocol. */
-#ifndef CLIENTS_DISPATCH_H
-#define CLIENTS_DISPATCH_H
+#pragma once
 
 #include "clients/cli/command.h"
 #include "clients/lib/url.h"
@@ -8,5 +7,3 @@
 /* With c NULL it connects to *where, which a set's URL among the words changes. With c, from the prompt, where is
  * NULL. No words: the prompt. Returns the exit status. */
 int dispatch(struct delaunay_client *c, int words, char **word, struct url *where);
-
-#endif

@@ -1,7 +1,6 @@
 /* export.h - writes a triangulated set as a picture or in another program's format: shared by `export`, `draw`
  * and `run`. */
-#ifndef CLIENTS_EXPORT_H
-#define CLIENTS_EXPORT_H
+#pragma once
 
 #include "clients/cli/options.h"
 #include "clients/lib/delaunay_client.h"
@@ -32,5 +31,3 @@ int export_prepare(struct export *e, char **argv);
 
 /* Fetches the set and writes it; returns the exit status. `name` is the picture's title. */
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name);
-
-#endif

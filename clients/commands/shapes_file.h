@@ -1,6 +1,5 @@
 /* shapes_file.h - a file of cells, contour lines, bands or an alpha shape: what `delaunay voronoi`, `contour` and `alpha` have in common. */
-#ifndef CLIENTS_SHAPES_FILE_H
-#define CLIENTS_SHAPES_FILE_H
+#pragma once
 
 #include "clients/cli/output.h"
 #include "clients/lib/delaunay_client.h"
@@ -39,5 +38,3 @@ enum delaunay_result shapes_file_receive(struct delaunay_client *c, struct shape
  * many are closed, of an alpha shape how many holes it has. Frees what *f owns. Returns the exit status. */
 int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum delaunay_result r,
                        output_write_fn *draw, void *ctx);
-
-#endif

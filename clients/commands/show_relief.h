@@ -1,6 +1,5 @@
 /* show_relief.h - a surface in the terminal, as shaded relief. */
-#ifndef CLIENTS_SHOW_RELIEF_H
-#define CLIENTS_SHOW_RELIEF_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 #include "clients/surfaces/grid_file.h"
@@ -13,5 +12,3 @@ int show_relief(struct delaunay_client *c, const char *set, const char *field, u
 
 /* The number of the nearest colour of the 6 x 6 x 6 cube that terminals with 256 colours have. */
 unsigned show_relief_cube(uint32_t rgb);
-
-#endif

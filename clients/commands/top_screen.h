@@ -1,6 +1,5 @@
 /* top_screen.h - what `delaunay top` shows on a terminal, as lines that fit. */
-#ifndef CLIENTS_TOP_SCREEN_H
-#define CLIENTS_TOP_SCREEN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -35,5 +34,3 @@ struct top_view {
 
 void top_draw(FILE *out, struct top_facts *now, const struct top_facts *before,
               const struct top_view *view);
-
-#endif

@@ -2,8 +2,7 @@
  * (newline-delimited features). Only geometries count, in order, that are the geometry of a feature, in a collection, or alone.
  * Properties and other members that look like a geometry do not count. Every line and every polygon has the next number, unless the
  * properties of its feature are those that our files have, {"kind":"border","number":7}. */
-#ifndef CLIENTS_GEOJSON_FILE_H
-#define CLIENTS_GEOJSON_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -22,5 +21,3 @@ struct geojson_notes {
  * than something else. Adds the fields to *t and counts what is missing. *notes is filled in. */
 bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                        struct geojson_notes *notes);
-
-#endif

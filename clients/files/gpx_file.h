@@ -1,7 +1,6 @@
 /* gpx_file.h - the points of a GPX file [topografix.com/GPX/1/1]: waypoints (wpt), points of routes (rtept) and of tracks (trkpt), in
  * order. The longitude is x, the latitude y, and the elevation (ele) becomes the field z. Extensions are passed over. */
-#ifndef CLIENTS_GPX_FILE_H
-#define CLIENTS_GPX_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -21,5 +20,3 @@ bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct tab
 
 /* Writes how the file was read, for instance "x=lon y=lat z=ele of 2 wpt, 130 trkpt". */
 void gpx_describe(const struct gpx_notes *notes, char *to, size_t room);
-
-#endif

@@ -1,7 +1,6 @@
 /* input.h - opens a file, or the standard input, for reading; compressed files and UTF-16 are read through
  * another program, archives by zip_file.h. */
-#ifndef CLIENTS_INPUT_H
-#define CLIENTS_INPUT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,5 +25,3 @@ bool input_open(struct input *in, const char *path, char *why, size_t room);
 
 /* Closes it; false with a sentence in why[room] if a converting program failed. `all`: everything was read. */
 bool input_close(struct input *in, bool all, char *why, size_t room);
-
-#endif

@@ -1,7 +1,6 @@
 /* las_file.h - point clouds in LAS 1.0 to 1.4 [ASPRS, LAS Specification 1.4 - R15]. Compressed ones (LAZ) have the same header; their
  * points are read by another program. */
-#ifndef CLIENTS_LAS_FILE_H
-#define CLIENTS_LAS_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -35,5 +34,3 @@ struct las_notes {
 /* Reads the points from fd, at the beginning of the file. z becomes the field z; with t->all intensity and classification become fields,
  * too. Adds the fields to *t. */
 bool las_file_read(struct points_file *f, int fd, struct table_fields *t, struct las_notes *notes);
-
-#endif

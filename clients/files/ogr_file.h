@@ -1,7 +1,6 @@
 /* ogr_file.h - files of points, lines and polygons that OGR (GDAL) knows: Shapefiles, GeoPackages, FlatGeobuf. Its program ogr2ogr makes
  * GeoJSON of them, in their own reference system. */
-#ifndef CLIENTS_OGR_FILE_H
-#define CLIENTS_OGR_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,5 +13,3 @@ bool ogr_is_name(const char *path);
 
 /* Starts the program; *out gets the GeoJSON. False with a sentence in why[room], and then *pid is 0 and *out is -1. */
 bool ogr_start(const char *path, pid_t *pid, int *out, char *why, size_t room);
-
-#endif

@@ -1,6 +1,5 @@
 /* progress.h - a progress bar on the standard error, if that is a terminal. */
-#ifndef CLIENTS_PROGRESS_H
-#define CLIENTS_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -19,5 +18,3 @@ void progress_update(struct progress *p, uint64_t done, uint64_t total, uint64_t
 
 /* Clears the line. */
 void progress_end(struct progress *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* source.h - a file of points and lines as the user specified it: its format, its columns, and whether bad lines are
  * skipped. */
-#ifndef CLIENTS_SOURCE_H
-#define CLIENTS_SOURCE_H
+#pragma once
 
 #include "clients/files/survey.h"
 #include "clients/files/table_file.h"
@@ -46,5 +45,3 @@ const char *source_name(const struct source *s);
  * columns were used if that is not obvious, f->report, what was skipped, and the fault if it returns false. */
 bool source_read(struct source *s, struct points_file *f);
 void source_free(struct source *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* survey.h - looks at the points of a file after reading: ranges, missing values, coincident points, and what may be wrong with
  * them. */
-#ifndef CLIENTS_SURVEY_H
-#define CLIENTS_SURVEY_H
+#pragma once
 
 #include "clients/files/table_file.h"
 #include "clients/points/points_file.h"
@@ -43,5 +42,3 @@ bool survey_coincident(const struct points_file *f, struct coincidence *c);
 
 /* Adds to the report where values of coincident points differ; nothing if they do not, or out of memory. */
 void survey_note_coincident(struct points_file *f, const struct table_file *t);
-
-#endif

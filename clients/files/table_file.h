@@ -1,7 +1,6 @@
 /* table_file.h - points from tables: CSV and its relatives, and Triangle's .node files. A plan decides how a table is read
  * (reading/plan.h); here its rows become points. */
-#ifndef CLIENTS_TABLE_FILE_H
-#define CLIENTS_TABLE_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -41,5 +40,3 @@ typedef void table_progress_fn(void *ctx, uint64_t bytes, size_t points);
 bool table_file_read(struct table_file *t, struct points_file *f, int fd,
                      table_progress_fn *progress, void *ctx);
 void table_file_free(struct table_file *t);
-
-#endif

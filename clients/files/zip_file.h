@@ -1,6 +1,5 @@
 /* zip_file.h - the one file of an archive [PKWARE, APPNOTE.TXT 6.3]. */
-#ifndef CLIENTS_ZIP_FILE_H
-#define CLIENTS_ZIP_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,5 +13,3 @@ struct zip_member {
 /* Finds the only file in the archive, or the only one whose ending says that it has points, and copies its bytes. False with a
  * sentence in why[room]: the archive is damaged, or has several such files, which are named. */
 bool zip_open(int fd, struct zip_member *m, char *why, size_t room);
-
-#endif

@@ -1,7 +1,6 @@
 /* asc_grid.h - ASCII grids of heights [ESRI, "Esri ASCII raster format"]: a header of words and numbers, then the values of the cells, the
  * northernmost row first. */
-#ifndef CLIENTS_ASC_GRID_H
-#define CLIENTS_ASC_GRID_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -40,5 +39,3 @@ bool asc_file_read(struct points_file *f, int fd, const struct grid_frame *frame
 
 /* Writes how the file was read, for instance "the centres of 30 x 20 cells of 0.5 x 0.5". */
 void grid_describe(const struct grid_notes *notes, char *to, size_t room);
-
-#endif

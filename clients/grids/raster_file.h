@@ -1,6 +1,5 @@
 /* raster_file.h - rasters of other formats, GeoTIFF for instance, through GDAL's program gdal_translate: the centres of their cells. */
-#ifndef CLIENTS_RASTER_FILE_H
-#define CLIENTS_RASTER_FILE_H
+#pragma once
 
 #include "clients/grids/asc_grid.h"
 
@@ -12,5 +11,3 @@ bool raster_begins(const char *head, size_t n);
  * exact, after the scale and the offset of the band. Points and fields as asc_text_read makes them. False with a fault. */
 bool raster_file_read(struct points_file *f, const char *path, const char *member,
                       struct table_fields *t, struct grid_notes *notes);
-
-#endif

@@ -1,6 +1,5 @@
 /* array.h - arrays that grow. */
-#ifndef CLIENTS_ARRAY_H
-#define CLIENTS_ARRAY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,5 +19,3 @@ static inline bool array_reserve(void **array, size_t *cap, size_t n, size_t siz
     *cap = want;
     return true;
 }
-
-#endif

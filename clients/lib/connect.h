@@ -1,6 +1,5 @@
 /* connect.h - a connected socket to a daemon. */
-#ifndef CLIENTS_CONNECT_H
-#define CLIENTS_CONNECT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -10,5 +9,3 @@
  * timeout_ms (-1: the system's limit); looking up a name takes its own time. Returns a non-blocking socket that the caller owns, or
  * -1 with a sentence in why[room]. */
 int connect_socket(const struct url *where, int timeout_ms, char *why, size_t room);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Rows are gathered aside, and their changes are found before they are applied. A hash table finds a constraint by its ends, kind and
  * number; `sorted` is made when it is asked for. */
-#ifndef CLIENTS_MIRROR_CONSTRAINTS_H
-#define CLIENTS_MIRROR_CONSTRAINTS_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 
@@ -55,5 +54,3 @@ void constraints_apply(struct constraints *s);
 
 /* Makes `sorted`: all, in the order of CONSTRAINTS. False: out of memory. */
 bool constraints_sort(struct constraints *s);
-
-#endif

@@ -5,8 +5,7 @@
  *     copy_commit(&c, &change);
  *
  * Rows are gathered aside, so the copy shows the last version until the commit. */
-#ifndef CLIENTS_MIRROR_COPY_H
-#define CLIENTS_MIRROR_COPY_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 #include "clients/lib/mirror_constraints.h"
@@ -75,5 +74,3 @@ enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change)
 
 /* The place of an id; NULL if there is no such point. */
 const struct copy_place *copy_place(const struct copy *c, uint32_t id);
-
-#endif

@@ -1,7 +1,6 @@
 /* url.h - delaunay://[:token@]host[:port][/set] or unix://[:token@]/path: the address of a daemon, and the name of a set. A token may
  * have characters as %xx. The clients for Python and Node read the same URLs (tests/data/urls.txt). */
-#ifndef CLIENTS_URL_H
-#define CLIENTS_URL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -24,5 +23,3 @@ bool url_is(const char *text);
 
 /* Reads it, or `private:`; the port is URL_PORT unless given. False if it is malformed. */
 bool url_read(const char *text, struct url *url);
-
-#endif

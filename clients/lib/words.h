@@ -1,6 +1,5 @@
 /* words.h - the words of a row of a reply, between blanks; and those of a request. */
-#ifndef CLIENTS_WORDS_H
-#define CLIENTS_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,5 +55,3 @@ static inline const char *words_inside(const char *border)
 {
     return border != NULL && strcmp(border, "any") == 0 ? "" : border;
 }
-
-#endif

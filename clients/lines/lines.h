@@ -1,6 +1,5 @@
 /* lines.h - the lines of a text file in memory, as words. */
-#ifndef CLIENTS_LINES_H
-#define CLIENTS_LINES_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/reading/row.h"
@@ -22,5 +21,3 @@ void lines_end(struct lines_scan *s);
 
 /* Removes the path that has been begun. */
 void lines_take_back(struct points_file *f);
-
-#endif

@@ -1,6 +1,5 @@
 /* obj_file.h - points and lines of Wavefront OBJ: `v x y z`, and `l` with the numbers of points. */
-#ifndef CLIENTS_OBJ_FILE_H
-#define CLIENTS_OBJ_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -15,5 +14,3 @@ struct obj_notes {
  * our own files name them. Points keep their places: a line's corners are those that the file numbers. False with a fault. */
 bool obj_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct obj_notes *notes);
-
-#endif

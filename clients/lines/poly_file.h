@@ -1,6 +1,5 @@
 /* poly_file.h - the .poly files of Shewchuk's Triangle: points with attributes, segments with markers, and places in holes and regions. */
-#ifndef CLIENTS_POLY_FILE_H
-#define CLIENTS_POLY_FILE_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/points/table_fields.h"
@@ -19,5 +18,3 @@ bool poly_text_read(struct points_file *f, const char *text, size_t n, const cha
 
 /* Reads the .node file beside the .poly file into *text, which is the caller's to free; NULL if there is none. False with a fault. */
 bool poly_read_node(struct points_file *f, const char *path, char **text, size_t *n);
-
-#endif

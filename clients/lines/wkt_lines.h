@@ -1,6 +1,5 @@
 /* wkt_lines.h - lines and polygons in well-known text, as columns of tables have them. */
-#ifndef CLIENTS_WKT_LINES_H
-#define CLIENTS_WKT_LINES_H
+#pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/reading/row.h"
@@ -16,5 +15,3 @@ struct wkt_name {
  * is set before each point; NULL if no field has it. Polygons are borders; every line and polygon has the next number unless
  * name->named. False with a fault, and nothing appended. */
 bool wkt_lines_read(struct points_file *f, struct value v, const struct wkt_name *name, double *z);
-
-#endif

@@ -1,6 +1,5 @@
 /* bounds.h - the box around places. */
-#ifndef CLIENTS_BOUNDS_H
-#define CLIENTS_BOUNDS_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -16,5 +15,3 @@ static inline bool bounds_of(const double *xy, size_t n, double box[4])
     }
     return n > 0;
 }
-
-#endif

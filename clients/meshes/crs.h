@@ -1,6 +1,5 @@
 /* crs.h - the coordinate reference system that the user names for a file. It is written into the file; coordinates stay as they are. */
-#ifndef CLIENTS_CRS_H
-#define CLIENTS_CRS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -25,5 +24,3 @@ static inline bool crs_is_given(const struct crs *crs)
 /* Begins a FeatureCollection up to its first feature; with the member crs [The GeoJSON Format Specification, 2008, section 3] if it is
  * given. RFC 7946 has no such member: there, coordinates are longitudes and latitudes. */
 void crs_begin_geojson(FILE *out, const struct crs *crs);
-
-#endif

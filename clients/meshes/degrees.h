@@ -1,7 +1,6 @@
 /* degrees.h - longitudes and latitudes as places on a map: the equirectangular projection, in kilometres, whose lengths are true along
  * meridians and along the middle latitude. For pictures only; the degrees are triangulated as plane coordinates. */
-#ifndef CLIENTS_DEGREES_H
-#define CLIENTS_DEGREES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,5 +15,3 @@ bool degrees_choose(struct degrees *d, const double *xy, size_t n);
 
 /* Changes places to kilometres. */
 void degrees_project(const struct degrees *d, double *xy, size_t n);
-
-#endif

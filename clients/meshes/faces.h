@@ -1,6 +1,5 @@
 /* faces.h - the parts that the constrained edges of a triangulation separate: faces, the largest parts without such an edge inside. */
-#ifndef CLIENTS_FACES_H
-#define CLIENTS_FACES_H
+#pragma once
 
 #include "clients/meshes/model.h"
 
@@ -15,5 +14,3 @@ struct faces {
  * O(triangles log edges). */
 bool faces_init(struct faces *f, const struct model *m, const struct sides *sides);
 void faces_free(struct faces *f);
-
-#endif

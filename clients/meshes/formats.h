@@ -4,8 +4,7 @@
  * begin at 1. The number is the id itself as long as no point has been deleted.
  * Aliases are points without a triangle. In OBJ, PLY, OFF and 2DM points have the height of the model's field z, or 0 if there
  * is no such field. No height may be missing (model_drop_missing). .node has all fields as attributes. */
-#ifndef CLIENTS_FORMATS_H
-#define CLIENTS_FORMATS_H
+#pragma once
 
 #include "clients/meshes/model.h"
 
@@ -30,5 +29,3 @@ bool formats_write_node(FILE *out, const struct model *m);
 
 /* The format of that name, NULL if there is none. */
 const struct format *format_find(const char *name);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * Lines and polygons have their kind and number, so that `load` makes the same constraints of the file. Points have a third
  * coordinate where the model's field z has a value. */
-#ifndef CLIENTS_LINE_FORMATS_H
-#define CLIENTS_LINE_FORMATS_H
+#pragma once
 
 #include "clients/meshes/formats.h"
 
@@ -17,5 +16,3 @@ enum { FORMATS_LIST = 300 };
 
 /* Writes the names of all formats of pictures, meshes and lines, each once, with the text between them; FORMATS_LIST bytes are enough. */
 void formats_list(char *to, size_t room, const char *between);
-
-#endif

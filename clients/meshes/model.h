@@ -1,6 +1,5 @@
 /* model.h - a triangulated set as arrays, fetched from a daemon with binary replies. */
-#ifndef CLIENTS_MODEL_H
-#define CLIENTS_MODEL_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 #include "clients/meshes/crs.h"
@@ -109,5 +108,3 @@ void sides_free(struct sides *s);
 
 /* The triangle on the left of a->b (places), or NO_TRIANGLE. */
 int64_t sides_find(const struct sides *s, uint32_t a, uint32_t b);
-
-#endif

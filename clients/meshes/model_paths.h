@@ -1,6 +1,5 @@
 /* model_paths.h - the constraints of a set as paths, as a file of lines has them. */
-#ifndef CLIENTS_MODEL_PATHS_H
-#define CLIENTS_MODEL_PATHS_H
+#pragma once
 
 #include "clients/meshes/model.h"
 #include "clients/points/paths.h"
@@ -10,5 +9,3 @@
  * smallest id from which that is possible, and continue to the point of the smaller id. *p must be zeroed. False when out of memory.
  * Cost: O(m log m) for m constraints, and for r rings of one number O(r^2) boxes. */
 bool model_paths(const struct model *m, struct paths *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* deflate.h - compression as zlib's [RFC 1950, RFC 1951]: repeated strings of the last 32 KiB, and Huffman codes made for each
  * block. Smaller output than without it is not promised: random bytes grow by less than 1 %. */
-#ifndef CLIENTS_DEFLATE_H
-#define CLIENTS_DEFLATE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,5 +17,3 @@ void deflate_put(struct deflate *d, const unsigned char *bytes, size_t n);
 
 /* Writes the rest and the checksum, and frees it. */
 void deflate_end(struct deflate *d);
-
-#endif

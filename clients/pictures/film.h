@@ -2,8 +2,7 @@
  *
  * Items that change are numbered: first the points, then the edges in the order in which they come
  * up, then the triangles, then the kinds of steps in the legend. */
-#ifndef CLIENTS_FILM_H
-#define CLIENTS_FILM_H
+#pragma once
 
 #include <stdio.h>
 
@@ -82,5 +81,3 @@ const struct change *film_changes(const struct film *f, size_t item, size_t *n);
 
 /* Draws the film as planned. */
 void film_draw(struct film *f, const char *title, bool numbers);
-
-#endif

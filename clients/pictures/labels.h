@@ -1,6 +1,5 @@
 /* labels.h - finds places for texts beside points, so that none covers another. */
-#ifndef CLIENTS_LABELS_H
-#define CLIENTS_LABELS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -32,5 +31,3 @@ bool labels_take(struct labels *l, const struct label_box *box, size_t n);
  * free. False if there is none. The place is taken. */
 bool labels_place(struct labels *l, double x, double y, double away, double wide, double high,
                   struct label_box *box);
-
-#endif

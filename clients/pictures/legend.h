@@ -1,6 +1,5 @@
 /* legend.h - what the colours of a picture mean: heights, bands, or least angles. */
-#ifndef CLIENTS_LEGEND_H
-#define CLIENTS_LEGEND_H
+#pragma once
 
 #include "clients/pictures/relief.h"
 #include "clients/pictures/svg.h"
@@ -46,5 +45,3 @@ struct round_step round_step_of(double rough);
 
 /* `times` as much: the nearest double. */
 double round_step_times(struct round_step step, long times);
-
-#endif

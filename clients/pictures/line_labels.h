@@ -1,6 +1,5 @@
 /* line_labels.h - numbers along contour lines: on straight pieces of the lines, upright, with a halo, none over another. */
-#ifndef CLIENTS_LINE_LABELS_H
-#define CLIENTS_LINE_LABELS_H
+#pragma once
 
 #include "clients/pictures/svg.h"
 #include "clients/surfaces/shapes.h"
@@ -9,5 +8,3 @@
  * is nearly straight and free gets no number. Call it where svg_constraint may be called. False when out of memory. */
 bool line_labels_draw(struct svg *s, const struct shapes *lines,
                       bool (*labelled)(const void *ctx, const struct shape *line), const void *ctx);
-
-#endif

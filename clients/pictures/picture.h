@@ -1,6 +1,5 @@
 /* picture.h - a triangulated set as an SVG: what is drawn, and in which colours. */
-#ifndef CLIENTS_PICTURE_H
-#define CLIENTS_PICTURE_H
+#pragma once
 
 #include "clients/meshes/degrees.h"
 #include "clients/meshes/model.h"
@@ -25,5 +24,3 @@ struct picture {
 /* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. With
  * p->geographic latitudes are at most 90 degrees, and p->degrees has been chosen. False when out of memory; ferror() reports failed writes. */
 bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
-
-#endif

@@ -1,8 +1,7 @@
 /* relief.h - colours of a surface by its height and by the light on its slopes, which comes from the north-west, 45
  * degrees above the horizon. Slopes are exaggerated by a factor that suits the surface as a whole, so it does not
  * matter in which units heights and coordinates are. */
-#ifndef CLIENTS_RELIEF_H
-#define CLIENTS_RELIEF_H
+#pragma once
 
 #include "clients/surfaces/grid_file.h"
 
@@ -35,5 +34,3 @@ bool relief_fit(struct relief *r, const struct grid *g);
 
 /* Fills rgba[4 * columns * rows]; transparent where there are no values. */
 void relief_paint(const struct relief *r, const struct grid *g, unsigned char *rgba);
-
-#endif

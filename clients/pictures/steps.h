@@ -1,6 +1,5 @@
 /* steps.h - the steps of the shelling algorithm, as the rows of TRACE report them. */
-#ifndef CLIENTS_STEPS_H
-#define CLIENTS_STEPS_H
+#pragma once
 
 #include "clients/meshes/model.h"
 
@@ -36,5 +35,3 @@ struct steps {
 /* Takes a row of TRACE's reply. */
 bool steps_take(struct steps *t, const char *row, size_t len);
 void steps_free(struct steps *t);
-
-#endif

@@ -1,6 +1,5 @@
 /* surface_picture.h - the ground of a triangulation with heights as SVG, with contour lines or Voronoi cells. */
-#ifndef CLIENTS_SURFACE_PICTURE_H
-#define CLIENTS_SURFACE_PICTURE_H
+#pragma once
 
 #include "clients/meshes/model.h"
 #include "clients/pictures/relief.h"
@@ -42,5 +41,3 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
 /* Writes a picture of an alpha shape and of the points of m. box: NULL or what is shown. False when out of memory. */
 bool surface_write_rings(FILE *out, const char *title, const struct shapes *rings, struct model *m,
                          const double *box, const char *unit);
-
-#endif

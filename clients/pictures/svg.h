@@ -4,8 +4,7 @@
  * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
  * each hull point in order, svg_hull_end, svg_constraint for each constraint, svg_points, svg_end. Polygons and lines may be among them before
  * svg_points. Everything is written directly to the file; ferror() reports failed writes. */
-#ifndef CLIENTS_SVG_H
-#define CLIENTS_SVG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -103,5 +102,3 @@ void svg_end(struct svg *s);
 
 /* The place of the upper left corner of the drawing, and the side of a pixel, if a pixel is 10 drawing units, as in PNG pictures. */
 void svg_place(const struct svg *s, double *x, double *y, double *pixel);
-
-#endif

@@ -1,6 +1,5 @@
 /* join.h - lines that meet have a common point, and steps and rings that say nothing are left out. */
-#ifndef CLIENTS_JOIN_H
-#define CLIENTS_JOIN_H
+#pragma once
 
 #include "clients/points/points_file.h"
 
@@ -36,5 +35,3 @@ struct segment {
 struct segment *paths_segments(const struct paths *p, size_t *n);
 
 void segments_sort(struct segment *segment, size_t n);
-
-#endif

@@ -1,7 +1,6 @@
 /* paths.h - the lines of a file: paths along its points. Together with the points (points_file.h) they are what every reader of a
  * format fills in, and what every writer writes. */
-#ifndef CLIENTS_PATHS_H
-#define CLIENTS_PATHS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -71,5 +70,3 @@ static inline void paths_step(const struct paths *p, const struct path *path, si
 }
 
 void paths_free(struct paths *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* points_file.h - the points and lines of a file in memory, their values, and what was wrong with the file. Readers of formats fill it
  * in (table_file.h, geojson_file.h). */
-#ifndef CLIENTS_POINTS_FILE_H
-#define CLIENTS_POINTS_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -65,5 +64,3 @@ bool points_file_skip(struct points_file *f, const char *s, size_t len);
 bool points_file_read_all(struct points_file *f, int fd, char **text, size_t *n);
 
 void points_file_free(struct points_file *f);
-
-#endif

@@ -1,6 +1,5 @@
 /* table_fields.h - the fields that the points of a file have: their names, and where they come from. */
-#ifndef CLIENTS_TABLE_FIELDS_H
-#define CLIENTS_TABLE_FIELDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ bool table_fields_add(struct table_fields *t, size_t column, const char *heading
 /* The same for the column of heights, which is called z. */
 bool table_fields_add_height(struct table_fields *t, size_t column, const char *heading,
                              size_t len);
-
-#endif

@@ -1,6 +1,5 @@
 /* headings.h - what a column's heading names: a coordinate (`x`, `POINT_Y`, `Longitude (deg)`) or heights, in several languages. */
-#ifndef CLIENTS_HEADINGS_H
-#define CLIENTS_HEADINGS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,5 +38,3 @@ bool heading_search_end(const struct heading_search *s, size_t column[2], bool *
 /* Whether it names heights: z, elevation, altitude, ... or depths, which are heights downwards. */
 bool heading_is_height(const char *text, size_t len);
 bool heading_is_depth(const char *text, size_t len);
-
-#endif

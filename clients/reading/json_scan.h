@@ -1,7 +1,6 @@
 /* json_scan.h - a scanner of JSON text [RFC 8259] that is in memory: it finds where values begin and end, and checks that
  * brackets match. Words and numbers are not judged; the caller reads those that it needs. */
-#ifndef CLIENTS_JSON_SCAN_H
-#define CLIENTS_JSON_SCAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,5 +36,3 @@ static inline bool json_is(struct json_part part, const char *text)
 {
     return part.len == strlen(text) && memcmp(part.text, text, part.len) == 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* number.h - numbers as people and programs write them in tables: decimal commas, groups of thousands, FORTRAN's
  * exponents, degrees with minutes, seconds and hemispheres, units. */
-#ifndef CLIENTS_NUMBER_H
-#define CLIENTS_NUMBER_H
+#pragma once
 
 #include "clients/reading/row.h"
 
@@ -41,5 +40,3 @@ bool number_split_unit(struct value *v, struct value *unit);
 
 /* Whether it is what tables have in the place of a missing number: nothing, -, NA, n/a, null, ***, ... */
 bool number_is_missing(struct value v);
-
-#endif

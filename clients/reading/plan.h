@@ -1,8 +1,7 @@
 /* plan.h - how a text table is read. The plan is made before any row is read, from all of the first rows. It
  * has the separator of values, the meaning of commas, the line of the heading, and which columns are x, y and fields. A single odd row or
  * missing value decides nothing. */
-#ifndef CLIENTS_PLAN_H
-#define CLIENTS_PLAN_H
+#pragma once
 
 #include <stdint.h>
 
@@ -60,5 +59,3 @@ struct plan {
     uint64_t fault_line;
     char fault[1200]; /* why plan_make failed */
 };
-
-#endif

@@ -1,6 +1,5 @@
 /* plan_make.h - makes the plan by which a table is read. */
-#ifndef CLIENTS_PLAN_MAKE_H
-#define CLIENTS_PLAN_MAKE_H
+#pragma once
 
 #include "clients/reading/plan.h"
 #include "clients/reading/report.h"
@@ -13,5 +12,3 @@ bool wish_columns(struct wish *w, const char *text);
 bool plan_make(struct plan *p, const struct wish *w, const char *text, size_t n, bool whole,
                struct report *report);
 void plan_clear(struct plan *p);
-
-#endif

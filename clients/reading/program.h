@@ -1,6 +1,5 @@
 /* program.h - another program, whose output is read: a file format that it knows becomes one that we know; or which is run to its end. */
-#ifndef CLIENTS_PROGRAM_H
-#define CLIENTS_PROGRAM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,5 +17,3 @@ int program_end(pid_t pid);
 /* Runs a program with these words, and our output, and waits for it. Returns its exit status; PROGRAM_MISSING if there is no such
  * program; -1 if it was killed or could not be started. */
 int program_run(const char *const *word);
-
-#endif

@@ -1,7 +1,6 @@
 /* report.h - what reading a file has shown: notes, each a sentence without its name, which `load`, `run`, `draw`,
  * --dry-run and --json print. Each thing that is not used, missing, skipped or doubtful gets one note. */
-#ifndef CLIENTS_REPORT_H
-#define CLIENTS_REPORT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdio.h>
@@ -40,5 +39,3 @@ void report_print(const struct report *r, const char *name, FILE *out);
 
 /* Copies s[len] into to[room], at least 4 bytes, as printable UTF-8, as report_add does. Returns to. */
 const char *report_clean(char *to, size_t room, const char *s, size_t len);
-
-#endif

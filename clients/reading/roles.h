@@ -1,6 +1,5 @@
 /* roles.h - what each column of a table is, from its heading and its values in the first rows. */
-#ifndef CLIENTS_ROLES_H
-#define CLIENTS_ROLES_H
+#pragma once
 
 #include "clients/reading/sample.h"
 
@@ -10,5 +9,3 @@ bool roles_choose(struct plan *p, const struct wish *w, struct sample *s, struct
 /* Says why there is no plan; `list`: and which columns there are. Returns false. */
 __attribute__((format(printf, 3, 4))) bool plan_fault(struct plan *p, bool list, const char *format,
                                                       ...);
-
-#endif

@@ -3,8 +3,7 @@
  * A value may be quoted where it begins with a quote whose closing one is followed by a separator or the end of the
  * row. Any other quote is an ordinary character. A quoted value may span lines, unless each of these lines is a row
  * with all its columns: then the quotes are ordinary characters, too. */
-#ifndef CLIENTS_ROW_H
-#define CLIENTS_ROW_H
+#pragma once
 
 #include "proto/text.h"
 
@@ -56,5 +55,3 @@ enum row_kind row_kind(const char *s, const char *end);
 /* Stores the first `room` values of the row; returns how many there are. */
 size_t row_split(const struct row_style *style, const char *s, const char *end, struct value *value,
                  size_t room);
-
-#endif

@@ -1,6 +1,5 @@
 /* sample.h - the first rows of a table, and what they show when they are split in one way or another. */
-#ifndef CLIENTS_SAMPLE_H
-#define CLIENTS_SAMPLE_H
+#pragma once
 
 #include "clients/reading/plan.h"
 #include "clients/reading/report.h"
@@ -47,5 +46,3 @@ bool sample_is_heading(const struct value *value, size_t n);
 
 /* Fills in what p->column says of values. */
 void sample_describe(struct sample *s, struct plan *p);
-
-#endif

@@ -1,6 +1,5 @@
 /* wkt.h - geometries in well-known text: their kinds, and points. */
-#ifndef CLIENTS_WKT_H
-#define CLIENTS_WKT_H
+#pragma once
 
 #include "clients/reading/row.h"
 
@@ -24,5 +23,3 @@ bool wkt_is_geometry(struct value v, bool *solid);
 
 /* Reads the geometry POINT (x y [z ...]). Sets *values to 2 or 3. False if it is another one, or empty. */
 bool wkt_read_point(struct value v, double xyz[3], int *values);
-
-#endif

@@ -1,6 +1,5 @@
 /* word_list.h - lists of words in one text, with a blank between them: "x y z". */
-#ifndef CLIENTS_WORD_LIST_H
-#define CLIENTS_WORD_LIST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +33,3 @@ static inline bool word_list_has_end(const char *list, const char *text, size_t 
             return true;
     return false;
 }
-
-#endif

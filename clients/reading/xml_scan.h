@@ -1,7 +1,6 @@
 /* xml_scan.h - a scanner of XML text [XML 1.0] that is in memory: the next tag, with the text before it. It knows no entities and no
  * name spaces, and does not check that tags match. */
-#ifndef CLIENTS_XML_SCAN_H
-#define CLIENTS_XML_SCAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,5 +32,3 @@ int xml_next(struct xml_scan *x, struct xml_tag *tag);
 bool xml_attribute(const struct xml_tag *tag, const char *name, struct xml_part *value);
 
 bool xml_is(struct xml_part part, const char *text);
-
-#endif

@@ -1,6 +1,5 @@
 /* grid_file.h - a raster of values, and its files: ESRI's ASCII grid, and raw values (BIL) with a header. */
-#ifndef CLIENTS_GRID_FILE_H
-#define CLIENTS_GRID_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -28,5 +27,3 @@ void grid_write_hdr(FILE *out, const struct grid *g);
 
 /* A world file: where a picture lies whose upper left corner is at x, y and whose pixels are this wide and high. */
 void world_write(FILE *out, double wide, double high, double x, double y);
-
-#endif

@@ -1,6 +1,5 @@
 /* raster_fetch.h - a raster of square cells of a surface, fetched from a daemon with RASTER ... BINARY. */
-#ifndef CLIENTS_RASTER_FETCH_H
-#define CLIENTS_RASTER_FETCH_H
+#pragma once
 
 #include "clients/lib/delaunay_client.h"
 #include "clients/surfaces/grid_file.h"
@@ -36,5 +35,3 @@ enum delaunay_result raster_bounds(struct delaunay_client *c, const char *set, d
 
 /* Chooses cells for the box: g without values. False: they would be too many, or the box has no area. */
 bool raster_plan(const struct raster_request *request, const double *box, struct grid *g);
-
-#endif

@@ -1,6 +1,5 @@
 /* rings.h - polygons with holes, from the loops of an alpha shape. */
-#ifndef CLIENTS_RINGS_H
-#define CLIENTS_RINGS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +33,3 @@ bool rings_place(struct rings *r);
 
 /* After rings_place, appends to *s, whose kind is SHAPE_RING, each outer ring and after it its holes. False: see r->fault. */
 bool rings_to_shapes(struct rings *r, double radius, struct shapes *s);
-
-#endif

@@ -1,6 +1,5 @@
 /* shapes.h - Voronoi cells, contour lines and bands, as the rows of VORONOI and CONTOUR say them. */
-#ifndef CLIENTS_SHAPES_H
-#define CLIENTS_SHAPES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,5 +52,3 @@ void shapes_write_geojson(FILE *out, const struct shapes *s);
 
 /* A table with a column WKT, and the same columns. */
 void shapes_write_wkt(FILE *out, const struct shapes *s);
-
-#endif
