@@ -8,6 +8,7 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -51,6 +52,10 @@ static int connect_unix(const char *path, int timeout_ms, char *why, size_t room
 static int connect_tcp(const struct url *where, int timeout_ms, char *why, size_t room)
 {
     struct addrinfo hints = {.ai_socktype = SOCK_STREAM}, *list;
+    if (strtol(where->port, NULL, 10) > URL_MOST_PORT) { /* which the system would cut to 16 bits */
+        snprintf(why, room, "%s:%s: a port is at most %d", where->host, where->port, URL_MOST_PORT);
+        return -1;
+    }
     int failed = getaddrinfo(where->host, where->port, &hints, &list);
     if (failed != 0) {
         snprintf(why, room, "%s:%s: %s", where->host, where->port, gai_strerror(failed));

@@ -49,6 +49,7 @@ static bool read_place(struct url *url, const char *at, size_t len)
         return copy(url->port, sizeof url->port, URL_PORT, strlen(URL_PORT));
     size_t digits = strspn(colon + 1, "0123456789");
     return *colon == ':' && digits > 0 && colon + 1 + digits == end &&
+           strtol(colon + 1, NULL, 10) <= URL_MOST_PORT &&
            copy(url->port, sizeof url->port, colon + 1, digits);
 }
 

@@ -6,6 +6,7 @@
 
 #include "proto/request.h"
 
+#define URL_MOST_PORT 65535
 #define URL_PORT "6374"
 
 struct url {

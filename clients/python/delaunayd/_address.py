@@ -46,7 +46,7 @@ def parse(url: Optional[str]) -> Address:
     if url.startswith("/"):
         return Address(path=url)
     found = _TCP.match(url)
-    if found is not None:
+    if found is not None and int(found.group(4) or 0) < 2**16:
         token, v6, host, port = found.groups()
         return Address(v6 or host, int(port or PORT), "", _token(token))
     found = _UNIX.match(url)

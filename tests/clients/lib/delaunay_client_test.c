@@ -344,6 +344,8 @@ TEST(client_reports_why_it_cannot_connect)
     CHECK(delaunay_connect("127.0.0.1", "1", why, sizeof why) == NULL);
     CHECK(strstr(why, "127.0.0.1:1: ") == why);
     CHECK(delaunay_connect("127.0.0.1", "no such port", why, sizeof why) == NULL && why[0] != 0);
+    CHECK(delaunay_connect("127.0.0.1", "65537", why, sizeof why) == NULL);
+    CHECK_STR(why, "127.0.0.1:65537: a port is at most 65535");
     CHECK(delaunay_connect("/nonexistent/socket", "1", why, sizeof why) == NULL);
     CHECK(strstr(why, "/nonexistent/socket: ") == why);
     memset(path, '/', sizeof path);
