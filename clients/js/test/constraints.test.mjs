@@ -5,9 +5,7 @@ import { test } from 'node:test';
 import Constrainautor from '../constrainautor.mjs';
 import earcut, { deviation, flatten } from '../earcut.mjs';
 import { Constrainautor as same, Delaunator, LiveSet, earcut as sameEarcut } from '../index.mjs';
-import { sequence } from './daemon.mjs';
-
-const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
+import { next, sequence } from './daemon.mjs';
 
 const random = sequence(11);
 

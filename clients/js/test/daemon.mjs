@@ -1,4 +1,4 @@
-// Daemons for tests: $DELAUNAYD on a free port or on the port given. Random numbers that are always the same.
+// What tests share: daemons, $DELAUNAYD on a free port or on the port given; random numbers that are always the same; half edges.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -44,4 +44,22 @@ export function sequence(seed) {
     state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
     return limit === undefined ? state / 2 ** 32 : Math.floor((state / 2 ** 32) * limit);
   };
+}
+
+export const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
+
+/** Half edges are in pairs, and those without a twin run along the hull. */
+export function checkHalfedges({ triangles, halfedges, hull }) {
+  const border = new Map();
+  assert.equal(halfedges.length, triangles.length);
+  halfedges.forEach((twin, e) => {
+    if (twin < 0) {
+      border.set(triangles[e], triangles[next(e)]);
+      return;
+    }
+    assert.equal(halfedges[twin], e);
+    assert.equal(triangles[twin], triangles[next(e)]);
+  });
+  assert.equal(border.size, triangles.length > 0 ? hull.length : 0);
+  if (border.size > 0) hull.forEach((p, i) => assert.equal(border.get(p), hull[(i + 1) % hull.length]));
 }

@@ -4,26 +4,16 @@ import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import Delaunator from '../delaunator.mjs';
+import { checkHalfedges } from './daemon.mjs';
 
 
-const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
 const random = (n) => Array.from({ length: n }, () => [Math.random() * 1000, Math.random() * 1000]);
 
-/** Half edges in pairs, triangles clockwise, hull around them. */
-function checkSound({ coords, triangles, halfedges, hull, trianglesLen }) {
+/** Triangles are clockwise. */
+function checkSound(del) {
+  const { coords, triangles, trianglesLen } = del;
   assert.equal(trianglesLen, triangles.length);
-  assert.equal(halfedges.length, triangles.length);
-  const border = new Map();
-  halfedges.forEach((twin, e) => {
-    if (twin < 0) {
-      border.set(triangles[e], triangles[next(e)]);
-    } else {
-      assert.equal(halfedges[twin], e);
-      assert.equal(triangles[twin], triangles[next(e)]);
-    }
-  });
-  assert.equal(border.size, hull.length);
-  hull.forEach((p, i) => assert.equal(border.get(p), hull[(i + 1) % hull.length]));
+  checkHalfedges(del);
   for (let t = 0; t < triangles.length; t += 3) {
     const [ax, ay, bx, by, cx, cy] = [0, 1, 2].flatMap((k) => [coords[2 * triangles[t + k]], coords[2 * triangles[t + k] + 1]]);
     assert.ok((bx - ax) * (cy - ay) - (by - ay) * (cx - ax) < 0);
