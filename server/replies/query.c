@@ -202,15 +202,15 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
         enum row_form form;
         size_t width;
         const char *format;
-    } of[] = {[QUERY_LISTS] = {ROW_RING, 1},
-              [QUERY_TRIANGLES] = {ROW_IDS, 3},
-              [QUERY_EDGES] = {ROW_IDS, 2},
-              [QUERY_NEAREST] = {ROW_NEIGHBOUR, 1},
-              [QUERY_BOX] = {ROW_POINT, 1},
-              [QUERY_DISC] = {ROW_POINT, 1},
+    } of[] = {[QUERY_LISTS] = {ROW_RING, 1, NULL},
+              [QUERY_TRIANGLES] = {ROW_IDS, 3, NULL},
+              [QUERY_EDGES] = {ROW_IDS, 2, NULL},
+              [QUERY_NEAREST] = {ROW_NEIGHBOUR, 1, NULL},
+              [QUERY_BOX] = {ROW_POINT, 1, NULL},
+              [QUERY_DISC] = {ROW_POINT, 1, NULL},
               [QUERY_WEIGHTS] = {ROW_WORDS, ROW_VALUE_WORDS, ROW_VALUE},
               [QUERY_CONSTRAINTS] = {ROW_WORDS, ROW_CONSTRAINT_WORDS, ROW_CONSTRAINT},
-              [QUERY_CONSTRAINED] = {ROW_IDS, 2}};
+              [QUERY_CONSTRAINED] = {ROW_IDS, 2, NULL}};
     struct rows rows = {.version = v,
                         .form = of[q->kind].form,
                         .width = of[q->kind].width,
