@@ -18,10 +18,10 @@ enum { STEP_POINTS = 16 }; /* that a step adds at most */
 void dt_refiner_clear(struct dt_refiner *r)
 {
     dt_free(r->t);
-    dt_array_free(r->halved);
-    dt_array_free(r->edge);
+    free(r->halved);
+    free(r->edge);
     dt_queue_clear(&r->queue);
-    dt_array_free(r->encroached.v);
+    free(r->encroached.v);
     dt_suspects_clear(&r->suspects);
     free(r->changed.v);
 }
@@ -66,24 +66,12 @@ static bool are_on_shell(const struct dt_refiner *r, uint32_t p, uint32_t q)
 
 /* ---- what is to be done ---- */
 
-/* Makes room for one more than n items of `size` bytes in an array of memory.h, whose pointer `array` points to. */
-static enum dt_status reserve_one(void *array, size_t n, size_t *cap, size_t size)
-{
-    if (n < *cap)
-        return DT_OK;
-    size_t room = dt_array_room(*cap, n + 1, SIZE_MAX / size);
-    if (!dt_array_resize(NULL, array, n, room, size))
-        return DT_NOMEM;
-    *cap = room;
-    return DT_OK;
-}
-
 static enum dt_status append_part(struct dt_part_list *l, struct dt_part part)
 {
-    if (reserve_one(&l->v, l->n, &l->cap, sizeof *l->v) != DT_OK)
-        return DT_NOMEM;
-    l->v[l->n++] = part;
-    return DT_OK;
+    enum dt_status status = dt_items_reserve(&l->v, l->n + 1, &l->cap, sizeof *l->v);
+    if (status == DT_OK)
+        l->v[l->n++] = part;
+    return status;
 }
 
 /* The level of a triangle. First come those with a small angle, or with a long edge and a much shorter one: the shorter the shortest
@@ -194,7 +182,8 @@ static enum dt_status make_room(struct dt_refiner *r)
 {
     size_t n = r->t->points.end - r->given;
     enum dt_status status = dt_points_reserve(&r->t->points, 1, NULL);
-    return status != DT_OK ? status : reserve_one(&r->edge, n, &r->edge_cap, sizeof *r->edge);
+    return status != DT_OK ? status
+                           : dt_items_reserve(&r->edge, n + 1, &r->edge_cap, sizeof *r->edge);
 }
 
 static uint32_t enter(struct dt_refiner *r, struct dt_point q, struct dt_part edge)
@@ -314,10 +303,11 @@ static uint32_t place_on(const struct dt_refiner *r, uint32_t h, double part, st
 
 static enum dt_status note_halved(struct dt_refiner *r, uint32_t a, uint32_t b, uint32_t middle)
 {
-    if (reserve_one(&r->halved, r->n_halved, &r->halved_cap, sizeof *r->halved) != DT_OK)
-        return DT_NOMEM;
-    r->halved[r->n_halved++] = (struct dt_halved){a < b ? a : b, a < b ? b : a, middle};
-    return DT_OK;
+    enum dt_status status =
+        dt_items_reserve(&r->halved, r->n_halved + 1, &r->halved_cap, sizeof *r->halved);
+    if (status == DT_OK)
+        r->halved[r->n_halved++] = (struct dt_halved){a < b ? a : b, a < b ? b : a, middle};
+    return status;
 }
 
 static void note_star(void *ctx, uint32_t v)
