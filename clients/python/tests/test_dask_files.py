@@ -16,6 +16,8 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+from .test_dask import Synchronous, in_order, lines_of, of_process, python, with_tiling
+
 try:
     import dask
     import dask.array
@@ -25,8 +27,6 @@ try:
     from delaunayd.dask.engine import Engine
     from delaunayd.dask.tiling import tiling_of
     from delaunayd.spatial import Delaunay
-
-    from .test_dask import Synchronous, in_order, lines_of, of_process, python, with_tiling
 except ImportError:
     dask = None
 
@@ -299,7 +299,7 @@ class Files(Synchronous):
 
     def test_too_little_disk_is_an_error_before_anything_is_written(self):
         with mock.patch("shutil.disk_usage", return_value=types.SimpleNamespace(free=20000)):
-            with self.assertRaisesRegex(OSError, "500 points need about .* in the spill folder"):
+            with self.assertRaisesRegex(OSError, "500 points need about 0.0 MB in the spill folder .* has 0.0 MB"):
                 triangulate(self.points, spill=self.folder)
         self.assertEqual(os.listdir(self.folder), [])
 

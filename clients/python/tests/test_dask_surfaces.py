@@ -3,6 +3,7 @@
 import unittest
 
 from .common import WithDaemon
+from .test_dask import Synchronous, lines_of, with_tiling
 
 try:
     import dask
@@ -13,7 +14,6 @@ try:
     from delaunayd.dask.tiling import Cut, Tiling
 
     from .sets import families, lattice
-    from .test_dask import Synchronous, lines_of, with_tiling
 except ImportError:
     dask = None
 try:

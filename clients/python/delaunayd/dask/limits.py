@@ -36,4 +36,4 @@ def check_disk(folder: str, total: int, fields: int) -> None:
 
 
 def _size(n: int) -> str:
-    return "%.1f GB" % (n / 1e9)
+    return "%.1f GB" % (n / 1e9) if n >= 1e9 else "%.1f MB" % (n / 1e6)
