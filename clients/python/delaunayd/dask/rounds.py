@@ -95,14 +95,14 @@ class Course:
             sent = self._exchange(turn, mail, full)
         return self._finish(turn)
 
-    def _note(self, sent: List[tasks.Sent]) -> Dict[int, Tuple[int, ...]]:
-        """Who has messages for whom."""
-        mail: Dict[int, List[int]] = {}
+    def _note(self, sent: List[tasks.Sent]) -> Dict[int, List[tasks.Part]]:
+        """The messages for each tile, in the order of senders."""
+        mail: Dict[int, List[tasks.Part]] = {}
         for one in sent:
             self.tiles[one.tile].deferred = one.deferred
-            for other in one.to:
-                mail.setdefault(other, []).append(one.tile)
-        return {tile: tuple(sorted(senders)) for tile, senders in sorted(mail.items())}
+            for part in one.to:
+                mail.setdefault(part.tile, []).append(part._replace(tile=one.tile))
+        return mail
 
     def _lines(self) -> Set[int]:
         """The tiles whose points are on a line and that must open it in full."""
@@ -114,13 +114,12 @@ class Course:
                 return set()  # all points are on one line
         return lines
 
-    def _exchange(self, turn: int, mail: Dict[int, Tuple[int, ...]], full: Set[int]) -> List[tasks.Sent]:
+    def _exchange(self, turn: int, mail: Dict[int, List[tasks.Part]], full: Set[int]) -> List[tasks.Sent]:
         calls = [
-            (self._job, tile, self.tiles[tile].last, turn, mail.get(tile, ()), tile in full) for tile in sorted(set(mail) | full)
+            (self._job, tile, self.tiles[tile].last, turn, mail.get(tile, []), tile in full) for tile in sorted(set(mail) | full)
         ]
         sent = self._engine.run("round", tasks.exchange, calls)
-        for tile, senders in mail.items():
-            spill.remove(*(spill.path_of(self._job.folder, "message", turn - 1, sender, tile) for sender in senders))
+        spill.remove_all(self._job.folder, "message-%d-" % (turn - 1))
         for one in sent:
             state = self.tiles[one.tile]
             spill.remove(spill.path_of(self._job.folder, "state", one.tile, state.last))

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Sequence, Tuple
 
@@ -42,11 +43,19 @@ class Piece(NamedTuple):
     box: Tuple[float, float, float, float]
 
 
-class Sent(NamedTuple):
-    """What a task of a tile did. `to`: the tiles that it has messages for. `deferred`: it has opened only the ends of its line."""
+class Part(NamedTuple):
+    """Of what a tile has sent in a turn, the points for one tile: the sender or the receiver, the first of them, and how many there are."""
 
     tile: int
-    to: Tuple[int, ...]
+    first: int
+    n: int
+
+
+class Sent(NamedTuple):
+    """What a task of a tile did. `to`: its messages, by receivers. `deferred`: it has opened only the ends of its line."""
+
+    tile: int
+    to: Tuple[Part, ...]
     deferred: bool
     halo: int = 0
     done: Tuple[int, ...] = ()
@@ -116,12 +125,12 @@ def build(job: Job, tile: int, chunks: Tuple[int, ...]) -> Sent:
     count = _write_done(job, tile, triangles, done, ids)
     points = _points(job, xy, ids, z, band_rows)
     spill.write_arrays(spill.path_of(job.folder, "band", tile), points=points, walls=ids[walls])
-    _send(job, 1, tile, points, to)
+    parts = _send(job, 1, tile, points, to)
     spill.write_arrays(
         spill.path_of(job.folder, "state", tile, 1), foreign=points[:0], sent=_pairs(points["id"], to)
     )
     line = band.xy_of(points)[band.ends(band.xy_of(points))] if counts.triangles == 0 else None
-    return Sent(tile, tuple(to), line is not None, done=count, coincident=counts.coincident, ends=line)
+    return Sent(tile, parts, line is not None, done=count, coincident=counts.coincident, ends=line)
 
 
 def _to_all(job: Job, tile: int, rows: Numbers) -> Dict[int, Numbers]:
@@ -163,22 +172,25 @@ def _pairs(ids: NDArray[Any], to: Dict[int, Numbers]) -> NDArray[np.uint64]:
     return np.concatenate([np.empty(0, dtype=np.uint64), *pairs])
 
 
-def _send(job: Job, turn: int, tile: int, points: NDArray[Any], to: Dict[int, Numbers]) -> None:
-    for other, rows in to.items():
-        spill.write(spill.path_of(job.folder, "message", turn, tile, other), [points[rows]])
+def _send(job: Job, turn: int, tile: int, points: NDArray[Any], to: Dict[int, Numbers]) -> Tuple[Part, ...]:
+    """Writes all messages to one file."""
+    spill.write(spill.path_of(job.folder, "message", turn, tile), [points[rows] for rows in to.values()])
+    first = itertools.accumulate(map(len, to.values()), initial=0)
+    return tuple(Part(other, at, len(rows)) for (other, rows), at in zip(to.items(), first))
 
 
-def _received(job: Job, tile: int, turn: int, senders: Tuple[int, ...]) -> NDArray[Any]:
+def _received(job: Job, turn: int, mail: Sequence[Part]) -> NDArray[Any]:
     dtype = band.points_type(len(job.fields))
-    found = [np.fromfile(spill.path_of(job.folder, "message", turn, sender, tile), dtype=dtype) for sender in senders]
+    paths = [spill.path_of(job.folder, "message", turn, part.tile) for part in mail]
+    found = [np.fromfile(path, dtype, part.n, offset=part.first * dtype.itemsize) for path, part in zip(paths, mail)]
     return np.concatenate([np.empty(0, dtype=dtype), *found])
 
 
-def exchange(job: Job, tile: int, before: int, turn: int, senders: Tuple[int, ...], full: bool) -> Sent:
-    """Inserts what was sent in the turn before, and sends what is new. `before`: the turn of the tile's last state. `full`: a line
+def exchange(job: Job, tile: int, before: int, turn: int, mail: Sequence[Part], full: bool) -> Sent:
+    """Inserts what was sent in the turn before, and sends what is new. `mail`: by senders. `before`: the turn of the tile's last state. `full`: a line
     follows the rule, too. Owners send a point to a tile once, so no point comes twice."""
     state = spill.read_arrays(spill.path_of(job.folder, "state", tile, before))
-    foreign = np.concatenate([state["foreign"], _received(job, tile, turn - 1, senders)])
+    foreign = np.concatenate([state["foreign"], _received(job, turn - 1, mail)])
     points = spill.read_arrays(spill.path_of(job.folder, "band", tile))["points"]
     now = Tile(band.xy_of(points), points["id"])
     now.insert(band.xy_of(foreign), foreign["id"])
@@ -189,10 +201,10 @@ def exchange(job: Job, tile: int, before: int, turn: int, senders: Tuple[int, ..
         rows = rows[~np.isin(_pairs(points["id"], {other: rows}), state["sent"])]
         if len(rows) > 0:
             to[other] = rows
-    _send(job, turn, tile, points, to)
+    parts = _send(job, turn, tile, points, to)
     sent = np.concatenate([state["sent"], _pairs(points["id"], to)])
     spill.write_arrays(spill.path_of(job.folder, "state", tile, turn), foreign=foreign, sent=sent)
-    return Sent(tile, tuple(to), deferred, halo=len(foreign))
+    return Sent(tile, parts, deferred, halo=len(foreign))
 
 
 def finish(job: Job, tile: int, last: int) -> int:
