@@ -80,10 +80,17 @@ size_t dt_facets_pool_memory(uint32_t n)
     return dt_array_bytes(2 * HALF_FACTOR * ((size_t)n + 1), sizeof(struct dt_rounded));
 }
 
+static void forget_gaps(struct dt_facets *f)
+{
+    for (int n = 0; n < DT_FACETS_GAPS; n++)
+        f->gap[n] = DT_NONE;
+}
+
 enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n, struct dt_pages *pages)
 {
     f->pool_room = HALF_FACTOR * ((size_t)n + 1);
     f->pool_limit = f->pool_room;
+    forget_gaps(f);
     f->pool = dt_array_new_in(pages, 2 * f->pool_room, sizeof *f->pool);
     return f->pool == NULL ? DT_NOMEM : DT_OK;
 }
@@ -100,16 +107,35 @@ static void tidy_pool(struct dt_facets *f, size_t n)
         to += facet->n;
     }
     f->pool_end = to;
+    forget_gaps(f);
     const size_t more = n + LEAST + (to - f->pool_begin), end = f->pool_begin + f->pool_room;
     f->pool_limit = end - to < more ? end : to + more;
 }
 
-uint32_t dt_facets_take(struct dt_facets *f, size_t n)
+void dt_facets_make_room(struct dt_facets *f, size_t n)
 {
     if (f->pool_end + n > f->pool_limit)
         tidy_pool(f, n);
-    f->pool_end += n;
-    return (uint32_t)(f->pool_end - n);
+}
+
+uint32_t dt_facets_take(struct dt_facets *f, uint32_t n)
+{
+    uint32_t first = n < DT_FACETS_GAPS ? f->gap[n] : DT_NONE;
+    if (first != DT_NONE) {
+        f->gap[n] = f->pool[first].item;
+    } else {
+        first = (uint32_t)f->pool_end;
+        f->pool_end += n;
+    }
+    return first;
+}
+
+static void leave_gap(struct dt_facets *f, const struct dt_facet *facet)
+{
+    if (facet->n == 0 || facet->n >= DT_FACETS_GAPS)
+        return;
+    f->pool[facet->first].item = f->gap[facet->n];
+    f->gap[facet->n] = facet->first;
 }
 
 /* ---- facets ---- */
@@ -161,21 +187,25 @@ static void forget(struct dt_facets *f, struct dt_facet *facet)
     facet->heaped = false;
 }
 
+void dt_facet_enter(struct dt_facets *f, uint32_t number)
+{
+    struct dt_facet *facet = &f->facet[number];
+    facet->heaped = false; /* it has no entry yet */
+    if (f->heap.n == f->heap.cap)
+        tidy_heap(f);
+    facet->heaped = true;
+    dt_heap_push(&f->heap, f->samples->v, (struct dt_heaped){facet->off, number, facet->worst});
+}
+
 /* The facet counts as it is now. */
 static void note(struct dt_facets *f, uint32_t number)
 {
     struct dt_facet *facet = &f->facet[number];
-    facet->heaped = facet->off > f->bound;
+    const bool exceeds = facet->off > f->bound;
     f->items += facet->n;
-    f->settled += facet->heaped ? 0 : facet->n;
-    if (!facet->heaped)
-        return;
-    if (f->heap.n == f->heap.cap) {
-        facet->heaped = false; /* it has no entry yet */
-        tidy_heap(f);
-        facet->heaped = true;
-    }
-    dt_heap_push(&f->heap, f->samples->v, (struct dt_heaped){facet->off, number, facet->worst});
+    f->settled += exceeds ? 0 : facet->n;
+    if (exceeds)
+        dt_facet_enter(f, number);
 }
 
 /* ---- worst points ---- */
@@ -185,28 +215,24 @@ bool dt_worst_is_less(const struct dt_sample *s, const struct dt_worst *w, uint3
     return w->point == DT_NONE || dt_compare_xy(s[i].at, s[w->point].at) < 0;
 }
 
-/* Compares with the largest distance that rounding allows for a point of the block: the distance of the middle, the rise on the
- * way to a side, and the doubt of both values. */
-bool dt_block_is_less_off(const struct dt_bunch *b, const struct dt_plane *p, double off)
-{
-    double z = p->z + (p->dx * (b->at.x - p->at.x) + p->dy * (b->at.y - p->at.y));
-    double rise = fabs(p->dx) * b->width + fabs(p->dy) * b->height;
-    double above = b->most - z, below = z - b->least;
-    return (above > below ? above : below) + rise + 2 * p->doubt < off;
-}
-
+/* The ranges of all parts are looked at before any of their points. */
 void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
                         const struct dt_plane *p)
 {
-    uint32_t part, n;
-    if (dt_block_is_less_off(dt_item_block(s, item), p, w->off))
+    uint32_t part = 0;
+    dt_worst_raise(w, w->off);
+    if (dt_block_off_range(dt_item_block(s, item), p).most < w->least)
         return;
-    n = dt_item_parts(s, item, &part);
-    for (uint32_t end = part + n; part < end; part++)
-        if (dt_item_level(part) == 0)
+    const uint32_t n = dt_item_parts(s, item, &part), end = part + n;
+    if (dt_item_level(part) == 0) {
+        for (; part < end; part++)
             dt_worst_add(w, s->v, part, dt_plane_off(p, &s->v[part]));
-        else
-            dt_worst_add_block(w, s, part, p);
+        return;
+    }
+    for (uint32_t i = part; i < end; i++)
+        dt_worst_raise(w, dt_block_off_range(dt_item_block(s, i), p).least);
+    for (; part < end; part++)
+        dt_worst_add_block(w, s, part, p);
 }
 
 /* How far q is off as far as it counts: more than the bound if and only if it is. */
@@ -241,32 +267,38 @@ static void raise_least(struct choice *d, const struct dt_sample *q, uint32_t po
     d->least = fmax(d->least, dt_plane_off_range(&d->c, q).least);
 }
 
-/* Whether doubles show that a point cannot be the worst one. Either it is off by less than another one, or it is off at most as far
- * as the worst one so far, and its place is not less. Beside the bound, `decide` may return the next double. */
-static bool is_less_off(const struct choice *d, const struct dt_sample *q, uint32_t point)
+/* The largest result of `decide` that doubles allow. */
+static double most_off(const struct choice *d, const struct dt_sample *q)
 {
-    double most = dt_plane_off_range(&d->c, q).most;
-    return most < fmin(fmax(d->least, d->worst.off), DBL_MAX) ||
-           (most == d->worst.off && most > d->bound &&
-            !dt_worst_is_less(d->s->v, &d->worst, point));
+    const bool rounded = !isinf(d->p->doubt);
+    const double most = rounded ? dt_plane_off(d->p, q) : dt_plane_off_range(&d->c, q).most;
+    const bool may_exceed = rounded ? dt_plane_doubts(d->p, most, d->bound) : most >= d->bound;
+    return may_exceed ? fmax(most, nextafter(d->bound, HUGE_VAL)) : most;
 }
 
+/* Decides about a point unless it is off by less than another one, or at most as far as the worst one so far, and its place is not
+ * less. */
 static void decide_point(struct choice *d, const struct dt_sample *q, uint32_t point)
 {
-    if (isinf(d->p->doubt) && is_less_off(d, q, point))
-        return;
-    dt_worst_add(&d->worst, d->s->v, point, decide(&d->c, d->p, q, d->bound));
+    const double most = most_off(d, q);
+    if (!(most < fmin(fmax(d->least, d->worst.off), DBL_MAX)) &&
+        (most != d->worst.off || dt_worst_is_less(d->s->v, &d->worst, point)))
+        dt_worst_add(&d->worst, d->s->v, point, decide(&d->c, d->p, q, d->bound));
 }
 
-/* Visits all points of the item. */
+/* Visits the points of the item, except those of blocks whose points are all off by less than the worst one. That is at least within the
+ * doubt of the bound. */
 static void visit_item(struct choice *d, uint32_t item, visit_point *visit)
 {
     enum { POLLED = 64 }; /* an exact decision takes some microseconds */
+    const double least = d->bound - 2 * d->p->doubt;
     uint32_t part = 0, n = 0;
-    if (dt_item_level(item) > 0)
+    if (dt_item_level(item) == 0) {
+        if (++d->visited % POLLED != 0 || !dt_stopped(d->stop))
+            visit(d, &d->s->v[item], item);
+    } else if (!(dt_block_off_range(dt_item_block(d->s, item), d->p).most < least)) {
         n = dt_item_parts(d->s, item, &part);
-    else if (++d->visited % POLLED != 0 || !dt_stopped(d->stop))
-        visit(d, &d->s->v[item], item);
+    }
     for (uint32_t end = part + n; part < end && dt_stop_status(d->stop) == DT_OK; part++)
         visit_item(d, part, visit);
 }
@@ -300,7 +332,7 @@ enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_
                             struct dt_facet facet, struct dt_stop *stop)
 {
     enum dt_status status = DT_OK;
-    if (facet.n > 0 && dt_plane_doubts(p, facet.off, f->bound))
+    if (facet.n > 0 && !facet.rough && dt_plane_doubts(p, facet.off, f->bound))
         status = decide_list(f, base, p, &facet, stop);
     if (status != DT_OK)
         return status;
@@ -310,8 +342,20 @@ enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_
     return DT_OK;
 }
 
+void dt_facet_measure(struct dt_facets *f, uint32_t number)
+{
+    struct dt_facet *facet = &f->facet[number];
+    if (!facet->rough)
+        return;
+    const struct dt_corners c = dt_facet_corners(f, 8 * number);
+    const struct dt_plane p = dt_plane_of(&c, f->samples->largest);
+    facet->off = dt_plane_off(&p, &f->samples->v[facet->worst]);
+    facet->rough = false;
+}
+
 void dt_facet_empty(struct dt_facets *f, uint32_t base)
 {
     forget(f, &f->facet[base / 8]);
+    leave_gap(f, &f->facet[base / 8]);
     f->facet[base / 8] = facet_empty;
 }

@@ -9,9 +9,9 @@
  * While all points that are kept are on one line there are ghosts only (mesh.h): the one whose corners ascend is the facet of
  * the points between them.
  *
- * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool, one after the other. A list that is
- * replaced leaves a gap. A full pool is copied without gaps, and is full again when about half of it are gaps. So it stays small, and
- * more of it is in the caches. */
+ * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool. A list that is replaced leaves a gap for
+ * the next list of that length, which is likely to be in the caches still. A full pool is copied without gaps, and is full again when about
+ * half of it are gaps. */
 #ifndef DT_FACETS_H
 #define DT_FACETS_H
 
@@ -27,9 +27,11 @@ struct dt_facet {
     uint32_t blocks; /* of which the first ones are blocks */
     uint32_t worst;  /* point; DT_NONE: there are none */
     bool heaped;     /* an entry of the heap is about it as it is */
+    bool
+        rough; /* the worst point is off by at most `off`, which is measured when the facet may be the next one */
 };
 
-enum { DT_HEAP_FACTOR = 2 };
+enum { DT_HEAP_FACTOR = 2, DT_FACETS_GAPS = 64 };
 
 struct dt_facets {
     struct dt_samples *samples; /* borrows */
@@ -46,6 +48,8 @@ struct dt_facets {
     struct dt_rounded *pool; /* owns two halves of pool_room */
     size_t pool_room, pool_begin, pool_end; /* of the half that is in use, the part that is, */
     size_t pool_limit;                      /* and where it is full */
+    uint32_t gap
+        [DT_FACETS_GAPS]; /* by length: the first of the gaps, whose first item is the next one; DT_NONE */
 };
 
 void dt_facets_clear(struct dt_facets *f);
@@ -60,9 +64,12 @@ size_t dt_facets_pool_memory(uint32_t n);
 /* Makes the pool, for n points in all, from pages, which may be NULL. DT_NOMEM. */
 enum dt_status dt_facets_pool(struct dt_facets *f, uint32_t n, struct dt_pages *pages);
 
-/* Room for n points at the end of the pool; lists may move. Returns where it is. With the lists there are no more points than
- * the pool is for. Cost: constant, amortised over the points. */
-uint32_t dt_facets_take(struct dt_facets *f, size_t n);
+/* Makes room for lists of n items in all; lists may move. With those that are there they have no more points than the pool is
+ * for. Cost: constant, amortised over the points. */
+void dt_facets_make_room(struct dt_facets *f, size_t n);
+
+/* Returns where a list of n items can be; there is room. */
+uint32_t dt_facets_take(struct dt_facets *f, uint32_t n);
 
 /* The corners of a record that is a facet. */
 struct dt_corners dt_facet_corners(const struct dt_facets *f, uint32_t base);
@@ -75,6 +82,12 @@ bool dt_is_facet(const struct dt_facets *f, uint32_t base);
 enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
                             struct dt_facet facet, struct dt_stop *stop);
 
+/* Measures how far the worst point of a facet is off, if that is known roughly. */
+void dt_facet_measure(struct dt_facets *f, uint32_t number);
+
+/* An entry of the heap for a facet whose worst point is off by more than the bound. */
+void dt_facet_enter(struct dt_facets *f, uint32_t number);
+
 /* Whether the facet is still as it was when it got the entry. */
 static inline bool dt_facets_hold(const struct dt_facets *f, const struct dt_heaped *h)
 {
@@ -86,28 +99,43 @@ static inline bool dt_facets_hold(const struct dt_facets *f, const struct dt_hea
  * facets that were set; fetches what the insertions of the next worst points will read. */
 uint32_t dt_facets_worst(struct dt_facets *f);
 
-/* The record is no facet any more, or has no points. */
+/* The record is no facet any more. Its list leaves a gap. */
 void dt_facet_empty(struct dt_facets *f, uint32_t base);
 
 /* The worst of several points, by how far they are off and their places. Start with dt_worst_none. */
 struct dt_worst {
     double off;
     uint32_t point;
+    double least; /* some point, which need not have been added, is off by at least that */
 };
 
-static const struct dt_worst dt_worst_none = {0, DT_NONE};
+static const struct dt_worst dt_worst_none = {0, DT_NONE, 0};
 
 bool dt_worst_is_less(const struct dt_sample *s, const struct dt_worst *w, uint32_t i);
 
 static inline void dt_worst_add(struct dt_worst *w, const struct dt_sample *s, uint32_t i,
                                 double off)
 {
-    if (off > w->off || (off == w->off && dt_worst_is_less(s, w, i)))
-        *w = (struct dt_worst){off, i};
+    if (off > w->off || (off == w->off && dt_worst_is_less(s, w, i))) {
+        w->off = off;
+        w->point = i;
+    }
 }
 
-/* Whether the box and the range of values of a block show that all of its points are less off the plane. */
-bool dt_block_is_less_off(const struct dt_bunch *b, const struct dt_plane *p, double off);
+/* Bounds of how far the worst point of a block is off, as dt_plane_off rounds it. */
+static inline struct dt_off_range dt_block_off_range(const struct dt_bunch *b,
+                                                     const struct dt_plane *p)
+{
+    const double z = p->z + (p->dx * (b->at.x - p->at.x) + p->dy * (b->at.y - p->at.y));
+    const double above = b->most - z, below = z - b->least, off = above > below ? above : below;
+    const double rise = fabs(p->dx) * b->width + fabs(p->dy) * b->height + 2 * p->doubt;
+    return (struct dt_off_range){off - rise, off + rise};
+}
+
+static inline void dt_worst_raise(struct dt_worst *w, double least)
+{
+    w->least = least > w->least ? least : w->least;
+}
 
 /* Adds all points of a block, how far they are off the plane. Cost: constant if they cannot count. */
 void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t item,

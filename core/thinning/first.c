@@ -31,15 +31,17 @@ static enum dt_status begin(struct first *f)
 {
     size_t n = f->s->n;
     f->stays = dt_array_new(n, sizeof *f->stays);
-    f->number = dt_array_new(n, sizeof *f->number);
+    if (f->in->constraints > 0)
+        f->number = dt_array_new(n, sizeof *f->number);
     f->sample = dt_array_new(n, sizeof *f->sample);
     f->point = dt_array_new(n, sizeof *f->point);
-    if (f->stays == NULL || f->number == NULL || f->sample == NULL || f->point == NULL)
+    if (f->stays == NULL || f->sample == NULL || f->point == NULL ||
+        (f->number == NULL && f->in->constraints > 0))
         return DT_NOMEM;
-    for (uint32_t i = 0; i < n; i++) {
+    if (n > 0)
+        memset(f->stays, 0, n * sizeof *f->stays);
+    for (uint32_t i = 0; f->number != NULL && i < n; i++)
         f->number[f->s->v[i].index] = i;
-        f->stays[i] = false;
-    }
     for (size_t i = 0; i < f->in->constraints; i++) {
         f->stays[f->number[f->in->constraint[i].a]] = true;
         f->stays[f->number[f->in->constraint[i].b]] = true;
@@ -129,7 +131,7 @@ static void visit(struct outer *w, uint32_t i)
 /* Visits the points of an item, except those of blocks that are inside. */
 static void walk_outer(struct outer *w, uint32_t item)
 {
-    enum { POLLED = 6 }; /* blocks of this level have DT_POLL_MISSES points */
+    enum { POLLED = 5 }; /* blocks of this level have DT_POLL_MISSES points */
     uint32_t part = 0, n = 0;
     if (dt_item_level(item) == POLLED && dt_stopped(w->stop))
         return;
@@ -284,7 +286,8 @@ static void choose_all(struct first *f)
     f->n = 0;
     for (uint32_t i = 0; i < f->s->n; i++)
         if (f->stays[i]) {
-            f->number[f->s->v[i].index] = f->n;
+            if (f->number != NULL)
+                f->number[f->s->v[i].index] = f->n;
             choose(f, i);
         }
 }

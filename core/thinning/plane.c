@@ -25,7 +25,7 @@ static void set_slopes(struct dt_plane *p, const struct dt_corners *c, double la
     p->dx = (bz * cy - cz * by) / area;
     p->dy = (cz * bx - bz * cx) / area;
     p->doubt = 0x1p-47 * f * range + 0x1p-49 * largest;
-    if (!(f < 0x1p30))
+    if (!(f > 0 && f < 0x1p30)) /* rounding may have turned the triangle over */
         give_up(p);
 }
 

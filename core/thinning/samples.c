@@ -102,10 +102,11 @@ static void set_box(struct dt_bunch *b, struct dt_box box)
     b->height = fmax(box.hi.y - b->at.y, b->at.y - box.lo.y) * (1 + 0x1p-50);
 }
 
+/* nan remains. */
 static void add_range(struct dt_bunch *b, double least, double most)
 {
-    b->least = least < b->least ? least : b->least;
-    b->most = most > b->most ? most : b->most;
+    b->least = least < b->least || isnan(least) ? least : b->least;
+    b->most = most > b->most || isnan(most) ? most : b->most;
 }
 
 /* The block of parts that are points, or blocks. */
@@ -129,19 +130,15 @@ static struct dt_bunch block_of(const struct dt_samples *s, uint32_t item)
     return b;
 }
 
-static uint32_t parts_of(uint32_t n)
-{
-    return (n + DT_BLOCK_PARTS - 1) / DT_BLOCK_PARTS;
-}
-
 /* Counts the blocks of all levels; returns how many there are. */
 static uint32_t plan_blocks(struct dt_samples *s)
 {
     uint32_t all = 0;
     s->count[0] = s->n;
     for (s->levels = 0; s->count[s->levels] > 1 && s->levels < DT_BLOCK_LEVELS; s->levels++) {
+        const uint32_t parts = s->levels == 0 ? DT_BLOCK_POINTS : DT_BLOCK_PARTS;
         s->start[s->levels + 1] = all;
-        s->count[s->levels + 1] = parts_of(s->count[s->levels]);
+        s->count[s->levels + 1] = (s->count[s->levels] + parts - 1) / parts;
         all += s->count[s->levels + 1];
     }
     return all;
@@ -196,5 +193,5 @@ size_t dt_samples_memory(uint32_t n)
 {
     return dt_array_bytes(n, sizeof(struct dt_sample)) +
            dt_array_bytes(n, sizeof(struct dt_rounded)) + 2 * dt_array_bytes(n, sizeof(uint64_t)) +
-           dt_array_bytes((size_t)n / 2 + DT_BLOCK_LEVELS, sizeof(struct dt_bunch));
+           dt_array_bytes((size_t)n / 8 + DT_BLOCK_LEVELS, sizeof(struct dt_bunch));
 }

@@ -40,8 +40,10 @@ static enum dt_status reserve_sectors(struct dt_share *h, uint32_t n)
     return h->cap > 0 ? DT_OK : DT_NOMEM;
 }
 
+/* There is room up to a multiple of four. */
 static enum dt_status reserve_points(struct dt_share *h, size_t n)
 {
+    n += 3;
     if (n <= h->point_cap)
         return DT_OK;
     size_t cap = dt_array_room(h->point_cap, n, UINT32_MAX);
@@ -77,7 +79,7 @@ static enum dt_status reserve_blocks(struct dt_share *h, size_t n)
 static inline bool is_after(const struct dt_sector *s, struct dt_point p, struct dt_point q,
                             double x, double y, int *sign)
 {
-    double left = s->x * y, right = s->y * x, det = left - right;
+    double left = s->way.x * y, right = s->way.y * x, det = left - right;
     if (fabs(det) > DT_ORIENT_BOUND * (fabs(left) + fabs(right))) {
         *sign = 1;
         return det > 0;
@@ -108,32 +110,24 @@ static uint32_t sector_of(const struct dt_share *h, struct dt_point p, struct dt
     return i - 1;
 }
 
-/* The same of a block that is less than a half turn from the edge: *sure is false unless all of it is on one side of the
- * line of the edge. */
-static inline bool is_block_after(const struct dt_sector *s, const struct dt_bunch *b, double x,
-                                  double y, bool *sure)
-{
-    double left = s->x * y, right = s->y * x, det = left - right;
-    double reach = fabs(s->x) * b->height + fabs(s->y) * b->width;
-    double size = fabs(left) + fabs(right);
-    *sure = *sure && fabs(det) > reach * (1 + 0x1p-48) + DT_ORIENT_BOUND * size;
-    return det > 0;
-}
-
 /* The sector of a block; DT_NONE: edges may divide it. */
 static uint32_t sector_of_block(const struct dt_share *h, struct dt_point p,
                                 const struct dt_bunch *b)
 {
-    double x = b->at.x - p.x, y = b->at.y - p.y;
     uint32_t i = 1, end = h->half;
-    bool sure = !h->on_line;
-    if (h->half < h->sectors && !is_block_after(&h->sector[0], b, x, y, &sure)) {
-        i = h->half;
-        end = h->sectors;
+    int side = 1;
+    if (h->on_line) {
+        side = dt_block_order(b, p);
+        i = side > 0 ? 2 : 1;
+        end = 0;
+    } else if (h->half < h->sectors) {
+        side = dt_block_side(b, p, h->sector[0].way);
+        i = side > 0 ? 1 : h->half;
+        end = side > 0 ? h->half : h->sectors;
     }
-    while (sure && i < end && is_block_after(&h->sector[i], b, x, y, &sure))
+    while (side != 0 && i < end && (side = dt_block_side(b, p, h->sector[i].way)) > 0)
         i++;
-    return sure ? i - 1 : DT_NONE;
+    return side != 0 ? i - 1 : DT_NONE;
 }
 
 /* ---- blocks ---- */
@@ -143,7 +137,7 @@ static void fetch_block(const struct dt_samples *s, uint32_t item)
 {
     dt_fetch(dt_item_block(s, item));
     if (dt_item_level(item) == 1)
-        dt_fetch(&s->rounded[DT_BLOCK_PARTS * dt_item_number(item)]);
+        dt_fetch(&s->rounded[DT_BLOCK_POINTS * dt_item_number(item)]);
 }
 
 /* Whether the sectors are few enough for floats. */
@@ -171,45 +165,21 @@ static enum dt_status divide(const struct dt_samples *s, struct dt_share *h, uin
     return DT_OK;
 }
 
-/* Adds the points of a block that floats do not show to be less off than the worst one. */
-static void add_block_coarsely(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
-                               const struct dt_sector *sector, const struct dt_coarse_plane *p)
-{
-    uint32_t part, n;
-    if (dt_block_is_less_off(dt_item_block(s, item), &sector->plane, w->off))
-        return;
-    n = dt_item_parts(s, item, &part);
-    const float least = dt_coarse_least(p, w->off);
-    for (uint32_t end = part + n; part < end; part++)
-        if (dt_item_level(part) > 0)
-            add_block_coarsely(w, s, part, sector, p);
-        else if (!(dt_coarse_plane_off(p, &s->rounded[part]) < least)) /* also if that is nan */
-            dt_worst_add(w, s->v, part, dt_plane_off(&sector->plane, &s->v[part]));
-}
-
-/* A block in a sector. */
-static void add_block(const struct dt_samples *s, struct dt_share *h, uint32_t item, uint32_t of)
-{
-    struct dt_sector *sector = &h->sector[of];
-    sector->blocks++;
-    if (is_coarse(h)) {
-        const struct dt_coarse_plane plane = dt_coarse_plane(&h->coarse, of, s);
-        add_block_coarsely(&sector->worst, s, item, sector, &plane);
-    } else
-        dt_worst_add_block(&sector->worst, s, item, &sector->plane);
-}
-
-/* Finds the sectors of blocks, and their worst points, or divides them. */
+/* Finds the sectors of blocks, and how far their worst points are off at least, or divides them. */
 static enum dt_status share_blocks(const struct dt_samples *s, struct dt_share *h,
                                    struct dt_point p, struct dt_stop *stop)
 {
     size_t known = 0, points = h->points;
     for (size_t k = 0; k < h->blocks; k++) {
-        const uint32_t item = h->block[k].item, of = sector_of_block(h, p, dt_item_block(s, item));
+        const uint32_t item = h->block[k].item;
+        const struct dt_bunch *b = dt_item_block(s, item);
+        const uint32_t of = sector_of_block(h, p, b);
         if (of == DT_NONE && divide(s, h, item) != DT_OK)
             return DT_NOMEM;
         if (of != DT_NONE) {
-            add_block(s, h, item, of);
+            struct dt_sector *sector = &h->sector[of];
+            dt_worst_raise(&sector->worst, dt_block_off_range(b, &sector->plane).least);
+            sector->blocks++;
             h->block[known++] = (struct dt_shared){item, of};
         }
         if (k % DT_POLL_MISSES == DT_POLL_MISSES - 1 && dt_stopped(stop))
@@ -239,43 +209,46 @@ static void share_exactly(const struct dt_samples *s, struct dt_share *h, size_t
     }
 }
 
-/* Finds the sectors of points that floats have left in doubt. The new vertex is one of them. */
-static void settle_doubts(const struct dt_samples *s, const struct dt_share *h, size_t from,
-                          struct dt_coarse_points *points, uint32_t vertex)
+enum { BATCH = 64 }; /* points */
+
+/* Finds the sectors of points that floats have left in doubt, and how far they are off. The new vertex is one of them, and stays without
+ * a sector. */
+static void settle_doubts(const struct dt_samples *s, struct dt_share *h, size_t from, size_t end,
+                          uint32_t vertex)
 {
-    uint32_t doubt[DT_COARSE_POINTS], doubts = 0;
-    for (uint32_t k = 0; k < points->n; k++)
-        if (points->sector[k] == DT_NONE) {
-            dt_fetch(&s->v[h->point[from + k].item]);
+    size_t doubt[BATCH];
+    uint32_t doubts = 0;
+    for (size_t k = from; k < end; k++)
+        if (h->of[k] == DT_NONE && h->point[k].item != vertex) {
+            dt_fetch(&s->v[h->point[k].item]);
             doubt[doubts++] = k;
         }
     for (uint32_t i = 0; i < doubts; i++) {
-        const uint32_t item = h->point[from + doubt[i]].item;
-        if (item != vertex)
-            points->sector[doubt[i]] = sector_of(h, s->v[vertex].at, s->v[item].at);
+        const uint32_t item = h->point[doubt[i]].item;
+        const uint32_t of = sector_of(h, s->v[vertex].at, s->v[item].at);
+        struct dt_sector *sector = &h->sector[of];
+        dt_worst_add(&sector->worst, s->v, item, dt_plane_off(&sector->plane, &s->v[item]));
+        h->of[doubt[i]] = of;
+        h->off[doubt[i]] = 0;
     }
 }
 
-/* The same as share_exactly, but about how far. */
+/* The same as share_exactly, but about how far most points are off. */
 static void share_coarsely(const struct dt_samples *s, struct dt_share *h, size_t from, uint32_t n,
                            uint32_t vertex)
 {
-    struct dt_coarse_points points;
-    points.n = 0;
-    for (size_t k = from; k < from + n; k++)
-        dt_coarse_see(&h->coarse, &points, &h->point[k]);
-    dt_coarse_find(&h->coarse, &points);
-    settle_doubts(s, h, from, &points, vertex);
-    dt_coarse_measure(&h->coarse, &points);
-    memcpy(h->of + from, points.sector, n * sizeof *h->of);
-    memcpy(h->off + from, points.off, n * sizeof *h->off);
+    dt_coarse_find(&h->coarse, h->point + from, n, h->of + from, h->off + from);
+    settle_doubts(s, h, from, from + n, vertex);
+    dt_coarse_tally(&h->coarse, n, h->of + from, h->off + from);
 }
 
 static enum dt_status share_points(const struct dt_samples *s, struct dt_share *h, uint32_t vertex,
                                    struct dt_stop *stop)
 {
+    for (size_t k = h->points; k % 4 != 0; k++)
+        h->point[k] = (struct dt_rounded){0};
     for (size_t from = 0, n; from < h->points; from += n) {
-        n = h->points - from < DT_COARSE_POINTS ? h->points - from : DT_COARSE_POINTS;
+        n = h->points - from < BATCH ? h->points - from : BATCH;
         if (is_coarse(h))
             share_coarsely(s, h, from, (uint32_t)n, vertex);
         else
@@ -283,43 +256,57 @@ static enum dt_status share_points(const struct dt_samples *s, struct dt_share *
         if (from % DT_POLL_MISSES == DT_POLL_MISSES - n && dt_stopped(stop))
             return dt_stop_status(stop);
     }
-    for (uint32_t i = 0; is_coarse(h) && i < h->sectors; i++)
-        h->sector[i].n = dt_coarse_count(&h->coarse, i);
+    for (uint32_t i = 0; is_coarse(h) && i < h->sectors; i++) {
+        const double least = (double)h->coarse.most[i] - 1.01 * (double)h->coarse.error[i];
+        dt_worst_raise(&h->sector[i].worst, least / s->per_value);
+        h->sector[i].n = h->coarse.count[i];
+    }
     return DT_OK;
 }
 
 /* ---- lists ---- */
 
-/* Writes the blocks and makes room for the points. */
+/* Makes room for the points. Writes the blocks, and looks at those that may have the worst points. */
 static void begin_lists(struct dt_facets *f, struct dt_share *h)
 {
-    size_t n = h->blocks;
-    for (uint32_t i = 0; i < h->sectors; i++)
-        n += h->sector[i].n;
-    uint32_t first = dt_facets_take(f, n);
+    dt_facets_make_room(f, h->blocks + h->points);
     for (uint32_t i = 0; i < h->sectors; i++) {
         struct dt_sector *s = &h->sector[i];
-        s->first = first;
         s->n += s->blocks;
-        first += s->n;
+        s->first = dt_facets_take(f, s->n);
         s->blocks = 0;
     }
     for (size_t k = 0; k < h->blocks; k++) {
         struct dt_sector *s = &h->sector[h->block[k].sector];
         f->pool[s->first + s->blocks++] = (struct dt_rounded){0, 0, 0, h->block[k].item};
+        dt_worst_add_block(&s->worst, f->samples, h->block[k].item, &s->plane);
     }
+}
+
+/* Whether it is enough to know roughly how far a point is off that alone may be the worst one of its sector. */
+static bool suffices(const struct dt_facets *f, struct dt_share *h, const struct dt_shared *only)
+{
+    struct dt_sector *s = &h->sector[only->sector];
+    const double most = (double)h->coarse.most[only->sector], per_value = f->samples->per_value;
+    const double error = 1.01 * (double)h->coarse.error[only->sector];
+    const double above = (most + error) / per_value, below = (most - error) / per_value;
+    s->rough = s->worst.point == DT_NONE &&
+               (below > f->bound + s->plane.doubt || above < f->bound - s->plane.doubt);
+    if (s->rough)
+        s->worst = (struct dt_worst){above, only->item, below};
+    return s->rough;
 }
 
 /* Writes the points of the sectors, and looks at those that may be the worst ones. */
 static void write_coarsely(struct dt_facets *f, struct dt_share *h)
 {
     const struct dt_sample *v = f->samples->v;
-    uint32_t end[DT_COARSE_SECTORS];
+    uint32_t end[DT_COARSE_SECTORS], candidates[DT_COARSE_SECTORS] = {0};
     float most[DT_COARSE_SECTORS];
-    size_t n = 0;
+    size_t n = 0, left = 0;
     for (uint32_t i = 0; i < h->sectors; i++) {
         end[i] = h->sector[i].first + h->sector[i].blocks;
-        most[i] = dt_coarse_most(&h->coarse, i) - 2 * h->coarse.error[i];
+        most[i] = h->coarse.most[i] - 2 * h->coarse.error[i];
     }
     for (size_t k = 0; k < h->points; k++) {
         const uint32_t of = h->of[k];
@@ -327,11 +314,16 @@ static void write_coarsely(struct dt_facets *f, struct dt_share *h)
             continue;
         f->pool[end[of]++] = h->point[k];
         if (!(h->off[k] < most[of])) { /* also if it or the limit is nan */
-            dt_fetch(&v[h->point[k].item]);
+            candidates[of]++;
             h->block[n++] = (struct dt_shared){h->point[k].item, of};
         }
     }
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; k < n; k++)
+        if (candidates[h->block[k].sector] > 1 || !suffices(f, h, &h->block[k])) {
+            dt_fetch(&v[h->block[k].item]);
+            h->block[left++] = h->block[k];
+        }
+    for (size_t k = 0; k < left; k++) {
         struct dt_sector *s = &h->sector[h->block[k].sector];
         const uint32_t item = h->block[k].item;
         dt_worst_add(&s->worst, v, item, dt_plane_off(&s->plane, &v[item]));
@@ -371,7 +363,8 @@ static enum dt_status share(struct dt_facets *f, struct dt_share *h, uint32_t ve
                                        .first = s->first,
                                        .n = s->n,
                                        .blocks = s->blocks,
-                                       .worst = s->worst.point};
+                                       .worst = s->worst.point,
+                                       .rough = s->rough};
         status = dt_facet_set(f, s->base, &s->plane, facet, stop);
     }
     return status;
@@ -398,14 +391,13 @@ static void add_sector(struct dt_facets *f, struct dt_share *h, uint32_t base, s
     struct dt_corners c = dt_facet_corners(f, base);
     struct dt_sector *s = &h->sector[h->sectors++];
     *s = (struct dt_sector){.to = to,
-                            .x = to.x - p.x,
-                            .y = to.y - p.y,
+                            .way = {to.x - p.x, to.y - p.y},
                             .on_left = dt_compare_xy(p, to) < 0,
                             .base = base,
                             .plane = dt_plane_of(&c, f->samples->largest),
                             .worst = dt_worst_none};
     if (h->sectors <= DT_COARSE_SECTORS)
-        dt_coarse_add(&h->coarse, f->samples, s->x, s->y, &s->plane);
+        dt_coarse_add(&h->coarse, f->samples, s->way, &s->plane);
 }
 
 /* The star of the new vertex, whose records are those of the cavity. At the hull it begins behind infinity. */

@@ -7,12 +7,13 @@
 
 /* A triangle of the star of a new vertex, or one of two parts of an edge: from an edge of the star to the next one. */
 struct dt_sector {
-    struct dt_point to; /* the other end of the edge where it begins */
-    double x, y;        /* the same as seen from the new vertex */
-    bool on_left;       /* a point on that edge belongs to it, not to the sector before */
-    uint32_t base;      /* of its record */
+    struct dt_point to;  /* the other end of the edge where it begins */
+    struct dt_point way; /* the same as seen from the new vertex */
+    bool on_left;        /* a point on that edge belongs to it, not to the sector before */
+    uint32_t base;       /* of its record */
     struct dt_plane plane;
     struct dt_worst worst;
+    bool rough;        /* the worst point is off by at most that */
     uint32_t first, n; /* its list: where it begins, items, */
     uint32_t blocks;   /* of which the first ones are blocks */
 };

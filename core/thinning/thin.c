@@ -132,17 +132,20 @@ static enum dt_status refine(struct thin *t)
 
 /* ---- the end ---- */
 
-static double largest_error(const struct dt_facets *f)
+static double largest_error(struct dt_facets *f)
 {
     double off = 0;
     for (uint32_t i = 0; i < f->facet_cap; i++)
-        off = f->facet[i].off > off ? f->facet[i].off : off;
+        if (f->facet[i].off > off) {
+            dt_facet_measure(f, i);
+            off = fmax(off, f->facet[i].off);
+        }
     return off;
 }
 
-static enum dt_status finish(const struct thin *t, struct dt_thinned *out)
+static enum dt_status finish(struct thin *t, struct dt_thinned *out)
 {
-    const struct dt_facets *f = &t->facets;
+    struct dt_facets *f = &t->facets;
     struct dt_stop stop = dt_stop_of(t->opt);
     out->kept = dt_array_new(f->vertices, sizeof *out->kept);
     if (out->kept == NULL)

@@ -63,42 +63,41 @@ static void begin(struct star *t, double world)
 static unsigned check(const struct star *t)
 {
     struct dt_coarse c;
-    struct dt_coarse_points found = {.n = 0};
+    struct dt_rounded point[POINTS + 3] = {{0}};
+    _Alignas(16) uint32_t sector[POINTS + 3];
+    _Alignas(16) float off[POINTS + 3];
     uint32_t half = EDGES;
     unsigned doubts = 0;
     dt_coarse_begin(&c, &t->s, t->sample[0]);
     for (uint32_t e = 0; e < EDGES; e++)
-        dt_coarse_add(&c, &t->s, t->p[1 + e].x - t->p[0].x, t->p[1 + e].y - t->p[0].y,
+        dt_coarse_add(&c, &t->s,
+                      (struct dt_point){t->p[1 + e].x - t->p[0].x, t->p[1 + e].y - t->p[0].y},
                       &t->plane[e]);
     for (uint32_t e = 1; e < half; e++)
         half = dt_orient2d(t->p[1], t->p[1 + e], t->p[0]) <= 0 ? e : half;
     dt_coarse_end(&c, half);
     for (uint32_t i = 1 + EDGES; i < ALL; i++)
-        dt_coarse_see(&c, &found, &t->s.rounded[t->sample[i]]);
-    dt_coarse_find(&c, &found);
-    dt_coarse_measure(&c, &found);
+        point[i - 1 - EDGES] = t->s.rounded[t->sample[i]];
+    dt_coarse_find(&c, point, POINTS, sector, off);
+    dt_coarse_tally(&c, POINTS, sector, off);
     float most[EDGES] = {0};
     uint32_t count[EDGES] = {0};
-    for (uint32_t k = 0; k < found.n; k++) {
+    for (uint32_t k = 0; k < POINTS; k++) {
         const struct dt_sample *q = &t->s.v[t->sample[1 + EDGES + k]];
-        const uint32_t e = found.sector[k];
+        const uint32_t e = sector[k];
         doubts += e == DT_NONE;
         if (e == DT_NONE)
             continue;
         count[e]++;
-        most[e] = fmaxf(most[e], found.off[k]);
+        most[e] = fmaxf(most[e], off[k]);
         CHECK(e < EDGES && dt_orient2d(t->p[0], t->p[1 + e], q->at) > 0);
         CHECK(dt_orient2d(t->p[0], t->p[1 + (e + 1) % EDGES], q->at) < 0);
-        const double off = dt_plane_off(&t->plane[e], q) * t->s.per_value;
-        const double about = (double)found.off[k], error = (double)c.error[e];
-        CHECK_MSG(!(fabs(off - about) > error), "%g, about %g, error %g", off, about, error);
-        const struct dt_coarse_plane one = dt_coarse_plane(&c, e, &t->s);
-        const struct dt_rounded *r = &t->s.rounded[t->sample[1 + EDGES + k]];
-        CHECK(
-            !(dt_coarse_plane_off(&one, r) < dt_coarse_least(&one, dt_plane_off(&t->plane[e], q))));
+        const double far = dt_plane_off(&t->plane[e], q) * t->s.per_value;
+        const double about = (double)off[k], error = (double)c.error[e];
+        CHECK_MSG(!(fabs(far - about) > error), "%g, about %g, error %g", far, about, error);
     }
     for (uint32_t e = 0; e < EDGES; e++)
-        CHECK(dt_coarse_count(&c, e) == count[e] && dt_coarse_most(&c, e) == most[e]);
+        CHECK(c.count[e] == count[e] && c.most[e] == most[e]);
     return doubts;
 }
 

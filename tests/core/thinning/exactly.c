@@ -71,7 +71,8 @@ double rounded_off(const struct corner *k, int corners, struct dt_point q, doubl
     else {
         double cx = k[2].at.x - k[0].at.x, cy = k[2].at.y - k[0].at.y, cz = k[2].z - k[0].z;
         double bb = bx * bx + by * by, cc = cx * cx + cy * cy, area = bx * cy - by * cx;
-        bool thin = !((bb > cc ? bb : cc) / area < 0x1p30);
+        double ratio = (bb > cc ? bb : cc) / area;
+        bool thin = !(ratio > 0 && ratio < 0x1p30);
         if (thin && (bz != 0 || cz != 0))
             return nearest_off(k, corners, q, z);
         if (bz != 0 || cz != 0) {

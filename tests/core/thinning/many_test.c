@@ -86,6 +86,57 @@ TEST_TIMEOUT(no_point_of_many_is_off_by_more_than_the_error, 60)
     }
 }
 
+/* A plane with places that have no value: these are in no list, although the points around them are decided exactly. */
+TEST(places_without_a_value_are_left_out_of_blocks)
+{
+    struct dt_thinning *in = waves(128 * 128, true);
+    struct dt_thinned out;
+    double *z;
+    memcpy(&z, &in->value, sizeof z);
+    for (uint32_t i = 0; i < in->n; i++)
+        z[i] = i % 37 == 5 ? (double)NAN : in->point[i].x + 2 * in->point[i].y;
+    in->error = 0;
+    CHECK(dt_thin(in, NULL, &out) == DT_OK && out.n == 4 && out.error == 0);
+    dt_pages_release(out.kept);
+    free_waves(in);
+}
+
+/* ---- points on a line ---- */
+
+/* Points on a line, or on one that is parallel to an axis. */
+static struct dt_thinning *profile(uint32_t n, double dx, double dy)
+{
+    struct dt_thinning *t = waves(n, true);
+    struct dt_point *p = malloc(n * sizeof *p);
+    double *z = malloc(n * sizeof *z);
+    CHECK(p != NULL && z != NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        p[i] = (struct dt_point){dx * i, dy * i};
+        z[i] = 100 * sin(i / 500.0) + 10 * sin(i / 70.0);
+    }
+    free_values(t);
+    t->point = p;
+    t->value = z;
+    return t;
+}
+
+/* Counted by polls: one for each 4,096 points. */
+TEST(a_line_is_thinned_out_by_blocks)
+{
+    static const struct dt_point way[] = {{1, 0}, {0, 1}, {2, -3}};
+    for (int i = 0; i < 3; i++) {
+        struct dt_thinning *in = profile(100000, way[i].x, way[i].y);
+        struct dt_thinned out;
+        polls_begin();
+        CHECK(dt_thin(in, NULL, &out) == DT_OK && out.n > 1000 && out.n < in->n / 10);
+        polls_end();
+        CHECK_MSG(polls_count() < 1000, "%u polls", (unsigned)polls_count());
+        check_surface(in, &out);
+        dt_pages_release(out.kept);
+        free_waves(in);
+    }
+}
+
 /* ---- where only exact arithmetic decides ---- */
 
 /* Points within one unit in the last place of a line. Their values have magnitudes from 1e-200 to 1e303: the surface cuts off one point
@@ -105,6 +156,29 @@ static struct dt_thinning *flat_peaks(uint32_t n, bool steps)
     t->point = p;
     t->value = z;
     return t;
+}
+
+/* Rounded areas of some triangles are negative. */
+TEST(triangles_that_rounding_turns_over_are_measured_exactly)
+{
+    struct dt_thinning *in = waves(2000, false);
+    struct dt_point *p = malloc(in->n * sizeof *p);
+    double *z = malloc(in->n * sizeof *z);
+    struct dt_thinned out;
+    CHECK(p != NULL && z != NULL);
+    family_points(family_find("lattice_rotated"), p, in->n, 7);
+    for (uint32_t i = 0; i < in->n; i++)
+        z[i] = (double)(test_random() % 1000) / 100;
+    free_values(in);
+    in->point = p;
+    in->value = z;
+    for (int k = 0; k < 4; k++) {
+        in->error = k / 2.0;
+        CHECK(dt_thin(in, NULL, &out) == DT_OK && out.error <= in->error);
+        check_surface(in, &out);
+        dt_pages_release(out.kept);
+    }
+    free_waves(in);
 }
 
 TEST_TIMEOUT(peaks_on_a_flat_line_are_thinned_out_in_seconds, 120)
