@@ -72,6 +72,15 @@ test('a large set is shown as a sample, and exactly where one zooms in, with all
   await until(async () => /points40,000triangles79,9/.test(await page.evaluate(() => document.getElementById('facts').textContent)));
   const share = await page.evaluate(() => window.app.view.scale ** 2 / (window.app.view.width * window.app.view.height));
   assert.ok((await drawn(page, 'mesh')) > 0.9 * share, 'the sample covers the set');
+  const holes = await page.evaluate(() => {
+    const [x0, y1] = window.app.view.toScreen(0.03, 0.03).map(Math.round);
+    const [x1, y0] = window.app.view.toScreen(0.97, 0.97).map(Math.round);
+    const context = new OffscreenCanvas(x1 - x0, y1 - y0).getContext('2d');
+    context.drawImage(document.getElementById('mesh'), -x0, -y0);
+    const { data } = context.getImageData(0, 0, x1 - x0, y1 - y0);
+    return data.filter((value, i) => i % 4 === 3 && value === 0).length / (data.length / 4);
+  });
+  assert.ok(holes < 0.01, `${holes} of the pixels are holes`);
   await zoomTo(page, 0.3, 0.6);
   await checkPart(page, 'large');
   let state = 11;

@@ -7,7 +7,7 @@ import { boxAround, sampleOf } from './sample.js';
 
 const MOST_IN_BOX = 200000; // triangles
 const MARGIN = 0.25; // of a box around the view, on each side
-const SPREAD = 1.6; // of a dot that stands for small triangles, in cells: they lie anywhere in them
+const SPREAD = 2.5; // of a dot that stands for small triangles, in cells: they lie anywhere in them
 const AGAIN_MS = 1000; // between samples while the set is edited
 const NOWHERE = '1e50 1e50 1e50 1e50'; // a box without points: its events say that the set has changed
 const BYTES_OF_TRIANGLE = 12;
