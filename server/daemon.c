@@ -12,6 +12,7 @@
 #include "server/jobs/server.h"
 #include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
+#include "server/listeners.h"
 #include "server/session/session.h"
 #include "server/sets/valued.h"
 #include "server/system/loop.h"
@@ -19,13 +20,10 @@
 #include "server/system/outlet.h"
 #include "server/system/priority.h"
 #include "server/system/private.h"
-#include "server/system/sock.h"
 #include "server/system/systemd.h"
 #include "server/watch/watch.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <inttypes.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -35,13 +33,11 @@
 #include <unistd.h>
 
 enum {
-    ACCEPTS_PER_TURN = 64,
-    REFUSALS_PER_TURN = 8, /* connections that are accepted and closed */
-    GRACE_MS = 30 * 1000,  /* for edits under way when the daemon is stopped */
-    REPLY_GRACE_MS = 500,  /* for rows that are computed, and for clients that do not read, */
-    BREAK_MS = 100,        /* which are looked for again and again */
-    READY_MS = 100,        /* at the end, for a ready line that has not been written */
-    ANNOUNCE_MS = 1000     /* the longest time that the ready line waits for sets to be read */
+    GRACE_MS = 30 * 1000, /* for edits under way when the daemon is stopped */
+    REPLY_GRACE_MS = 500, /* for rows that are computed, and for clients that do not read, */
+    BREAK_MS = 100,       /* which are looked for again and again */
+    READY_MS = 100,       /* at the end, for a ready line that has not been written */
+    ANNOUNCE_MS = 1000    /* the longest time that the ready line waits for sets to be read */
 };
 
 /* One daemon is one process; the callbacks below find it here. */
@@ -49,12 +45,7 @@ static struct {
     struct server server;
     struct loop *loop; /* borrows; of the first reactor */
     struct clients clients;
-    struct source tcp, local, signals, workers, durable, owner;
-    int handed;  /* a listening socket from the service manager; -1: none */
-    int reserve; /* a spare descriptor, to accept and refuse a client when there are no others */
-    bool paused; /* the listeners are not watched until the next tick, because accept would fail */
-    struct notice_rarely refusals;
-    unsigned evicted; /* clients that were closed to make room and are not freed yet */
+    struct source signals, workers, durable, owner;
     bool stopping;
     struct timer reply_grace;
     bool failed;    /* the data directory cannot be used */
@@ -65,157 +56,6 @@ static struct {
 } d;
 
 static struct outlet ready_line = OUTLET(STDOUT_FILENO);
-
-/* ---- clients ---- */
-
-static void watch_listeners(bool watch)
-{
-    uint32_t events = watch ? EPOLLIN : 0;
-    d.paused = !watch;
-    if (d.tcp.fd >= 0)
-        loop_change(d.loop, &d.tcp, events);
-    if (d.local.fd >= 0)
-        loop_change(d.loop, &d.local, events);
-}
-
-static void refill_reserve(void)
-{
-    if (d.reserve < 0)
-        d.reserve = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    if (d.reserve >= 0 && d.paused && !d.stopping)
-        watch_listeners(true);
-}
-
-static void drop_temporary(struct task *task)
-{
-    if (expire_temporary(&d.server))
-        loop_yield(d.loop, task);
-}
-
-static void on_client_closed(struct session *s)
-{
-    static struct task drops = {.run = drop_temporary};
-    notice_client(s, NOTICE_DEBUG, "disconnected");
-    clients_remove(&d.clients, s);
-    s->reactor->sessions--;
-    d.evicted -= s->evicted;
-    if (!list_is_empty(&d.server.temporary))
-        loop_yield(d.loop, &drops);
-    refill_reserve();
-    if (d.stopping && d.clients.n == 0)
-        loop_stop(d.loop);
-}
-
-static void count_refusal(const char *why)
-{
-    uint64_t more;
-    d.server.count.refused++;
-    if (notice_rarely(&d.refusals, d.loop->now_ms, &more))
-        notice(NOTICE_WARNING, "a client was refused: %s (%" PRIu64 " more since the last time)",
-               why, more);
-}
-
-static void refuse(int fd, const char *line)
-{
-    char why[64];
-    snprintf(why, sizeof why, "%.*s", (int)strcspn(line, "\n"), line);
-    count_refusal(why);
-    sock_refuse(fd, line);
-}
-
-/* Whether another client may connect. If there are too many, the oldest client without authentication is disconnected,
- * so that such clients cannot lock out others. */
-static bool has_room(void)
-{
-    if (d.clients.n - d.evicted < d.server.config->max_clients)
-        return true;
-    struct session *s = clients_oldest_stranger(&d.clients);
-    if (s == NULL)
-        return false;
-    count_refusal("too many clients; the oldest unauthenticated one was closed");
-    d.evicted++;
-    s->evicted = true;
-    session_evict(s);
-    return true;
-}
-
-/* The reactor with the fewest connections. */
-static struct reactor *idlest(void)
-{
-    struct reactor *least = d.server.reactor;
-    for (struct reactor *r = least + 1; r < d.server.reactor + d.server.reactors; r++)
-        if (r->sessions < least->sessions)
-            least = r;
-    return least;
-}
-
-static void welcome(int fd, const struct sock_peer *peer)
-{
-    if (!has_room()) {
-        refuse(fd, "ERR BUSY too many clients\n");
-        return;
-    }
-    if (!budget_fits(&d.server.budget, BUDGET_CLIENTS, sizeof(struct session))) {
-        refuse(fd, "ERR BUSY not enough memory for another client\n");
-        return;
-    }
-    struct reactor *r = idlest();
-    struct session *s = session_new(&d.server, r, fd, peer, on_client_closed);
-    if (s == NULL) {
-        refuse(fd, "ERR NOMEM out of memory\n");
-    } else if (!clients_add(&d.clients, s)) {
-        s->closed = NULL;
-        conn_close(&s->conn);
-    } else {
-        d.server.count.connections++;
-        r->sessions++;
-        notice_client(s, NOTICE_DEBUG, "connected");
-    }
-}
-
-/* There are no descriptors: uses the spare one to accept one client and refuse it. Clients in the backlog would
- * keep the listener readable and the loop busy. Returns 0, or the errno of accept. */
-static int refuse_one(int listener)
-{
-    struct sock_peer peer;
-    if (d.reserve >= 0)
-        close(d.reserve);
-    d.reserve = -1;
-    int fd = sock_accept(listener, &peer);
-    int error = fd < 0 ? errno : 0;
-    if (fd >= 0)
-        refuse(fd, "ERR BUSY too many open files\n");
-    refill_reserve();
-    return d.reserve < 0 ? EMFILE : error;
-}
-
-/* Accepting failed. False: nothing more can be accepted in this turn. */
-static bool after_failure(int listener, int error)
-{
-    if (error == EMFILE || error == ENFILE)
-        error = refuse_one(listener);
-    if (error == EAGAIN)
-        return false;
-    if (error != EMFILE && error != ENFILE && error != ENOMEM && error != ENOBUFS)
-        return true; /* no error, or one of the connection (accept(2)) */
-    /* The connection stays in the backlog, and the listener stays readable. */
-    watch_listeners(false);
-    return false;
-}
-
-static void on_listener(struct source *listener, uint32_t events)
-{
-    uint64_t most = d.server.count.refused + REFUSALS_PER_TURN;
-    (void)events;
-    for (int i = 0; i < ACCEPTS_PER_TURN && d.server.count.refused < most; i++) {
-        struct sock_peer peer;
-        int fd = sock_accept(listener->fd, &peer);
-        if (fd >= 0)
-            welcome(fd, &peer);
-        else if (!after_failure(listener->fd, errno))
-            return;
-    }
-}
 
 /* ---- workers ---- */
 
@@ -294,22 +134,6 @@ static void on_turn_end(struct loop *loop)
 
 /* ---- stopping ---- */
 
-static void close_listeners(void)
-{
-    struct source *listener[] = {&d.tcp, &d.local};
-    for (int i = 0; i < 2; i++) {
-        if (listener[i]->fd >= 0) {
-            loop_forget(d.loop, listener[i]);
-            close(listener[i]->fd);
-            listener[i]->fd = -1;
-        }
-    }
-    if (d.server.config->unix_path != NULL)
-        unlink(d.server.config->unix_path);
-    if (d.server.config->private && d.server.config->unix_path != NULL)
-        private_remove(d.server.config->unix_path);
-}
-
 static void break_off(struct session *s)
 {
     session_break_off(s, REPLY_GRACE_MS);
@@ -338,7 +162,7 @@ static void stop(void)
     }
     d.stopping = true;
     d.stop_ms = d.loop->awake_ms;
-    close_listeners();
+    listeners_close();
     server_drain(&d.server);
     clients_each(&d.clients, drain_client);
     d.reply_grace.run = on_reply_grace;
@@ -399,7 +223,7 @@ static void on_tick(struct loop *loop)
     expire_tick(&d.server);
     announce_if_ready();
     notify_systemd();
-    refill_reserve();
+    listeners_refill();
     if (d.stopping && loop->awake_ms - d.stop_ms > GRACE_MS)
         loop_stop(loop);
 }
@@ -428,55 +252,12 @@ static bool watch(struct source *source, int fd, void (*ready)(struct source *, 
     return fd >= 0 && loop_watch(d.loop, source, EPOLLIN);
 }
 
-/* The socket comes from a service manager; the rules of --bind apply to it. */
-static bool listen_to_handed(const struct config *config)
-{
-    if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure)
-        return notice_error(
-            "the socket of the service manager is not local: this needs --auth-file or "
-            "--insecure");
-    d.port = sock_port(d.handed);
-    sock_prepare(d.handed);
-    return watch(&d.tcp, d.handed, on_listener) &&
-           (config->unix_path == NULL ||
-            watch(&d.local, sock_listen_unix(config->unix_path), on_listener));
-}
-
-static bool listen_to_owner(struct config *config)
-{
-    static char path[PRIVATE_PATH];
-    if (!watch(&d.owner, STDIN_FILENO, on_owner))
-        return notice_error("--private needs a pipe from its owner as standard input");
-    if (!private_make(path))
-        return false;
-    config->unix_path = path;
-    if (watch(&d.local, sock_listen_unix(path), on_listener))
-        return true;
-    close_listeners();
-    return false;
-}
-
-static bool listen_to_all(struct config *config)
-{
-    d.port = config->port;
-    d.tcp.fd = d.local.fd = -1;
-    if (config->private)
-        return listen_to_owner(config);
-    if (d.handed >= 0)
-        return listen_to_handed(config);
-    if (!watch(&d.tcp, sock_listen(config->bind_address, &d.port), on_listener))
-        return false;
-    return config->unix_path == NULL ||
-           watch(&d.local, sock_listen_unix(config->unix_path), on_listener);
-}
-
 static bool start(struct config *config)
 {
-    int signals = take_signals();
-    d.reserve = -1;
+    int signals = take_signals(), handed;
     notice_set_level(config->log_level);
-    if (systemd_sockets(&d.handed, 1) == 0)
-        d.handed = -1;
+    if (systemd_sockets(&handed, 1) == 0)
+        handed = -1;
     if (!server_init(&d.server, config))
         return false;
     d.loop = &d.server.reactor->loop;
@@ -494,8 +275,9 @@ static bool start(struct config *config)
     if (config->data != NULL && (!leader_start(&d.server, d.loop) || !durable_start(&d.server) ||
                                  !watch(&d.durable, durable_event(&d.server), on_durable)))
         return false;
-    refill_reserve();
-    return listen_to_all(config);
+    if (config->private && !watch(&d.owner, STDIN_FILENO, on_owner))
+        return notice_error("--private needs a pipe from its owner as standard input");
+    return listeners_begin(&d.server, handed, &d.port);
 }
 
 static void close_client(struct session *s)
@@ -549,7 +331,7 @@ int daemon_run(struct config *config)
     notify_systemd();
     loop_run(d.loop);
     end_reactors();
-    close_listeners();
+    listeners_close();
     clients_each(&d.clients, close_client);
     for (unsigned i = 0; i < d.server.reactors; i++)
         loop_clear(&d.server.reactor[i].loop);
