@@ -1,7 +1,6 @@
 /* daemon.h - starts a daemon for a test: $DELAUNAYD on a free port of the loopback address. It ends with
  * the test. Any failure ends the test. */
-#ifndef TESTS_DAEMON_H
-#define TESTS_DAEMON_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -23,5 +22,3 @@ void daemon_end(const struct daemon *d);
 
 /* Connects; the caller closes. */
 int daemon_connect(const struct daemon *d);
-
-#endif

@@ -10,8 +10,7 @@
  * these tests; -s SEED sets the seed; -j N runs N tests at once. A word that selects no test fails; with -a it does not, because it
  * may be for another binary. A test that draws random numbers uses test_random(), whose seed is printed when the test
  * fails. Tests with the longest time limits begin first. */
-#ifndef TEST_H
-#define TEST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -105,5 +104,3 @@ void test_guard_alloc(bool on);
 size_t test_alloc_in_use(void);
 void test_watch_alloc(void);
 size_t test_alloc_most(size_t before);
-
-#endif

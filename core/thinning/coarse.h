@@ -11,8 +11,7 @@
  *    dt_plane_off gives by less than 4 of the plane's `doubt`.
  *
  * The bounds below are 1.2 times that. The least float covers underflow. */
-#ifndef DT_COARSE_H
-#define DT_COARSE_H
+#pragma once
 
 #include "core/exact/lanes.h"
 #include "core/thinning/plane.h"
@@ -51,5 +50,3 @@ void dt_coarse_find(const struct dt_coarse *c, const struct dt_rounded *point, u
 
 /* Adds the points to c->most and c->count. Points without a sector are left out. */
 void dt_coarse_tally(struct dt_coarse *c, uint32_t n, const uint32_t *sector, const float *off);
-
-#endif

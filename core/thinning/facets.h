@@ -12,8 +12,7 @@
  * A list has blocks all of whose points belong to it, and then points. Lists lie in a pool. A list that is replaced leaves a gap for
  * the next list of that length, which is likely to be in the caches still. A full pool is copied without gaps, and is full again when about
  * half of it are gaps. */
-#ifndef DT_FACETS_H
-#define DT_FACETS_H
+#pragma once
 
 #include "core/set/set.h"
 #include "core/thinning/heap.h"
@@ -140,5 +139,3 @@ static inline void dt_worst_raise(struct dt_worst *w, double least)
 /* Adds all points of a block, how far they are off the plane. Cost: constant if they cannot count. */
 void dt_worst_add_block(struct dt_worst *w, const struct dt_samples *s, uint32_t item,
                         const struct dt_plane *p);
-
-#endif

@@ -5,8 +5,7 @@
  * level 0. As the points are in Morton order, blocks are small in the plane, too. A block within one triangle stands for all of its points.
  * Often its box and its range of values show that none of its points can be the worst point of the triangle, or that all of
  * them are on the same side of a new edge. */
-#ifndef DT_SAMPLES_H
-#define DT_SAMPLES_H
+#pragma once
 
 #include "core/control/stop.h"
 #include "core/delaunay_thinning.h"
@@ -106,5 +105,3 @@ void dt_samples_clear(struct dt_samples *s);
 
 /* The bytes that n of them take at most. */
 size_t dt_samples_memory(uint32_t n);
-
-#endif

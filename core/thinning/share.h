@@ -1,6 +1,5 @@
 /* share.h - which triangle of the surface has which points, from its beginning and after each new vertex. */
-#ifndef DT_SHARE_H
-#define DT_SHARE_H
+#pragma once
 
 #include "core/thinning/coarse.h"
 #include "core/thinning/facets.h"
@@ -50,5 +49,3 @@ enum dt_status dt_share_all(struct dt_facets *f, const bool *kept, struct dt_pag
  * their facets. After a failure the facets can only be freed. */
 enum dt_status dt_share_insert(struct dt_facets *f, struct dt_share *h, uint32_t facet,
                                struct dt_stop *stop);
-
-#endif

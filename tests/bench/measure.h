@@ -1,7 +1,6 @@
 /* measure.h - each measurement is a process of its own, so that its memory can be measured and no caches are
  * warm from earlier ones. */
-#ifndef BENCH_MEASURE_H
-#define BENCH_MEASURE_H
+#pragma once
 
 #include "tests/oracle/families.h"
 
@@ -44,5 +43,3 @@ size_t measure_sets(size_t n);
 
 /* CPU seconds of the calling thread: other programs do not count. */
 double measure_cpu(void);
-
-#endif

@@ -1,9 +1,6 @@
 /* paper.h - the paper's Table 1, measured again. */
-#ifndef BENCH_PAPER_H
-#define BENCH_PAPER_H
+#pragma once
 
 /* Prints the table: 500 to 5,000 random points in steps of 500, with separate times for building the grid
  * and triangulating. */
 void paper_table(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* pool.h - persistent threads for the core's jobs, as simple as possible. */
-#ifndef BENCH_POOL_H
-#define BENCH_POOL_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -12,5 +11,3 @@ void pool_free(struct pool *p);
 
 /* The pool in the form that dt_options needs; borrows p. */
 struct dt_pool pool_face(struct pool *p);
-
-#endif

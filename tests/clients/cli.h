@@ -1,6 +1,5 @@
 /* cli.h - runs `delaunay` with a daemon and a directory of the test's own. Any failure ends the test. */
-#ifndef TESTS_CLIENTS_CLI_H
-#define TESTS_CLIENTS_CLI_H
+#pragma once
 
 #include <stddef.h>
 
@@ -28,5 +27,3 @@ void cli_expect(const char *arguments, const char *want);
 /* Runs `delaunay ARGUMENTS`, for the server at this port, on a terminal of its own; its output there goes
  * to out[room]. */
 void cli_run_on_terminal(const char *port, const char *arguments, char *out, size_t room);
-
-#endif

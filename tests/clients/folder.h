@@ -1,6 +1,5 @@
 /* folder.h - a test's own folder, in which shell commands run as those of a user do. */
-#ifndef TESTS_CLIENTS_FOLDER_H
-#define TESTS_CLIENTS_FOLDER_H
+#pragma once
 
 /* Its path, from folder_begin on. */
 extern char folder[64];
@@ -17,5 +16,3 @@ const char *folder_run(int *status, const char *command);
 
 /* The command must print that and succeed. */
 void folder_expect(const char *command, const char *want);
-
-#endif

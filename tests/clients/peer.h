@@ -1,6 +1,5 @@
 /* peer.h - the other end of a connection: a server that the test itself runs in a child process. */
-#ifndef TESTS_CLIENTS_PEER_H
-#define TESTS_CLIENTS_PEER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ bool peer_hear(int fd, char *line, size_t room);
 
 /* Runs a shell command; returns its standard output (static storage) and, in *status, its exit status. */
 const char *peer_shell(int *status, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-#endif

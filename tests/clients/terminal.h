@@ -1,7 +1,6 @@
 /* terminal.h - `delaunay` on a terminal of 24 lines of 80 columns, on which the test types. Any failure ends the
  * test. */
-#ifndef TESTS_CLIENTS_TERMINAL_H
-#define TESTS_CLIENTS_TERMINAL_H
+#pragma once
 
 /* Starts `delaunay ARGUMENTS` for the daemon of cli.h; its home is the test's directory. */
 void terminal_start(const char *arguments);
@@ -13,5 +12,3 @@ void terminal_type(const char *text);
 
 /* Waits until the program ends; returns its exit status, -1 if it was killed. */
 int terminal_finish(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* mesh_check.h - a plain proof that a mesh is the canonical triangulation, independent of
  * core/set/check.c. */
-#ifndef MESH_CHECK_H
-#define MESH_CHECK_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -9,5 +8,3 @@
  * one alone). It must be Delaunay everywhere under the tie rule, with a convex hull, and
  * settled (core/mesh/hull.h). */
 void mesh_check(const struct dt_mesh *m, const struct dt_point *xy);
-
-#endif

@@ -1,7 +1,6 @@
 /* polls.h - how often, and after how much work, a computation polls whether to stop
  * (core/control/stop.h): the test binary redirects dt_stopped here. */
-#ifndef POLLS_H
-#define POLLS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -21,5 +20,3 @@ void polls_end(void);
 
 /* The n-th poll from now on, and all later ones, see the flag set: n = 0, none. */
 void polls_cancel_at(uint64_t n);
-
-#endif

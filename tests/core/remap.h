@@ -1,8 +1,7 @@
 /* remap.h - simulates mremap of other systems, or of one where it fails: the test binary redirects
  * it here. If a call fails after it has unmapped its target, another thread immediately maps its
  * own memory there, which no other thread may write to or unmap. */
-#ifndef REMAP_H
-#define REMAP_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -18,5 +17,3 @@ void remap_refuse(long n);
 /* Restores the system's mremap. Returns how many calls have failed as above, or -1 if the other
  * thread's memory was changed. */
 int remap_end(void);
-
-#endif

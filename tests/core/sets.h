@@ -1,6 +1,5 @@
 /* sets.h - sets of points for tests that read triangulations, each with its brute-force twin. */
-#ifndef SETS_H
-#define SETS_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "tests/oracle/brute.h"
@@ -35,5 +34,3 @@ void check_equal_ids(const char *what, const struct dt_ids *got, const struct dt
 /* A place that is interesting for the set: a point, the middle of two, one beside a point, or
  * anywhere in its box. */
 struct dt_point random_place(const struct brute *b);
-
-#endif

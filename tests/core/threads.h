@@ -1,10 +1,7 @@
 /* threads.h - a struct dt_pool of plain threads, started for each run: for tests and benches. */
-#ifndef THREADS_H
-#define THREADS_H
+#pragma once
 
 #include "core/delaunay.h"
 
 /* A pool of n threads, 1 <= n <= 64. Nothing to free. */
 struct dt_pool threads_pool(unsigned n);
-
-#endif

@@ -1,6 +1,5 @@
 /* chance.h - random numbers apart from test_random: for threads, and where the same number is needed again. */
-#ifndef TESTS_FAULTS_CHANCE_H
-#define TESTS_FAULTS_CHANCE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -19,5 +18,3 @@ static inline uint32_t chance_below(struct chance *c, uint32_t n)
 {
     return (uint32_t)(chance_mix(c->state += 0x9E3779B97F4A7C15u) % n);
 }
-
-#endif

@@ -18,8 +18,7 @@
  *
  * Operations that a failed sync should have covered are never covered. No later sync covers them, because the kernel
  * considers them clean [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
-#ifndef TESTS_FAULTS_POWER_CUT_H
-#define TESTS_FAULTS_POWER_CUT_H
+#pragma once
 
 #include "tests/faults/power_log.h"
 #include "tests/faults/tree.h"
@@ -49,5 +48,3 @@ struct tree power_cut_none(struct power_cut *c, size_t cut);
 
 /* A name of the file or directory that operation `number` concerns; "" if there is none. */
 const char *power_cut_subject(const struct power_cut *c, size_t number);
-
-#endif

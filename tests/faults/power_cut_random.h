@@ -1,7 +1,6 @@
 /* power_cut_random.h - a power cut that loses random parts: of sectors, sizes and names, a share each is kept,
  * from none to all of them. The same seed makes the same decisions. */
-#ifndef TESTS_FAULTS_POWER_CUT_RANDOM_H
-#define TESTS_FAULTS_POWER_CUT_RANDOM_H
+#pragma once
 
 #include "tests/faults/power_cut.h"
 
@@ -21,5 +20,3 @@ struct random_fate {
 
 void random_fate_init(struct random_fate *f, uint64_t seed, const struct power_cut *crash,
                       const struct power_log *log);
-
-#endif

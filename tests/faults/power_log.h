@@ -4,8 +4,7 @@
  * An operation is carried out and recorded under the same lock, so the order is the real one. A sync takes
  * a while: it is recorded when it returns, with the number of operations when it began. Names are relative
  * to the directory; "" is the directory itself. */
-#ifndef TESTS_FAULTS_POWER_LOG_H
-#define TESTS_FAULTS_POWER_LOG_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -53,5 +52,3 @@ void power_log_free(struct power_log *log);
 
 /* The bytes that were sent to the client of this port by the first n operations. */
 uint64_t power_log_sent(const struct power_log *log, size_t n, unsigned port);
-
-#endif

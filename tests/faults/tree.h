@@ -1,7 +1,6 @@
 /* tree.h - a directory and its content in memory: names, and the files that they stand for. Two names may
  * stand for one file. */
-#ifndef TESTS_FAULTS_TREE_H
-#define TESTS_FAULTS_TREE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -50,5 +49,3 @@ bool tree_file_equal(const struct tree_file *a, const struct tree_file *b);
 
 /* A name whose content differs; NULL: both trees are equal. */
 const char *tree_difference(const struct tree *a, const struct tree *b);
-
-#endif

@@ -1,6 +1,5 @@
 /* daemon.h - a connection to a running daemon: sends requests, reads framed replies. */
-#ifndef INTEROP_DAEMON_H
-#define INTEROP_DAEMON_H
+#pragma once
 
 #include "tests/oracle/cgal_delaunay.h"
 
@@ -50,5 +49,3 @@ std::string number_text(double v);
 bool is_number(const std::string &word, double v);
 
 std::string row_text(const oracle_row &row);
-
-#endif

@@ -5,8 +5,7 @@
  * at a fixed rate, alternating between the connections, even if earlier ones have not been answered. A latency then runs
  * from the time when the request was due. So it includes the time that the request waited because the server
  * was slow (no coordinated omission). */
-#ifndef TESTS_LOAD_DRIVER_H
-#define TESTS_LOAD_DRIVER_H
+#pragma once
 
 #include "server/ops/histogram.h"
 #include "tests/load/mix.h"
@@ -34,5 +33,3 @@ bool driver_run(const struct plan *plan, struct mix *mix, struct outcome *o);
 int driver_connect(unsigned port);
 
 uint64_t driver_now_ns(void);
-
-#endif

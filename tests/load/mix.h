@@ -1,6 +1,5 @@
 /* mix.h - the requests of a load: kinds of commands, drawn at random by weight. */
-#ifndef TESTS_LOAD_MIX_H
-#define TESTS_LOAD_MIX_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,5 +29,3 @@ size_t mix_next(struct mix *m, char *to);
 
 /* Uniform below n; n > 0. */
 uint32_t mix_random(struct mix *m, uint32_t n);
-
-#endif

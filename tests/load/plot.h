@@ -1,6 +1,5 @@
 /* plot.h - latencies as a drawing: by quantile, both axes logarithmic, so that the tail is visible. */
-#ifndef TESTS_LOAD_PLOT_H
-#define TESTS_LOAD_PLOT_H
+#pragma once
 
 #include "server/ops/histogram.h"
 
@@ -8,5 +7,3 @@
 
 /* Writes an SVG file with one curve. False, with the reason on standard error, if it cannot. */
 bool plot_latency(const char *path, const char *title, const struct histogram *h);
-
-#endif

@@ -1,6 +1,5 @@
 /* resp.h - requests and replies in RESP, for loads in this framing. */
-#ifndef TESTS_LOAD_RESP_H
-#define TESTS_LOAD_RESP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,5 +11,3 @@ size_t resp_encode(char *to, const char *line, size_t len);
 /* The length of the reply that text[len] starts with, 0 if it is not complete yet, -1 if it is invalid.
  * *error: it is an error. Arrays hold bulk strings. */
 ptrdiff_t resp_reply(const char *text, size_t len, bool *error);
-
-#endif

@@ -3,8 +3,7 @@
  * Gift wrapping on a matrix of directed edges, linear scans, no mesh, no grid; it uses only the predicates
  * of core/, which have an oracle of their own (exact.h). Time and memory are O(n^2) or more: for a few
  * hundred points. */
-#ifndef BRUTE_H
-#define BRUTE_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -33,5 +32,3 @@ void brute_within_disc(const struct brute *b, struct dt_point centre, double r, 
 
 bool brute_on_hull(const struct brute *b, uint32_t id);
 struct dt_location brute_locate(const struct brute *b, struct dt_point q);
-
-#endif

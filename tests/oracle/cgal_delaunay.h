@@ -2,8 +2,7 @@
  *
  * Rows are words in our canonical order: what a whole-set table of the protocol must contain. Needs
  * libcgal-dev; the CGAL headers, slow to compile, stay in cgal_delaunay.cpp. */
-#ifndef CGAL_DELAUNAY_H
-#define CGAL_DELAUNAY_H
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -58,5 +57,3 @@ class cgal_delaunay
 
 /* The row rotated so that its smallest word comes first. */
 oracle_row from_smallest(oracle_row row);
-
-#endif

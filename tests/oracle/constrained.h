@@ -1,6 +1,5 @@
 /* constrained.h - constrained triangulations checked by their definition, with the exact arithmetic of exact.h alone. */
-#ifndef CONSTRAINED_H
-#define CONSTRAINED_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "core/delaunay_constraints.h"
@@ -12,5 +11,3 @@ const char *constrained_fault(const struct dt *t);
 
 /* Whether the segments a-b and c-d cross where no vertex of t is. */
 bool constraints_cross(const struct dt *t, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
-
-#endif

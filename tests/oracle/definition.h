@@ -1,6 +1,5 @@
 /* definition.h - triangulations checked by their definition, for tests of the engines. */
-#ifndef DEFINITION_H
-#define DEFINITION_H
+#pragma once
 
 #include "core/mesh/mesh.h"
 
@@ -25,5 +24,3 @@ const char *mesh_fault(const struct dt_mesh *m, const struct dt_point *p, uint32
 /* Replaces n points by the distinct ones among them in random order (test_random); returns how
  * many. */
 uint32_t keep_distinct(struct dt_point *p, uint32_t n);
-
-#endif

@@ -3,8 +3,7 @@
  * Shares nothing with core/ but the point type. Every coordinate is a multiple of 2^-194 of
  * magnitude below 2^202, so as an integer it has at most 396 bits, and a polynomial of degree four
  * fits in 2048. */
-#ifndef EXACT_H
-#define EXACT_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -35,5 +34,3 @@ int exact_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_poi
                              struct dt_point d);
 int exact_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b);
 int exact_compare_radius(struct dt_point a, struct dt_point b, double r);
-
-#endif

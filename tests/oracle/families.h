@@ -3,8 +3,7 @@
  * A family fills an array of any length, 0 included, from a seed; the same (name, n, seed) gives
  * the same points. All coordinates pass dt_coordinate_ok. Lattices and circles are exact: their
  * ties are real ties. */
-#ifndef FAMILIES_H
-#define FAMILIES_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -24,5 +23,3 @@ const struct family *family_find(const char *name);
 
 /* Writes n points to p. */
 void family_points(const struct family *f, struct dt_point *p, size_t n, uint64_t seed);
-
-#endif

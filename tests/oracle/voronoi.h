@@ -1,7 +1,6 @@
 /* voronoi.h - the weights of natural neighbours by their definition: the Voronoi cell of a place is clipped by one
  * half plane after the other, in numbers of 2,500 bits. */
-#ifndef VORONOI_H
-#define VORONOI_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 
@@ -9,5 +8,3 @@
  * of them. Cost: O(n k^2) for k natural neighbours, each step some microseconds. */
 void voronoi_weights(const struct dt_point *p, uint32_t n, struct dt_point q,
                      enum dt_interpolation how, double *weight);
-
-#endif

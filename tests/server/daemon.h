@@ -1,7 +1,6 @@
 /* daemon.h - conversations with a test's daemon (tests/daemon.h), and its resource usage. Any
  * failure ends the test. */
-#ifndef TESTS_SERVER_DAEMON_H
-#define TESTS_SERVER_DAEMON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -63,5 +62,3 @@ double daemon_cpu_seconds(const struct daemon *d);
 
 double seconds(void);
 void pause_ms(unsigned ms);
-
-#endif

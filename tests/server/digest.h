@@ -1,6 +1,5 @@
 /* digest.h - the content of sets as a number (server/sets/digest.h). */
-#ifndef TESTS_SERVER_DIGEST_H
-#define TESTS_SERVER_DIGEST_H
+#pragma once
 
 #include "server/sets/dataset.h"
 
@@ -15,5 +14,3 @@ uint64_t digest_dt(struct dt *dt, bool triangulated);
 
 /* All sets and their names, independent of their order. */
 uint64_t digest_sets(const struct registry *sets);
-
-#endif

@@ -1,6 +1,5 @@
 /* directory.h - a data directory for a test, removed when the test passes, and daemons on it. */
-#ifndef TESTS_SERVER_DIRECTORY_H
-#define TESTS_SERVER_DIRECTORY_H
+#pragma once
 
 #include "tests/server/daemon.h"
 
@@ -46,5 +45,3 @@ char *directory_state(const struct daemon *d, const char *const *sets);
 
 /* Sends the request lines, one after the other's reply, and checks that none is an error. */
 void carry_out(const struct daemon *d, const char *requests);
-
-#endif

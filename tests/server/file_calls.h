@@ -19,8 +19,7 @@
  *     list .            readdir
  *     allocate reserve  posix_fallocate
  */
-#ifndef TESTS_SERVER_FILE_CALLS_H
-#define TESTS_SERVER_FILE_CALLS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -54,5 +53,3 @@ void calls_stop(const char *line);
 /* Waits until a call has stopped. */
 void calls_await_stopped(void);
 void calls_go_on(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* local.h - a server without sockets: request lines in, replies out. */
-#ifndef TESTS_SERVER_LOCAL_H
-#define TESTS_SERVER_LOCAL_H
+#pragma once
 
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
@@ -35,5 +34,3 @@ void local_collect_all(struct local *l);
 
 /* The set of this name; NULL: there is none. */
 struct dataset *local_set(const struct local *l, const char *name);
-
-#endif

@@ -7,8 +7,7 @@
  *     said_await(&said, "warning: ", 1);
  *
  * A daemon's lines are written by a thread of their own, so they may come after the reply to the request that caused them. */
-#ifndef TESTS_SERVER_SAID_H
-#define TESTS_SERVER_SAID_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -29,5 +28,3 @@ unsigned said_lines(const struct said *s, const char *text);
 
 /* Waits until n lines contain `text`. */
 void said_await(const struct said *s, const char *text, unsigned n);
-
-#endif

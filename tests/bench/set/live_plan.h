@@ -1,6 +1,5 @@
 /* live_plan.h - the operations of the live bench, the same for us and for the peer. */
-#ifndef BENCH_LIVE_PLAN_H
-#define BENCH_LIVE_PLAN_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -33,5 +32,3 @@ void live_plan_free(struct live_plan *p);
 double live_ns(double start, size_t k); /* since start (measure_cpu), per operation */
 void live_keep(
     uint32_t value); /* uses a value, so that the compiler does not remove its computation */
-
-#endif

@@ -1,6 +1,5 @@
 /* surface_plan.h - the work of the bench of surfaces, the same for us and for the peer. */
-#ifndef BENCH_SURFACE_PLAN_H
-#define BENCH_SURFACE_PLAN_H
+#pragma once
 
 #include <math.h>
 
@@ -37,5 +36,3 @@ static inline double surface_height(double x, double y)
 {
     return sin(7 * x) * cos(5 * y);
 }
-
-#endif

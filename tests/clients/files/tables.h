@@ -1,6 +1,5 @@
 /* tables.h - reads texts as files of points, for tests. */
-#ifndef TESTS_CLIENTS_TABLES_H
-#define TESTS_CLIENTS_TABLES_H
+#pragma once
 
 #include "clients/files/source.h"
 
@@ -19,5 +18,3 @@ void tables_expect(const char *ending, const char *text, const char *points, con
 
 /* Expects that the file is refused, with a fault that contains this text. */
 void tables_refuse(const char *ending, const char *text, const char *fault);
-
-#endif

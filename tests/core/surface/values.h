@@ -1,6 +1,5 @@
 /* values.h - surfaces for tests: random values by id, and values of a field. */
-#ifndef TESTS_CORE_SURFACE_VALUES_H
-#define TESTS_CORE_SURFACE_VALUES_H
+#pragma once
 
 #include "core/delaunay_surface.h"
 
@@ -28,5 +27,3 @@ double value_in(const struct dt *t, enum dt_interpolation how, double max_edge, 
 
 /* Both have the same bytes, or are missing; q is where. */
 void check_same(double got, double want, struct dt_point q);
-
-#endif

@@ -1,6 +1,5 @@
 /* exactly.h - how far a point is off the surface between some corners: exactly, and as the core rounds it. */
-#ifndef THINNING_EXACTLY_H
-#define THINNING_EXACTLY_H
+#pragma once
 
 #include "core/delaunay.h"
 
@@ -17,5 +16,3 @@ double nearest_off(const struct corner *k, int corners, struct dt_point q, doubl
 
 /* The distance as doubles have it, from the least corner on; in thin triangles the nearest double. */
 double rounded_off(const struct corner *k, int corners, struct dt_point q, double z);
-
-#endif

@@ -1,6 +1,5 @@
 /* backup_bench.h - a daemon whose backups are tested. Any failure ends the test. */
-#ifndef TESTS_SERVER_DISK_BACKUP_BENCH_H
-#define TESTS_SERVER_DISK_BACKUP_BENCH_H
+#pragma once
 
 #include "tests/server/directory.h"
 
@@ -45,5 +44,3 @@ void check_good(const struct directory *dir);
 
 /* It does, and a daemon on the backup has this state and can continue. */
 void check_restored(const struct bench *b, const char *name, const char *want);
-
-#endif

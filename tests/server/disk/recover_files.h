@@ -1,7 +1,6 @@
 /* recover_files.h - a directory whose files are composed record by record, for tests of
  * recovery. */
-#ifndef TESTS_SERVER_RECOVER_FILES_H
-#define TESTS_SERVER_RECOVER_FILES_H
+#pragma once
 
 #include "server/disk/recover.h"
 #include "tests/server/directory.h"
@@ -98,5 +97,3 @@ static inline uint32_t points_of_t(const struct bench *b)
     struct dataset *set = registry_find(&b->r.replay.sets, &name);
     return set == NULL ? 0 : dt_next_id(set->current->dt);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* false_leader.h - a test that is the leader of a follower: it can send any bytes. Any failure ends the test. */
-#ifndef TESTS_SERVER_FALSE_LEADER_H
-#define TESTS_SERVER_FALSE_LEADER_H
+#pragma once
 
 #include "proto/records/record.h"
 #include "tests/server/follow/node.h"
@@ -35,5 +34,3 @@ void false_leader_snapshot(struct false_leader *l, uint64_t lsn);
 
 /* Sends that; false: the follower has disconnected. */
 bool false_leader_send(struct false_leader *l);
-
-#endif

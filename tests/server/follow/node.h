@@ -1,6 +1,5 @@
 /* node.h - a daemon with a data directory, which leads or follows another one. Any failure ends the test. */
-#ifndef TESTS_SERVER_NODE_H
-#define TESTS_SERVER_NODE_H
+#pragma once
 
 #include "tests/server/directory.h"
 
@@ -47,5 +46,3 @@ void node_await_position(const struct node *leader, const struct node *follower)
 void node_expect_same(const struct node *leader, const struct node *follower);
 
 bool node_has_snapshot(const struct node *n);
-
-#endif

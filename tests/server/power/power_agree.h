@@ -1,6 +1,5 @@
 /* power_agree.h - whether a daemon has the sets that it should have. */
-#ifndef TESTS_SERVER_POWER_AGREE_H
-#define TESTS_SERVER_POWER_AGREE_H
+#pragma once
 
 #include "server/sets/dataset.h"
 #include "tests/server/daemon.h"
@@ -9,5 +8,3 @@
 /* Whether the daemon has these sets and no others: with equal digests, and a correct triangulation. If not, `why` says what
  * differs. */
 bool power_agrees(const struct daemon *d, const struct registry *sets, char why[WHY_BYTES]);
-
-#endif

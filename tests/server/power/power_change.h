@@ -1,7 +1,6 @@
 /* power_change.h - changes of sets, as requests, and applied to a model. The model is the core itself:
  * a power cut may affect which changes survive, not what they do. */
-#ifndef TESTS_SERVER_POWER_CHANGE_H
-#define TESTS_SERVER_POWER_CHANGE_H
+#pragma once
 
 #include "core/delaunay.h"
 #include "proto/buf.h"
@@ -56,5 +55,3 @@ void model_apply(struct model *m, const struct request_change *c, char reply[REP
 
 /* Like digest_set; 0 if there is no set. */
 uint64_t model_digest(const struct model *m);
-
-#endif

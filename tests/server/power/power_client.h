@@ -1,7 +1,6 @@
 /* power_client.h - clients that change sets concurrently until the daemon ends; each has a set of its own,
  * and there is one that they share. Their requests and replies are recorded in a history. */
-#ifndef TESTS_SERVER_POWER_CLIENT_H
-#define TESTS_SERVER_POWER_CLIENT_H
+#pragma once
 
 #include "tests/faults/chance.h"
 #include "tests/server/power/power_history.h"
@@ -37,5 +36,3 @@ void client_join(struct client *c);
 /* A request that failed may still take effect as long as the power is not cut, so clients that continue
  * after a failure use other sets. */
 void client_leave_sets(struct client *c);
-
-#endif

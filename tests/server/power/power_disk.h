@@ -1,7 +1,6 @@
 /* power_disk.h - the disk of a test with power cuts: a library loaded into a daemon that records its
  * operations on files (tests/faults/power_shim.c, found through POWER_SHIM). */
-#ifndef TESTS_SERVER_POWER_DISK_H
-#define TESTS_SERVER_POWER_DISK_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -21,5 +20,3 @@ void power_disk_load(const struct power_disk *d);
 
 /* The exit status of a process that .crash ended. */
 enum { POWER_CRASHED = 99 };
-
-#endif

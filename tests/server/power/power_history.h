@@ -12,8 +12,7 @@
  *
  * When a client does not know the outcome of a change although the daemon is running (the disk has
  * failed), it continues with another stream. */
-#ifndef TESTS_SERVER_POWER_HISTORY_H
-#define TESTS_SERVER_POWER_HISTORY_H
+#pragma once
 
 #include "server/sets/dataset.h"
 #include "tests/faults/power_log.h"
@@ -104,5 +103,3 @@ bool history_allows(struct states *h, const struct registry *sets, char why[WHY_
 
 /* Makes the sets, which history_allows has just accepted, the state that the next life begins with. */
 void history_settle(struct states *h, const struct registry *sets);
-
-#endif

@@ -1,8 +1,7 @@
 /* power_life.h - a daemon whose power is cut repeatedly. A life is one run with clients. After it, the test
  * examines many of the directories that a power cut may leave: each must hold what was promised to the
  * clients. The next life begins with one of them. A story is a sequence of lives. */
-#ifndef TESTS_SERVER_POWER_LIFE_H
-#define TESTS_SERVER_POWER_LIFE_H
+#pragma once
 
 #include "tests/faults/tree.h"
 #include "tests/server/power/power_client.h"
@@ -42,5 +41,3 @@ void story_begin(struct story *s);
 void story_live(struct story *s, const struct circumstances *c);
 
 void story_end(struct story *s);
-
-#endif

@@ -1,6 +1,5 @@
 /* mirror.h - a client that follows a set: its rows by id, from events alone. Any failure ends the test. */
-#ifndef TESTS_SERVER_MIRROR_H
-#define TESTS_SERVER_MIRROR_H
+#pragma once
 
 #include "tests/server/daemon.h"
 
@@ -49,5 +48,3 @@ void mirror_check(struct mirror *m, int fd, bool triangulated);
 /* Closes the connection; the copy stays. */
 void mirror_disconnect(struct mirror *m);
 void mirror_free(struct mirror *m);
-
-#endif
