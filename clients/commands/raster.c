@@ -15,6 +15,7 @@
 #include "clients/reading/program.h"
 #include "clients/surfaces/grid_file.h"
 #include "clients/surfaces/raster_fetch.h"
+#include "proto/number.h"
 
 enum raster_form { RASTER_ASC, RASTER_BIL, RASTER_PNG, RASTER_TIFF };
 
@@ -198,9 +199,7 @@ static void report(const struct work *w)
 
 static bool read_positive(const char *text, double *v)
 {
-    char *end;
-    *v = strtod(text, &end);
-    return end != text && *end == '\0' && *v > 0 && isfinite(*v);
+    return proto_read_double(text, strlen(text), v) && *v > 0 && isfinite(*v);
 }
 
 static int read_option(void *ctx, const char *option, char **argv)

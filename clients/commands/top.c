@@ -151,7 +151,8 @@ int command_top(struct delaunay_client *c, int argc, char **argv)
 {
     bool once = argc == 2 && strcmp(argv[1], "--once") == 0;
     if (argc > 1 && !once)
-        return options_wrong(argv[0], "top takes no argument %s", argv[1]);
+        return options_wrong(argv[0], "top takes no argument %s",
+                             argv[strcmp(argv[1], "--once") == 0 ? 2 : 1]);
     if (json_chosen())
         return print_json(c, once);
     if (!once && isatty(STDOUT_FILENO) && isatty(STDIN_FILENO))

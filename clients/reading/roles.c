@@ -47,8 +47,9 @@ static bool find_named(struct plan *p, const struct wish *w, int which, size_t *
 {
     const char *name = w->name[which];
     *column = w->column[which];
-    if (name[0] == '\0')
-        return true;
+    if (name[0] == '\0') /* an empty file has no columns */
+        return p->columns == 0 || *column < p->columns ||
+               plan_fault(p, true, "there is no column %zu", *column + 1);
     for (size_t i = 0; i < p->columns; i++) {
         const char *heading = p->column[i].heading;
         if (value_is_word((struct value){heading, strlen(heading)}, name)) {

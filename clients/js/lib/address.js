@@ -26,7 +26,8 @@ function parseUrl(url) {
   const unix = UNIX.exec(url.startsWith('/') ? `unix://${url}` : url);
   if (unix) return { where: { path: unix[2] }, token: decode(unix[1]) };
   const tcp = TCP.exec(url);
-  if (!tcp || tcp[4] > 65535) throw new TypeError('a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:');
+  if (tcp?.[4] > 65535) throw new TypeError(`${url}: a port is at most 65535`);
+  if (!tcp) throw new TypeError('a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:');
   return { where: { host: tcp[2] ?? tcp[3], port: Number(tcp[4] ?? PORT) }, token: decode(tcp[1]) };
 }
 

@@ -112,6 +112,10 @@ test('URLs are read as in all clients', async () => {
   }
 });
 
+test('a port that no address has is named', () => {
+  assert.throws(() => address.parseUrl('delaunay://h:65536'), { name: 'TypeError', message: 'delaunay://h:65536: a port is at most 65535' });
+});
+
 test('a token that is no text is refused', () => {
   for (const url of ['delaunay://:%FF@h', 'unix://:a%C3@/s']) assert.throws(() => address.parseUrl(url), { name: 'TypeError', message: /token of the URL is not text/ });
 });

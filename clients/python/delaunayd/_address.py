@@ -46,8 +46,10 @@ def parse(url: Optional[str]) -> Address:
     if url.startswith("/"):
         return Address(path=url)
     found = _TCP.match(url)
-    if found is not None and int(found.group(4) or 0) < 2**16:
+    if found is not None:
         token, v6, host, port = found.groups()
+        if int(port or PORT) >= 2**16:
+            raise ValueError("%s: a port is at most 65535" % url)
         return Address(v6 or host, int(port or PORT), "", _token(token))
     found = _UNIX.match(url)
     if found is None:

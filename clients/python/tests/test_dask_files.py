@@ -164,6 +164,8 @@ class Files(Synchronous):
             ("x,y\n1,2\n3\n", r"a\.csv, row 1: '3' is not a point"),
             ("1,2\n3,inf\n", r"a\.csv, row 1: 3.0, inf is not a point"),
             ("1\n2\n", r"a\.csv, row 0: there are 1 columns"),
+            ("id,x,y\n1,2,3\n", r"a\.csv: the columns are id, x, y; the first ones must be x and y"),
+            ("Lat,Lon,z\n1,2,3\n", r"a\.csv: the columns are lat, lon, z"),
         ):
             with self.assertRaisesRegex(ValueError, message):
                 triangulate(self.path("a.csv", text), spill=self.folder)
@@ -400,15 +402,16 @@ class CommandLine(unittest.TestCase):
         for words, message in (
             (["--memory", "much"], "--memory much is not a size such as 3GB\n"),
             (["--raster", *"0011", "0", "9"], "a raster needs a box of finite numbers, and at least one row and one column\n"),
-            (["--raster", *"0011", "some", "9"], "invalid literal for int() with base 10: 'some'\n"),
+            (["--raster", *"0011", "some", "9"], "--raster: COLUMNS and ROWS are whole numbers, not some 9\n"),
         ):
             said = io.StringIO()
             with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(said):
                 self.assertEqual(main([folder + "/p.npy", "--out", folder, *words]), 1)
             self.assertEqual(said.getvalue(), "delaunayd.dask: " + message)
-        with self.assertRaises(SystemExit), contextlib.redirect_stderr(said):
-            main(["p.npy", "--out", "p", "--workers", "0"])
-        self.assertIn("argument --workers: invalid natural value: '0'", said.getvalue())
+        for option, kind, value in (("--workers", "natural", "0"), ("--timeout", "seconds", "nan"), ("--timeout", "seconds", "-1")):
+            with self.assertRaises(SystemExit), contextlib.redirect_stderr(said):
+                main(["p.npy", "--out", "p", option, value])
+            self.assertIn("argument %s: invalid %s value: '%s'" % (option, kind, value), said.getvalue())
 
 
 if __name__ == "__main__":

@@ -161,6 +161,10 @@ class Addresses(unittest.TestCase):
             want = A(host, int(port), "", token) if port else A(path=host, token=token)
             self.assertEqual(_address.parse(url), A(private=True) if host == "private" else want, url)
 
+    def test_a_port_that_no_address_has_is_named(self):
+        with self.assertRaisesRegex(ValueError, "^delaunay://h:65536: a port is at most 65535$"):
+            _address.parse("delaunay://h:65536")
+
     def test_a_token_that_is_no_text_is_refused(self):
         for url in ("delaunay://:%FF@h", "unix://:a%C3@/s"):
             with self.assertRaisesRegex(ValueError, "token of the URL is not text"):

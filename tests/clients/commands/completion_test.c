@@ -94,6 +94,8 @@ TEST(completion_names_the_shells_that_it_supports)
     int status;
     const char *out = peer_shell(&status, "%s completion tcsh 2>&1", getenv("DELAUNAY"));
     CHECK(status == 2 && strstr(out, "bash, zsh and fish, not for tcsh") != NULL);
+    out = peer_shell(&status, "%s completion bash zsh 2>&1", getenv("DELAUNAY"));
+    CHECK(status == 2 && strstr(out, "completion takes one shell") != NULL);
 }
 
 /* The page's text, without the backslashes before hyphens. */

@@ -38,6 +38,7 @@ TEST(load_reads_csv)
     refuse_text("a.csv", "x,y\n1,b\n", "", "a.csv:2: not a number");
     refuse_text("a.csv", "x,y\n1,2\n", "-c x,z",
                 "a.csv:1: no column is named z; columns found: 1=x 2=y;");
+    refuse_text("a.csv", "0,0\n4,0\n4,4,7\n", "-c 1,2,3", "there is no column 3; columns found");
     cli_finish();
 }
 

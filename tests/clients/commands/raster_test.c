@@ -62,6 +62,8 @@ TEST(raster_is_empty_outside_the_border_that_an_option_names)
     snprintf(any, sizeof any, "%s", out);
     CHECK_STR(cli_run(&status, "raster t z - --width 2 --inside any"), any);
     CHECK(strstr(cli_run(&status, "raster t z - --inside 4"), "NOREGION") && status == 1);
+    (void)cli_run(&status, "raster t z - --cell 0x20"); /* numbers are decimal everywhere */
+    CHECK(status == 2);
     cli_run(&status, "raster t z - --inside x");
     CHECK(status == 2);
     cli_finish();

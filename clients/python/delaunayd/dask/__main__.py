@@ -33,10 +33,18 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--workers", type=natural, default=None, metavar="N", help="processes (default: as many as processors)")
     parser.add_argument("--memory", default="auto", metavar="SIZE", help="the memory of each process, such as 3GB (default: its share)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="use a cluster of Dask that runs, instead of own processes")
-    parser.add_argument("--timeout", type=float, default=300.0, metavar="SECONDS", help="how long to wait for workers (default: %(default)g)")
+    parser.add_argument("--timeout", type=seconds, default=300.0, metavar="SECONDS", help="how long to wait for workers (default: %(default)g)")
     parser.add_argument("--spill", metavar="DIR", help="where files wait that are removed at the end (default: in --out)")
     parser.add_argument("--quiet", action="store_true", help="no progress bars")
     return parser
+
+
+def seconds(word: str) -> float:
+    """A number of at least 0."""
+    number = float(word)
+    if not number >= 0:
+        raise ValueError(word)
+    return number
 
 
 def natural(word: str) -> int:
@@ -48,7 +56,11 @@ def natural(word: str) -> int:
 
 
 def _grid(words: List[str]) -> Grid:
-    return grid_of(words[:4], (int(words[5]), int(words[4])))
+    try:
+        shape = (int(words[5]), int(words[4]))
+    except ValueError:
+        raise ValueError("--raster: COLUMNS and ROWS are whole numbers, not %s %s" % (words[4], words[5])) from None
+    return grid_of(words[:4], shape)
 
 
 def _geojson(tin: Tin, levels: List[float]) -> Iterator[bytes]:

@@ -222,7 +222,9 @@ def _text(path: str) -> Iterator[Floats]:
                 return
             lines = [line for line in lines if line.strip()]
             if lines and not begun:
-                lines, begun = lines[_names(lines[0]) :], True
+                begun = True
+                if _names(lines[0]):
+                    _check_names(path, lines.pop(0))
             rows = _parsed(path, row, lines)
             if len(rows) == 0:
                 continue
@@ -236,6 +238,13 @@ def _text(path: str) -> Iterator[Floats]:
 def _names(line: str) -> bool:
     """Whether no word of the line is a number."""
     return not any(map(_numbers, line.split(",")))
+
+
+def _check_names(path: str, line: str) -> None:
+    """ValueError if the names of columns say that the first two are not x and y."""
+    names = [word.strip().strip('"').lower() for word in line.split(",")]
+    if ("x" in names and "y" in names and names[:2] != ["x", "y"]) or names[0] in ("lat", "latitude", "y", "northing"):
+        raise ValueError("%s: the columns are %s; the first ones must be x and y" % (path, ", ".join(names)))
 
 
 def _numbers(line: str) -> bool:
