@@ -5,7 +5,7 @@
 const net = require('node:net');
 
 const { Disconnected } = require('./errors.js');
-const { withPrivate } = require('./private_daemon.js');
+const { withPrivate } = require('./private.js');
 
 const PORT = 6374;
 
