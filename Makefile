@@ -43,8 +43,8 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-pr
 BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -fPIC -fno-semantic-interposition -pthread -I.
 FLAGS_asan  := -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan  := -g1 -fsanitize=thread
-# Optimisation other than that of CFLAGS, that of server and clients where it differs, and that of the tests, which is -O1 unless it is
-# named here. Compiling tests takes as long as compiling all the rest, and tests spend little time in their own code. With sanitizers clang
+# Levels of optimisation that replace the level of CFLAGS: LEVEL for all code, OUTER_LEVEL for server and clients, TEST_LEVEL for the
+# tests, which have -O1 otherwise. Compiling tests takes as long as compiling all the rest, and tests spend little time in their own code. With sanitizers clang
 # needs four times as long for -O1 as for -O0, and most of the time of tests is spent in the core and in system calls.
 # Without optimisation gcc does not know how large numbers are, and says that texts of them may be cut off.
 UNOPTIMISED := -O0 -Wno-format-truncation

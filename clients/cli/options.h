@@ -13,8 +13,8 @@ int options_next(int argc, char **argv, const char *letters, const struct option
 /* Takes an option of that name, whose value is in optarg; returns the exit status. */
 typedef int options_take_fn(void *ctx, const char *option, char **argv);
 
-/* Reads all arguments of a subcommand: its options (subcommand.h) by `take`, and then `words` words, which begin at argv[optind] and
- * are `what`; their number does not matter if it is -1. -f is --format, -c is --columns, --color is --colour. Returns the exit status. */
+/* Reads all arguments of a subcommand: its options (subcommand.h) by `take`, and then `words` words, which begin at argv[optind]. An
+ * error calls them `what`. If `words` is -1, their number does not matter. -f is --format, -c is --columns, --color is --colour. Returns the exit status. */
 int options_read(int argc, char **argv, options_take_fn *take, void *ctx, int words,
                  const char *what);
 

@@ -1,4 +1,4 @@
-// What tests share: daemons, $DELAUNAYD on a free port or on the port given; random numbers that are always the same; half edges.
+// Tests share daemons ($DELAUNAYD on a free port or on the port given), random numbers that are always the same, and a check of half edges.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
