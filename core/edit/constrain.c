@@ -238,7 +238,7 @@ static enum dt_status prepare_history(struct dt *t, size_t n)
 {
     struct dt_history *h = &t->constraints->history;
     dt_views_edit_begin(t);
-    const struct dt_view *oldest = t->views.oldest;
+    const struct dt_view *oldest = dt_views_oldest(&t->views);
     dt_history_trim(h, oldest == NULL ? UINT64_MAX : oldest->constraints);
     return oldest == NULL ? DT_OK : dt_history_reserve(h, n);
 }
@@ -246,7 +246,8 @@ static enum dt_status prepare_history(struct dt *t, size_t n)
 /* Room to note changes of constraints whose smaller end is the id. */
 static enum dt_status prepare_note(struct dt *t, uint32_t id)
 {
-    return t->views.oldest == NULL ? DT_OK : dt_history_reserve_id(&t->constraints->history, id);
+    return dt_views_oldest(&t->views) == NULL ? DT_OK
+                                              : dt_history_reserve_id(&t->constraints->history, id);
 }
 
 static void note(struct dt *t, uint32_t row, bool added)
@@ -254,7 +255,7 @@ static void note(struct dt *t, uint32_t row, bool added)
     struct dt_constraint c = dt_declared_get(&t->constraints->declared, row);
     if (t->touched.on)
         dt_touched_note_constraint(t, &c, false);
-    if (t->views.oldest != NULL)
+    if (dt_views_oldest(&t->views) != NULL)
         dt_history_note(&t->constraints->history, c, added);
 }
 

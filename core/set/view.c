@@ -1,14 +1,10 @@
 /* view.c - the list of views; see view.h.
  *
  * Views may end while an edit is under way, and begin beside each other, and no thread waits for another. So views that begin
- * are pushed to the list, and those that end to a stack. Edits, which have exclusive access to the set except for views
- * that end, enter the new ones and take the ended ones out:
- *
- *      newest -> v9 -> v8 -> v7 -> v5 -> v2        pushed: v9, v8. An edit enters them: it links them backwards, too.
- *                       <--------------- oldest    Each has the moment of the one before or a later one.
- *
- * So only two views determine the moments that are read: the oldest and the newest, among all views and among views with
- * rings. */
+ * are pushed to one stack, and those that end to another one. Edits, which have exclusive access to the set except for views
+ * that end, enter the former into lists, from the oldest to the newest view, and take the latter out. In a list each
+ * view has the moment of the one before or a later one. So only two views determine the moments that are read: the oldest and the newest, among all
+ * views and among views with rings. */
 #include "core/set/view.h"
 
 #include <stdlib.h>
@@ -34,8 +30,8 @@ void dt_views_open(struct dt_views *w, struct dt_view *v)
     atomic_store(&v->counted, v->with_rings);
     if (v->with_rings)
         atomic_fetch_add(&w->rings, 1);
-    v->older = atomic_load(&w->newest);
-    while (!atomic_compare_exchange_weak(&w->newest, &v->older, v))
+    v->next_begun = atomic_load(&w->begun);
+    while (!atomic_compare_exchange_weak(&w->begun, &v->next_begun, v))
         ;
 }
 
@@ -59,80 +55,64 @@ void dt_view_end(struct dt_view *v)
 
 /* ---- by edits ---- */
 
-/* Links the views that have begun since the last call. */
-static void enter_new(struct dt_views *w)
+static void enter(struct dt_views *w, struct dt_view *v, enum dt_view_list k)
 {
-    struct dt_view *newer = NULL, *newest_ring = NULL, *newer_ring = NULL,
-                   *v = atomic_load(&w->newest);
-    for (; v != NULL && !v->entered; v = v->older) {
-        v->entered = true;
-        v->newer = newer;
-        newer = v;
-        if (!v->with_rings)
-            continue;
-        v->newer_ring = newer_ring;
-        if (newer_ring != NULL)
-            newer_ring->older_ring = v;
-        else
-            newest_ring = v;
-        newer_ring = v;
+    struct dt_view_ends *list = &w->list[k];
+    v->link[k].older = list->newest;
+    if (list->newest != NULL)
+        list->newest->link[k].newer = v;
+    else
+        list->oldest = v;
+    list->newest = v;
+}
+
+static void leave(struct dt_views *w, const struct dt_view *v, enum dt_view_list k)
+{
+    struct dt_view_ends *list = &w->list[k];
+    const struct dt_view_link *at = &v->link[k];
+    if (at->newer != NULL)
+        at->newer->link[k].older = at->older;
+    else
+        list->newest = at->older;
+    if (at->older != NULL)
+        at->older->link[k].newer = at->newer;
+    else
+        list->oldest = at->newer;
+}
+
+/* Enters the views that have begun since the last call, the oldest first. */
+static void enter_begun(struct dt_views *w)
+{
+    struct dt_view *v = atomic_exchange(&w->begun, NULL), *first = NULL, *next;
+    for (; v != NULL; v = next) {
+        next = v->next_begun;
+        v->next_begun = first;
+        first = v;
     }
-    if (v != NULL)
-        v->newer = newer;
-    else if (newer != NULL)
-        w->oldest = newer;
-    if (newer_ring == NULL)
-        return;
-    newer_ring->older_ring = w->newest_ring;
-    if (w->newest_ring != NULL)
-        w->newest_ring->newer_ring = newer_ring;
-    else
-        w->oldest_ring = newer_ring;
-    w->newest_ring = newest_ring;
+    for (v = first; v != NULL; v = v->next_begun) {
+        enter(w, v, DT_VIEWS_ALL);
+        if (v->with_rings)
+            enter(w, v, DT_VIEWS_RINGS);
+    }
 }
 
-static void leave_rings(struct dt_views *w, const struct dt_view *v)
-{
-    if (v->newer_ring != NULL)
-        v->newer_ring->older_ring = v->older_ring;
-    else
-        w->newest_ring = v->older_ring;
-    if (v->older_ring != NULL)
-        v->older_ring->newer_ring = v->newer_ring;
-    else
-        w->oldest_ring = v->newer_ring;
-}
-
-static void leave(struct dt_views *w, struct dt_view *v)
-{
-    if (v->with_rings)
-        leave_rings(w, v);
-    if (v->newer != NULL)
-        v->newer->older = v->older;
-    else
-        atomic_store(&w->newest, v->older);
-    if (v->older != NULL)
-        v->older->newer = v->newer;
-    else
-        w->oldest = v->newer;
-}
-
+/* They have been entered. */
 static void free_ended(struct dt_views *w)
 {
     struct dt_view *v = atomic_exchange(&w->ended, NULL), *next;
     for (; v != NULL; v = next) {
         next = v->next_ended;
-        leave(w, v);
+        leave(w, v, DT_VIEWS_ALL);
+        if (v->with_rings)
+            leave(w, v, DT_VIEWS_RINGS);
         free(v);
     }
 }
 
 void dt_views_clear(struct dt_views *w)
 {
-    for (struct dt_view *v = atomic_load(&w->newest), *older; v != NULL; v = older) {
-        older = v->older;
-        free(v);
-    }
+    enter_begun(w);
+    free_ended(w);
     for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
         dt_images_clear(&w->images[kind]);
 }
@@ -172,7 +152,9 @@ bool dt_views_read_rings(const struct dt_views *w)
 
 static void discount_all(struct dt_views *w)
 {
-    for (struct dt_view *v = atomic_load(&w->newest); v != NULL; v = v->older)
+    enter_begun(w);
+    for (struct dt_view *v = w->list[DT_VIEWS_RINGS].oldest; v != NULL;
+         v = v->link[DT_VIEWS_RINGS].newer)
         discount(v);
 }
 
@@ -206,20 +188,21 @@ static void note(struct dt_views *w, enum dt_image_kind kind, const struct dt_vi
  * ones. */
 static void look_round(struct dt_views *w)
 {
-    enter_new(w);
+    enter_begun(w);
     free_ended(w);
-    const struct dt_view *oldest = w->oldest, *ring = w->oldest_ring;
-    const struct dt_view *newest = atomic_load(&w->newest);
+    const struct dt_view *oldest = w->list[DT_VIEWS_ALL].oldest,
+                         *newest = w->list[DT_VIEWS_ALL].newest,
+                         *ring = w->list[DT_VIEWS_RINGS].oldest,
+                         *newest_ring = w->list[DT_VIEWS_RINGS].newest;
     while (oldest != NULL && !dt_view_reads_rows(w, oldest))
-        oldest = oldest->newer;
+        oldest = oldest->link[DT_VIEWS_ALL].newer;
     while (ring != NULL && !dt_view_reads_rings(w, ring))
-        ring = ring->newer_ring;
+        ring = ring->link[DT_VIEWS_RINGS].newer;
     w->first = oldest != NULL ? oldest->serial : UINT64_MAX;
     w->last = oldest != NULL ? newest->serial : 0;
-    uint32_t keys = oldest != NULL ? newest->next_id : 0;
-    note(w, DT_IMAGE_ROW, oldest, newest, keys);
+    note(w, DT_IMAGE_ROW, oldest, newest, oldest != NULL ? newest->next_id : 0);
     note(w, DT_IMAGE_FAMILY, oldest, newest, DT_NONE);
-    note(w, DT_IMAGE_RING, ring, w->newest_ring, ring != NULL ? w->newest_ring->next_id : 0);
+    note(w, DT_IMAGE_RING, ring, newest_ring, ring != NULL ? newest_ring->next_id : 0);
 }
 
 bool dt_views_review(struct dt_views *w)

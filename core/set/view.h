@@ -23,12 +23,15 @@ enum dt_image_kind { DT_IMAGE_ROW, DT_IMAGE_FAMILY, DT_IMAGE_RING, DT_IMAGE_KIND
 
 struct dt_views;
 
+/* The lists of views: all of them, and those with rings. */
+enum dt_view_list { DT_VIEWS_ALL, DT_VIEWS_RINGS, DT_VIEW_LISTS };
+
 struct dt_view {
     struct dt_views *home;
-    struct dt_view *older, *newer; /* in the list of its set; newer: once it has been entered */
-    struct dt_view *older_ring, *newer_ring; /* the same of those with rings */
-    struct dt_view *next_ended;
-    bool entered;        /* by an edit */
+    struct dt_view *next_begun, *next_ended; /* on the stacks of its set */
+    struct dt_view_link {
+        struct dt_view *older, *newer;
+    } link[DT_VIEW_LISTS];
     atomic_bool counted; /* in `rings` of its set */
     bool with_rings;     /* it reads the triangulation */
     bool constrained;    /* it has constrained edges, so that it may not be Delaunay */
@@ -48,10 +51,11 @@ struct dt_moments {
 };
 
 struct dt_views {
-    _Atomic(struct dt_view *) newest;          /* owns the list, from the newest to the oldest */
-    _Atomic(struct dt_view *) ended;           /* a stack of those in the list that have ended */
-    struct dt_view *oldest;                    /* of those that have been entered */
-    struct dt_view *newest_ring, *oldest_ring; /* of these, with rings */
+    _Atomic(struct dt_view *) begun; /* owns; a stack of those that are in no list yet */
+    _Atomic(struct dt_view *) ended; /* a stack of those that have ended */
+    struct dt_view_ends {
+        struct dt_view *oldest, *newest; /* DT_VIEWS_ALL owns them */
+    } list[DT_VIEW_LISTS];
     atomic_uint rings;            /* views that read the triangulation and have not ended */
     atomic_uint_least64_t serial; /* of the view that began last */
     uint64_t lost;                /* of the last view that cannot be read any more: out of memory */
@@ -62,6 +66,18 @@ struct dt_views {
     struct dt_moments read[DT_IMAGE_KINDS];
     uint64_t first, last; /* serials of views that are read; UINT64_MAX and 0: none */
 };
+
+/* The oldest view that had begun before this edit did; NULL: none. */
+static inline const struct dt_view *dt_views_oldest(const struct dt_views *w)
+{
+    return w->list[DT_VIEWS_ALL].oldest;
+}
+
+static inline bool dt_views_has_any(const struct dt_views *w)
+{
+    return dt_views_oldest(w) != NULL ||
+           atomic_load_explicit(&w->begun, memory_order_relaxed) != NULL;
+}
 
 /* All views have ended. */
 void dt_views_clear(struct dt_views *w);

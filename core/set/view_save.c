@@ -105,8 +105,8 @@ void dt_views_values_begin(struct dt *t)
     if (t->touched.on && dt_is_live(t) &&
         dt_mesh_is_line(&t->mesh) != (t->touched.line != DT_NOT_ON_LINE))
         t->touched.rows.all = true;
-    if (t->touched.on || atomic_load_explicit(&w->newest, memory_order_relaxed) != NULL ||
-        !dt_views_are_empty(w) || t->points.changes != NULL || dt_fields_keep(&t->fields))
+    if (t->touched.on || dt_views_has_any(w) || !dt_views_are_empty(w) ||
+        t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }
 

@@ -373,7 +373,7 @@ TEST(views_begin_and_end_at_the_same_cost_however_many_there_are)
     }
     while (dt_view_tidy(t))
         ;
-    CHECK(dt_views_are_empty(&t->views) && atomic_load(&t->views.newest) == NULL);
+    CHECK(dt_views_are_empty(&t->views) && !dt_views_has_any(&t->views));
     dt_free(copy);
     dt_free(t);
 }
