@@ -434,7 +434,7 @@ void job_beside(struct server *s, struct answer *a, struct job *j, struct datase
 
 void job_drain(struct job *j)
 {
-    if (j->what != NULL && j->points == 0)
+    if (j->what != NULL && (j->points == 0 || j->plans))
         j->cancel = true;
 }
 

@@ -43,6 +43,7 @@ struct job {
     struct log *log;
     bool copies;   /* it changes a copy if there is memory, so that the set can be read meanwhile */
     size_t points; /* that it adds, deletes or moves */
+    bool plans;    /* it first computes what to change: no edit that a stopping server completes */
     struct version *base; /* pinned: the version that it reads or changes; NULL: none */
     bool views;           /* its view, of the triangulation, begins when `run` does */
     struct dt_view *view; /* owns: the moment of base that it reads; NULL: now. Ended after `end` */
@@ -121,7 +122,7 @@ struct dt_options job_options(const struct server *s);
 bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
                        struct reservation *r);
 
-/* Cancels the job because the server is stopping, unless it changes points or makes a piece of a reply. */
+/* Cancels the job because the server is stopping, unless it changes points that a client has named or makes a piece of a reply. */
 void job_drain(struct job *j);
 
 /* The first job of the workers, and the next one; NULL: there is none. */

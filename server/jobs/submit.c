@@ -449,6 +449,7 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
     if (set != NULL && c->kind->edit != NULL) {
         x->job.what = c->drawing != NULL && c->drawing->refines ? "refining" : c->kind->what;
         x->job.points = points_of(set, c);
+        x->job.plans = c->drawing != NULL && c->drawing->splits;
         x->job.copies = keeps_live(s, set, x);
         job_change(s, a, &x->job, set, weight_of(set, c));
         return;

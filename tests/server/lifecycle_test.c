@@ -190,6 +190,41 @@ TEST(daemon_that_stops_cancels_builds_and_finishes_edits)
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
+/* Each would take about a minute; those that wait for the set end as the first one does. */
+TEST_TIMEOUT(daemon_that_stops_cancels_plans_of_edits, 60)
+{
+    enum { POINTS = 200000, PLANS = 5, LINES = 2000 };
+    size_t n;
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d), other = daemon_connect(&d);
+    load_random(fd, "t", POINTS);
+    say(fd, "TRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+    static char request[PLANS * 64 + LINES * 20];
+    char *at = request;
+    for (int i = 0; i < PLANS; i++)
+        at += sprintf(at, "REFINE t LENGTH 1e-4 LIMIT 50000000\n");
+    at += sprintf(at, "CONSTRAIN t SPLIT");
+    for (int i = 0; i < LINES; i++)
+        at += sprintf(at, " %d %d", i, POINTS - 1 - i);
+    strcpy(at, "\nCONSTRAINTS t\n");
+    say(fd, request);
+    say(other, "ADD t 5 5\n");
+    await_info(&d, "jobs_running", 1);
+    CHECK(kill(d.pid, SIGTERM) == 0);
+    char *text = hear_all(fd, &n);
+    at = text;
+    for (int i = 0; i < PLANS + 1; i++, at = strchr(at, '\n') + 1)
+        CHECK_MSG(strncmp(at, "ERR CANCELLED ", 14) == 0, "%d: %s", i, text);
+    CHECK_MSG(strcmp(at, "OK 0\n") == 0, "%s", text);
+    free(text);
+    text = hear_all(other, &n);
+    CHECK_MSG(strncmp(text, "OK 0 first=200000 ", 18) == 0, "%s", text);
+    free(text);
+    int status;
+    CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
 /* It does so without waiting for the half minute that edits have. */
 TEST_TIMEOUT(daemon_that_stops_breaks_off_replies_that_are_not_read_or_take_long, 20)
 {
