@@ -23,8 +23,8 @@ static int read_change(struct file_options *r, bool negate, char **argv)
         w->negate[(*n)++] = optarg;
         return EXIT_DONE;
     }
-    if (!proto_read_double(optarg, strlen(optarg), &nodata))
-        return options_wrong(argv[0], "--nodata %s is not a number", optarg);
+    if (!proto_read_double(optarg, strlen(optarg), &nodata) || !isfinite(nodata))
+        return options_wrong(argv[0], "--nodata %s is not a number, or too large", optarg);
     w->nodata[(*n)++] = nodata;
     return EXIT_DONE;
 }

@@ -96,13 +96,16 @@ static bool read_position(struct geojson *g)
         return leave_out(g, &at, "a position needs x and y");
     if (n > 2 && !read_finite(word[2], &z))
         z = (double)NAN;
-    if (g->survey) {
-        g->notes->heights |= !isnan(z);
+    if (g->survey) { /* a number that is too large is a height, too, though a missing one */
+        g->notes->heights |= n > 2 && proto_is_number(word[2].text, word[2].len);
         g->notes->more += n > 3;
         return true;
     }
-    if (g->notes->heights)
+    if (g->notes->heights) {
         g->row[0] = z;
+        if (n > 2 && isnan(z))
+            table_fields_note_odd(g->fields, 0, g->j.line, word[2].text, word[2].len);
+    }
     return add_point(g, &at, word);
 }
 
@@ -232,6 +235,10 @@ static void take_property(struct geojson *g, struct property *p, struct json_par
         p->others += !number && !json_is(value, "null");
     } else if (p->field != NO_FIELD) {
         g->row[p->field] = number ? v : (double)NAN;
+        size_t quote = value.text[0] == '"';
+        if (!number)
+            table_fields_note_odd(g->fields, (size_t)p->field, g->j.line, value.text + quote,
+                                  value.len - 2 * quote);
     }
 }
 

@@ -18,6 +18,7 @@ enum { OUTSIDE = 0 };
 
 struct gpx {
     struct points_file *f;
+    struct table_fields *fields;
     struct gpx_notes *notes;
     size_t depth;      /* open elements */
     size_t extensions; /* the depth of the outermost open element `extensions`, or OUTSIDE */
@@ -98,10 +99,7 @@ static void read_elevation(struct gpx *g, struct xml_part text, uint64_t line)
     if (proto_read_double(text.text, text.len, &g->z) && isfinite(g->z))
         return;
     g->z = (double)NAN;
-    if (g->notes->odd_line > 0 || number_is_missing((struct value){text.text, text.len}))
-        return;
-    g->notes->odd_line = line;
-    report_clean(g->notes->odd, sizeof g->notes->odd, text.text, text.len);
+    table_fields_note_odd(g->fields, 0, line, text.text, text.len);
 }
 
 static bool close_element(struct gpx *g, const struct xml_tag *tag)
@@ -144,7 +142,7 @@ static bool read_tags(struct gpx *g, struct xml_scan *x)
 bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct gpx_notes *notes)
 {
-    struct gpx g = {.f = f, .notes = notes, .z = (double)NAN};
+    struct gpx g = {.f = f, .fields = t, .notes = notes, .z = (double)NAN};
     struct xml_scan x = {.p = text, .end = text + n, .line = 1};
     *notes = (struct gpx_notes){.heights = false};
     f->fields = 1; /* the elevations */

@@ -10,11 +10,9 @@ enum gpx_kind { GPX_WPT, GPX_RTEPT, GPX_TRKPT, GPX_KINDS };
 struct gpx_notes {
     uint64_t points[GPX_KINDS];
     bool heights;
-    uint64_t odd_line; /* of the first elevation that is not a number; 0: none */
-    char odd[40];
 };
 
-/* Adds the points, and the field to *t. */
+/* Adds the points, and the field to *t if an elevation is a number. */
 bool gpx_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct gpx_notes *notes);
 

@@ -138,14 +138,11 @@ static bool read_gpx(struct source *s, struct points_file *f, const char *text, 
     struct gpx_notes notes;
     bool ok = gpx_text_read(f, text, n, &s->table.fields, &notes);
     gpx_describe(&notes, s->table.using, sizeof s->table.using);
-    if (notes.odd_line > 0 && notes.heights) {
-        s->table.odd[0].line = notes.odd_line;
-        snprintf(s->table.odd[0].text, sizeof s->table.odd[0].text, "%s", notes.odd);
-    } else if (notes.odd_line > 0) {
+    const struct odd_value *odd = &s->table.fields.odd[0];
+    if (odd->line > 0 && !notes.heights)
         report_add(&f->report, NOTE_MISSING,
-                   "no elevation is a number; the first is \"%s\" in line %ju", notes.odd,
-                   (uintmax_t)notes.odd_line);
-    }
+                   "no elevation is a number; the first is \"%s\" in line %ju", odd->text,
+                   (uintmax_t)odd->line);
     return ok;
 }
 
@@ -306,9 +303,29 @@ static void note_paths(struct report *r, const struct paths *p)
                        n[i] == 1 ? text[i].one : text[i].many);
 }
 
+/* Says which options of reading have no effect on this file. */
+static void note_useless_options(const struct source *s, struct points_file *f)
+{
+    const bool lines = s->points_only || s->lines_border || s->first_number > 0;
+    const struct {
+        bool useless;
+        const char *text;
+    } rows[] = {
+        {s->table.wish.chosen && !is_table(s), "--columns is not used: the file is no table"},
+        {s->table.wish.skip_lines > 0 && !is_table(s),
+         "--skip-lines is not used: the file is no table"},
+        {lines && f->paths.n == 0, "--points, --border and --of are not used: there are no lines"},
+        {s->wish.nodata_n > 0 && f->fields == 0,
+         "--nodata is not used: the points have no values"}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        if (rows[i].useless)
+            report_add(&f->report, NOTE_UNUSED, "%s", rows[i].text);
+}
+
 /* Joins the lines, or forgets them. */
 static bool finish_paths(struct source *s, struct points_file *f)
 {
+    note_useless_options(s, f);
     if (s->points_only)
         paths_free(&f->paths);
     bool ok = paths_join(f);

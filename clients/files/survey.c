@@ -99,7 +99,7 @@ static bool is_negated(const struct survey_wish *w, const char *name)
 
 static void note_missing(struct points_file *f, struct table_file *t, size_t k)
 {
-    const struct odd_value *odd = &t->odd[k];
+    const struct odd_value *odd = &t->fields.odd[k];
     char where[120] = "";
     if (t->fields.missing[k] == 0)
         return;

@@ -180,11 +180,8 @@ static void read_fields(struct reader *r, size_t n, const double *point, int val
             t->row[k] = isfinite(x) ? x : (double)NAN;
         else
             t->row[k] = (double)NAN;
-        if (isnan(t->row[k]) && t->odd[k].line == 0 && !number_is_missing(v) &&
-            !(p->geometry && column == p->x)) {
-            t->odd[k].line = r->f->line;
-            report_clean(t->odd[k].text, sizeof t->odd[k].text, v.text, v.len);
-        }
+        if (isnan(t->row[k]) && !(p->geometry && column == p->x))
+            table_fields_note_odd(&t->fields, k, r->f->line, v.text, v.len);
     }
 }
 

@@ -11,21 +11,14 @@ struct rows_seen {
     uint64_t n, line;
 };
 
-/* A value that is neither a number nor missing, where a number should be. */
-struct odd_value {
-    uint64_t line;
-    char text[40];
-};
-
 struct table_file {
     struct wish wish; /* the caller's */
     struct plan plan; /* owns; valid after reading */
     struct table_fields fields;
-    char using[5 * PLAN_NAME + 80];    /* which columns were taken, "" where that is obvious */
-    struct odd_value odd[FIELDS_MOST]; /* the first one of each field; line 0: none */
-    struct rows_seen nowhere;          /* rows of empty geometries */
-    struct rows_seen empty, comments,  /* rows of empty values, comments that look like rows, */
-        matrices;                      /* and those that begin another matrix of Octave */
+    char using[5 * PLAN_NAME + 80];   /* which columns were taken, "" where that is obvious */
+    struct rows_seen nowhere;         /* rows of empty geometries */
+    struct rows_seen empty, comments, /* rows of empty values, comments that look like rows, */
+        matrices;                     /* and those that begin another matrix of Octave */
     struct rows_seen spanning, lone_quotes;
     uint64_t spanning_end; /* the last line of the first row that spans lines */
     double row[FIELDS_MOST];

@@ -10,6 +10,7 @@
 
 struct obj {
     struct points_file *f;
+    struct table_fields *fields;
     struct obj_notes *notes;
     struct lines_scan scan;
     double z;
@@ -38,6 +39,8 @@ static bool read_point(struct obj *o)
         ok = proto_read_double(o->scan.word[k + 1].text, o->scan.word[k + 1].len, &v[k]) ||
              bad_number(o, o->scan.word[k + 1]);
     o->z = isfinite(v[2]) ? v[2] : (double)NAN;
+    if (isnan(o->z) && o->notes->heights)
+        table_fields_note_odd(o->fields, 0, o->f->line, o->scan.word[3].text, o->scan.word[3].len);
     ok = ok && points_file_append(o->f, v[0], v[1]);
     o->f->fatal |= !ok;
     return ok;
@@ -110,7 +113,7 @@ static void look(struct obj *o, const char *text, size_t n)
 bool obj_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
                    struct obj_notes *notes)
 {
-    struct obj o = {.f = f, .notes = notes};
+    struct obj o = {.f = f, .fields = t, .notes = notes};
     bool ok = true;
     *notes = (struct obj_notes){.heights = false};
     look(&o, text, n);

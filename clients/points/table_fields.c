@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "clients/reading/number.h"
+#include "clients/reading/report.h"
+
 static bool is_taken(const struct table_fields *t, const char *name)
 {
     for (size_t i = 0; i < t->n; i++)
@@ -35,6 +38,16 @@ bool table_fields_add_height(struct table_fields *t, size_t column, const char *
     if (len == 0)
         snprintf(t->height, sizeof t->height, "%zu", column + 1);
     return table_fields_add(t, column, "z", 1);
+}
+
+void table_fields_note_odd(struct table_fields *t, size_t k, uint64_t line, const char *text,
+                           size_t len)
+{
+    struct odd_value *odd = &t->odd[k];
+    if (odd->line > 0 || number_is_missing((struct value){text, len}))
+        return;
+    odd->line = line;
+    report_clean(odd->text, sizeof odd->text, text, len);
 }
 
 /* Moves the last field to its place by column. */

@@ -44,8 +44,8 @@ TEST(gpx_points_of_all_kinds_are_read_with_their_elevations)
     }
     gpx_describe(&notes, how, sizeof how);
     CHECK_STR(how, "x=lon y=lat z=ele of 1 wpt, 1 rtept, 2 trkpt");
-    CHECK_STR(notes.odd, "high");
-    CHECK(notes.odd_line == 6);
+    CHECK_STR(fields.odd[0].text, "high");
+    CHECK(fields.odd[0].line == 6);
     points_file_free(&file);
 }
 

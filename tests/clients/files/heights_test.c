@@ -59,6 +59,45 @@ TEST(load_reads_third_coordinates_of_geojson_as_heights)
     cli_finish();
 }
 
+/* Loads the file, and compares what the report says about its heights. */
+static void expect_missing(const char *name, const char *text, const char *want)
+{
+    char command[200];
+    int status;
+    cli_write(name, text);
+    snprintf(command, sizeof command, "load t %s --fields", cli_path(name));
+    const char *got = cli_run(&status, command);
+    CHECK_MSG(status == 0 && strstr(got, want) != NULL, "%s: %s", name, got);
+}
+
+TEST(heights_that_are_too_large_are_named)
+{
+    cli_begin();
+    expect_missing("a.geojson",
+                   "{\"type\":\"MultiPoint\",\"coordinates\":[[0,0,1],[1,0,null],\n[0,1,1e400]]}",
+                   "z: 2 of 3 values are missing; the first that is not a number is \"1e400\" in "
+                   "line 2");
+    expect_missing("b.geojson", "{\"type\":\"Point\",\"coordinates\":[0,0,-1e999]}",
+                   "z: 1 of 1 values are missing; the first that is not a number is \"-1e999\"");
+    expect_missing(
+        "c.geojson",
+        "[{\"type\":\"Feature\",\"properties\":{\"q\":1},\"geometry\":{\"type\":\"Point\","
+        "\"coordinates\":[0,0]}},{\"type\":\"Feature\",\"properties\":{\"q\":2},"
+        "\"geometry\":{\"type\":\"Point\",\"coordinates\":[1,0]}},{\"type\":\"Feature\","
+        "\"properties\":{\"q\":\"2 m\"},\"geometry\":{\"type\":\"Point\",\"coordinates\":"
+        "[0,1]}}]",
+        "q: 1 of 3 values are missing; the first that is not a number is \"2 m\"");
+    expect_missing("d.obj", "v 0 0 1\nv 1 0 1e400\n",
+                   "z: 1 of 2 values are missing; the first that is not a number is \"1e400\" in "
+                   "line 2");
+    expect_missing("e.gpx",
+                   "<gpx><wpt lat='1' lon='1'><ele>1</ele></wpt><wpt lat='2' lon='1'>"
+                   "<ele>1e400</ele></wpt></gpx>",
+                   "\"1e400\" in line 1");
+    expect_missing("f.csv", "x,y,z\n0,0,1\n1,0,1e400\n", "\"1e400\" in line 3");
+    cli_finish();
+}
+
 TEST(meshes_have_heights)
 {
     make_set();

@@ -202,8 +202,22 @@ TEST(options_for_reading_are_the_same_for_load_run_and_draw)
     expect("load t", "a.csv", "--nodata -999 --negate z --skip-lines 1", 0, "added=3");
     cli_expect("fget t z 0 1 2", "OK 3\n0 -5\n1 nan\n2 -7\n");
     expect("load t", "a.csv", "--nodata none", 2, "--nodata none is not a number");
+    expect("load t", "a.csv", "--nodata 1e400", 2, "--nodata 1e400 is not a number, or too large");
     expect("load t", "a.csv", "--skip-lines -1", 2, "--skip-lines -1 is not a number of lines");
     expect("load t", "a.csv", "--negate w", 1, "no field w to negate; there are x, y, z");
+    cli_finish();
+}
+
+TEST(options_that_a_file_makes_useless_are_noted)
+{
+    cli_begin();
+    cli_write("p.csv", "x,y\n0,0\n4,0\n0,4\n");
+    cli_write("p.geojson", "{\"type\":\"MultiPoint\",\"coordinates\":[[0,0],[1,1]]}");
+    expect("load t", "p.csv", "--nodata 3", 0, "--nodata is not used: the points have no values");
+    expect("load t", "p.csv", "--border", 0, "--border and --of are not used: there are no lines");
+    expect("load t", "p.geojson", "--skip-lines 1", 0, "--skip-lines is not used: the file is no");
+    expect("load t", "p.geojson", "--columns 1,2 --format geojson", 0, "--columns is not used");
+    expect("load t", "p.csv", "--columns 1,2 --skip-lines 1", 0, "added=3");
     cli_finish();
 }
 
