@@ -120,8 +120,7 @@ int main(int argc, char **argv)
     int option;
     argc = take_json(argc, argv);
     if (!read_environment(&where))
-        return options_wrong(
-            "", "$DELAUNAY_URL is not delaunay://[:token@]host[:port] or unix://[:token@]/path");
+        return options_wrong("", "$DELAUNAY_URL is not " URL_FORM);
     while ((option = options_next(argc, argv, "+h:p:u:", options)) != -1) {
         if (option == 'H' || option == 'V') {
             option == 'H' ? print_help() : (void)puts("delaunay " DELAUNAY_VERSION);
@@ -134,8 +133,7 @@ int main(int argc, char **argv)
         else if (option != 'u')
             return options_unknown("", argv, option);
         else if (!url_read(optarg, &where))
-            return options_wrong(
-                "", "%s is not delaunay://[:token@]host[:port] or unix://[:token@]/path", optarg);
+            return options_wrong("", "%s is not " URL_FORM, optarg);
     }
     int status = dispatch(NULL, argc - optind, argv + optind, &where);
     finish_json(status);

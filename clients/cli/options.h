@@ -1,4 +1,10 @@
-/* options.h - messages about wrong arguments, the same for all subcommands. */
+/* options.h - the options of subcommands, and messages about wrong arguments.
+ *
+ * A subcommand's options are words of a text (subcommand.h): NAME, `=` if it takes a value, and what it goes with:
+ *
+ *     limit=:angle,area     needs one of these options
+ *     colour=:PICTURE       needs a picture to be written; kinds of files are in capitals
+ *     cell=!width           is not given together with this one */
 #pragma once
 
 #include <getopt.h>
@@ -13,10 +19,27 @@ int options_next(int argc, char **argv, const char *letters, const struct option
 /* Takes an option of that name, whose value is in optarg; returns the exit status. */
 typedef int options_take_fn(void *ctx, const char *option, char **argv);
 
-/* Reads all arguments of a subcommand: its options (subcommand.h) by `take`, and then `words` words, which begin at argv[optind]. An
- * error calls them `what`. If `words` is -1, their number does not matter. -f is --format, -c is --columns, --color is --colour. Returns the exit status. */
+/* An option of that text; borrows from it. */
+struct option_word {
+    const char *name;
+    size_t len;  /* of the name */
+    bool valued; /* it takes a value */
+    const char *needs,
+        *excludes; /* names with a comma between them, up to a character that no name has */
+};
+
+/* Removes the first option of *rest; false at the end. */
+bool option_word_next(const char **rest, struct option_word *o);
+
+/* Reads all arguments of a subcommand: its options by `take`, and then `words` words, which begin at argv[optind]. An
+ * error calls them `what`. If `words` is -1, their number does not matter. -f is --format, -c is --columns, --color is --colour. Checks
+ * which options are given together. Returns the exit status. */
 int options_read(int argc, char **argv, options_take_fn *take, void *ctx, int words,
                  const char *what);
+
+/* Whether the options, which options_read has read, suit each other and what is written: `have` names its kinds, with a blank between
+ * them; NULL: it is not known yet. Otherwise says what an option needs. Returns the exit status. */
+int options_suit(char **argv, const char *have);
 
 static inline bool options_is(const char *option, const char *name)
 {

@@ -8,10 +8,13 @@
 
 #define FILE_OPTIONS                                                                               \
     "columns= fields skip-bad skip-lines= nodata= negate= of= border points split dry-run"
-#define EXPORT_OPTIONS "lines inside= colour= field= numbers viewport= geographic planar crs= force"
+#define EXPORT_OPTIONS                                                                             \
+    "colour=:PICTURE numbers:POINTS viewport=:PICTURE geographic!planar planar crs=:GEOJSON "
 #define DRAW_OPTIONS                                                                               \
-    "format= input-format= " FILE_OPTIONS                                                          \
-    " error= most= angle= area= length= keep limit= " EXPORT_OPTIONS
+    "format=:FILE input-format= " FILE_OPTIONS                                                     \
+    " error= most= angle= area= length= keep:angle,area,length limit=:angle,area,length "          \
+    "lines:FILE inside=:MESH,angle,area,length field=:HEIGHTS,error,most " EXPORT_OPTIONS          \
+    "force:FILE"
 #define CRS_HELP                                                                                   \
     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for\n"      \
     "                        instance, as the member crs of GeoJSON 2008; RFC 7946 has\n"          \
@@ -98,7 +101,7 @@ const struct subcommand subcommands[] = {
      "file that delaunay did not write, or that was changed since, is replaced only with "
      "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "format= " EXPORT_OPTIONS, true, NULL},
+     "format= lines inside=:MESH field=:HEIGHTS " EXPORT_OPTIONS "force", true, NULL},
     {"raster", command_raster, false, true,
      "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
      "...",
@@ -121,8 +124,8 @@ const struct subcommand subcommands[] = {
      "      --as QUANTITY     slope, or aspect, the direction downhill: degrees instead of values\n"
      "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
      "      --force           replace any file\n",
-     "format= cell= width= viewport= method= max-edge= inside= missing= outside= clip= as= colour= "
-     "crs= force",
+     "format= cell=!width width= viewport= method= max-edge= inside= missing= outside= clip= as= "
+     "colour=:PICTURE crs=:FILE force",
      true, NULL},
     {"contour", command_contour, false, true,
      "contour SET FIELD FILE [--bands] [--format F] [--every STEP [--base B] | --levels L,L,...] "
@@ -139,8 +142,8 @@ const struct subcommand subcommands[] = {
      "      --missing skip    as if points without a value had been deleted\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --no-labels       no levels along the lines of a picture\n" SHAPES_HELP,
-     "bands format= every= base= levels= max-edge= inside= missing= viewport= no-labels geographic "
-     "crs= force",
+     "bands format= every= base= levels=!every,base max-edge= inside= missing= viewport=:PICTURE "
+     "no-labels:LABELS geographic crs=:GEOJSON force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
@@ -152,7 +155,7 @@ const struct subcommand subcommands[] = {
      "                        by half; in a picture by a twentieth\n"
      "      --field F         colours the cells of the picture by a field; without it by z, if\n"
      "                        there is one\n" SHAPES_HELP,
-     "format= viewport= field= geographic crs= force", true, NULL},
+     "format= viewport= field=:PICTURE geographic crs=:GEOJSON force", true, NULL},
     {"alpha", command_alpha, false, true,
      "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
      "Writes the alpha shape of the triangulated set: the union of the triangles whose\n"
@@ -160,7 +163,7 @@ const struct subcommand subcommands[] = {
      "gives one piece with all points. Without a file the words are sent as the request ALPHA.\n\n"
      "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n" SHAPES_HELP,
-     "format= viewport= geographic crs= force", true, NULL},
+     "format= viewport=:PICTURE geographic crs=:GEOJSON force", true, NULL},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red, lines\n"
@@ -168,7 +171,7 @@ const struct subcommand subcommands[] = {
      "relief, unless --mesh is given. Without --width and --height it fills the terminal;\n"
      "--plain leaves colours out, as $NO_COLOR does. With --geographic x and y are longitude and\n"
      "latitude.\n",
-     "width= height= field= mesh plain geographic", false, NULL},
+     "width= height= field=!mesh mesh plain geographic", false, NULL},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling\n"
      "algorithm triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"

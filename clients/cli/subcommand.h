@@ -9,7 +9,7 @@ struct subcommand {
     bool alone;                                                   /* it needs no connection */
     bool set; /* the first argument names a set */
     const char *usage, *help;
-    const char *options; /* besides --help and --json, with `=` if they take a value; NULL: none */
+    const char *options; /* besides --help and --json; options.h reads them; NULL: none */
     bool files;          /* it takes names of files */
     const char *words;   /* arguments that completion offers; NULL: none */
 };

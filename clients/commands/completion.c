@@ -1,281 +1,248 @@
-/* completion.c - `delaunay completion SHELL`: completion of commands, options, sets and files, for bash, zsh and fish,
- * from the table of subcommands. */
+/* completion.c - `delaunay completion SHELL`: completion of commands, options, sets and files, for bash, zsh and fish.
+ *
+ * The script of a shell sends the words of the line, up to the one at the cursor, to `delaunay completion words`, a line each.
+ * It gets the words that may be there, a line each, which may have a tab and a description; or FILES. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
 #include "clients/meshes/line_formats.h"
+#include "clients/reading/program.h"
 #include "clients/reading/word_list.h"
 
-static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
+enum { MOST_WORDS = 200, WORD_ROOM = 256 };
+
+#define FILES "/files" /* no name of a command, an option or a set has a slash */
+
 static const char global_options[] = "--host --port --url --json --help --version";
-static const char inputs[] = "xy csv geojson node xyz gpx las poly obj",
-                  grids[] = "asc bil png tif", shapes[] = "geojson svg wkt",
-                  methods[] = "linear natural laplace nearest", paints[] = "relief light height",
-                  colours[] = "quality degree relief";
+static const char global_valued[] = "-h -p -u --host --port --url";
 
-static void put_formats(void)
+/* The values of options. The first row of an option counts that is for the command, or for any (NULL). */
+static const struct {
+    const char *option;
+    int (*run)(struct delaunay_client *c, int argc, char **argv);
+    const char *words;
+} values[] = {{"input-format", NULL, "xy csv geojson node xyz gpx las poly obj asc"},
+              {"format", command_load, "xy csv geojson node xyz gpx las poly obj asc"},
+              {"format", command_raster, "asc bil png tif"},
+              {"format", command_contour, "geojson svg wkt"},
+              {"format", command_voronoi, "geojson svg wkt"},
+              {"format", command_alpha, "geojson svg wkt"},
+              {"colour", command_raster, "relief light height"},
+              {"colour", NULL, "angle quality degree relief"},
+              {"method", NULL, "linear natural laplace nearest smooth"},
+              {"outside", NULL, "nan nearest"},
+              {"missing", NULL, "nan skip"},
+              {"as", NULL, "slope aspect"}};
+
+/* ---- the line ---- */
+
+/* A line whose last word is to be completed. */
+struct line {
+    char word[MOST_WORDS][WORD_ROOM]; /* the first one is the name of the program */
+    size_t n;
+    const char *where[MOST_WORDS +
+                      2]; /* the program, its options that name a server, and room for two more */
+    size_t where_n;
+    const char *command;        /* NULL: it is to be completed */
+    const struct subcommand *s; /* of this name; NULL: none */
+    size_t at;          /* words between the command and the last word that are no options */
+    const char *option; /* whose value is to be completed; NULL: none */
+};
+
+static const char *last_of(const struct line *l)
 {
-    char names[FORMATS_LIST];
-    formats_list(names, sizeof names, " ");
-    fputs(names, stdout);
+    return l->word[l->n - 1];
 }
 
-static bool is_any(const struct subcommand *s)
+static void read_words(struct line *l)
 {
-    return s != NULL;
+    while (l->n < MOST_WORDS && fgets(l->word[l->n], WORD_ROOM, stdin) != NULL) {
+        l->word[l->n][strcspn(l->word[l->n], "\n")] = '\0';
+        l->n++;
+    }
 }
 
-static bool takes_set(const struct subcommand *s)
+/* Whether the option has its value in the next word. */
+static bool is_valued(const struct line *l, const char *word)
 {
-    return s->set || s->run == command_copy;
+    const char *rest = l->s != NULL && l->s->options != NULL ? l->s->options : "";
+    struct option_word o;
+    if (word_list_has(global_valued, word, strlen(word)) || options_is(word, "-f") ||
+        options_is(word, "-c"))
+        return true;
+    while (option_word_next(&rest, &o))
+        if (o.valued && strlen(word) == o.len + 2 && memcmp(word + 2, o.name, o.len) == 0)
+            return true;
+    return false;
 }
 
-static bool takes_files(const struct subcommand *s)
+static void scan(struct line *l)
 {
-    return s->files;
-}
-
-static bool takes_set_and_files(const struct subcommand *s)
-{
-    return s->files && s->set;
-}
-
-static bool takes_only_files(const struct subcommand *s)
-{
-    return s->files && !s->set;
-}
-
-/* Writes the names of these subcommands, with the text between them. */
-static void put_names(bool (*chosen)(const struct subcommand *s), const char *between)
-{
-    bool first = true;
-    for (size_t i = 0; i < subcommand_count; i++)
-        if (chosen(&subcommands[i])) {
-            printf("%s%s", first ? "" : between, subcommands[i].name);
-            first = false;
+    l->where[l->where_n++] = l->word[0];
+    for (size_t i = 1; i + 1 < l->n; i++) {
+        const char *word = l->word[i];
+        if (word[0] == '-' && is_valued(l, word)) {
+            bool global = word_list_has(global_valued, word, strlen(word));
+            i++;
+            if (i + 1 == l->n)
+                l->option = word;
+            if (global) {
+                l->where[l->where_n++] = word;
+                l->where[l->where_n++] = l->word[i];
+            }
+        } else if (word[0] == '-') {
+            continue;
+        } else if (l->command == NULL) {
+            l->command = word;
+            l->s = subcommand_find(word);
+        } else {
+            l->at++;
         }
+    }
 }
 
-/* Each with a blank behind it. */
-static void put_options(const char *options)
+/* ---- what may be there ---- */
+
+static void offer(const struct line *l, const char *word, size_t len)
+{
+    const char *last = last_of(l);
+    if (len >= strlen(last) && memcmp(word, last, strlen(last)) == 0)
+        printf("%.*s\n", (int)len, word);
+}
+
+static void offer_list(const struct line *l, const char *words)
 {
     size_t n;
-    for (const char *name; (name = word_list_next(&options, &n)) != NULL;)
-        printf("--%.*s ", (int)strcspn(name, "= "), name);
+    for (const char *word; (word = word_list_next(&words, &n)) != NULL;)
+        offer(l, word, n);
 }
 
-/* The options that take a value, as further patterns of a case. */
-static void put_valued(void)
+/* Commands, with the first sentence of their help, or the part of it that is on its first line. */
+static void offer_commands(const struct line *l)
 {
-    for (size_t i = 0; i < subcommand_count; i++) {
-        const char *rest = subcommands[i].options != NULL ? subcommands[i].options : "";
-        size_t n;
-        for (const char *word; (word = word_list_next(&rest, &n)) != NULL;) {
-            bool named = false;
-            for (size_t k = 0; k < i; k++)
-                named |= subcommands[k].options != NULL &&
-                         word_list_has(subcommands[k].options, word, n);
-            if (!named && word[n - 1] == '=')
-                printf(" | --%.*s", (int)n - 1, word);
+    const char *last = last_of(l);
+    for (const struct subcommand *s = subcommands; s < subcommands + subcommand_count; s++)
+        if (strncmp(s->name, last, strlen(last)) == 0)
+            printf("%s\t%.*s\n", s->name, (int)strcspn(s->help, "\n.;"), s->help);
+}
+
+static void offer_options(const struct line *l)
+{
+    const char *rest = l->s != NULL && l->s->options != NULL ? l->s->options : "";
+    char name[40];
+    struct option_word o;
+    while (option_word_next(&rest, &o))
+        offer(l, name, (size_t)snprintf(name, sizeof name, "--%.*s", (int)o.len, o.name));
+    offer_list(l, l->command != NULL ? "--help --json" : global_options);
+}
+
+/* The names of the sets, which the program prints for the same server: the first words of all rows but the status line. */
+static void offer_sets(struct line *l)
+{
+    char row[400];
+    pid_t pid;
+    int from;
+    l->where[l->where_n] = "sets";
+    l->where[l->where_n + 1] = NULL;
+    if (program_start(&pid, l->where, -1, &from) != 0)
+        return;
+    FILE *rows = fdopen(from, "r");
+    for (size_t i = 0; rows != NULL && fgets(row, sizeof row, rows) != NULL; i++)
+        if (i > 0)
+            offer(l, row, strcspn(row, " \n"));
+    rows != NULL ? fclose(rows) : close(from);
+    program_end(pid);
+}
+
+static void offer_values(const struct line *l)
+{
+    char all[FORMATS_LIST];
+    const char *name = l->option + strspn(l->option, "-");
+    name = options_is(name, "f") ? "format" : name;
+    for (size_t i = 0; l->s != NULL && i < sizeof values / sizeof values[0]; i++)
+        if (options_is(name, values[i].option) &&
+            (values[i].run == NULL || values[i].run == l->s->run)) {
+            offer_list(l, values[i].words);
+            return;
         }
+    if (options_is(name, "format")) {
+        formats_list(all, sizeof all, " ");
+        offer_list(l, all);
     }
 }
 
-/* The part that bash and zsh share: finds the command and the number of its words before the one to be
- * completed; `where` gets the options for the server. */
-static void put_shell_scan(const char *word, const char *from, const char *to)
+static void offer_words(struct line *l)
 {
-    printf("    local command= at=0 i w\n"
-           "    local -a where\n"
-           "    for ((i = %s; i < %s; i++)); do\n"
-           "        w=${%s[i]}\n"
-           "        case $w in\n"
-           "        -h | -p | -u | --host | --port | --url)\n"
-           "            where+=(\"$w\" \"${%s[i + 1]}\"); ((i++)) ;;\n"
-           "        -f | -c",
-           from, to, word, word);
-    put_valued();
-    puts(")\n            ((i++)) ;;\n"
-         "        -*) ;;\n"
-         "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
-         "        esac\n"
-         "    done");
+    const struct subcommand *s = l->s;
+    if (l->option != NULL)
+        offer_values(l);
+    else if (last_of(l)[0] == '-')
+        offer_options(l);
+    else if (l->command == NULL)
+        offer_commands(l);
+    else if (s != NULL && (s->set || s->run == command_copy) && l->at == 0)
+        offer_sets(l);
+    else if (s != NULL && s->files)
+        puts(FILES);
+    else if (s != NULL && s->words != NULL)
+        offer_list(l, s->words);
 }
 
-/* Completes the values of options, with the words between `before` and `after`. */
-static void put_value_cases(const char *before, const char *after)
+static int complete(void)
 {
-    printf("    -f | --format)\n        case $command in\n        load) %s%s%s ;;\n"
-           "        raster) %s%s%s ;;\n        contour | voronoi | alpha) %s%s%s ;;\n        *) %s",
-           before, inputs, after, before, grids, after, before, shapes, after, before);
-    put_formats();
-    printf("%s ;;\n        esac\n        return ;;\n    --input-format) %s%s%s; return ;;\n"
-           "    --method) %s%s%s; return ;;\n"
-           "    --colour) if [[ $command == raster ]]; then %s%s%s; else %s%s%s; fi; return ;;\n"
-           "    -h | -p | -u | -c | --host | --port | --url",
-           after, before, inputs, after, before, methods, after, before, paints, after, before,
-           colours, after);
-    put_valued();
-    puts(") return ;;\n    esac");
-}
-
-/* A case for the options of each subcommand that has some, which are words of `before` ... `after`. */
-static void put_option_cases(const char *before, const char *after)
-{
-    printf("        '') %s%s%s ;;\n", before, global_options, after);
-    for (size_t i = 0; i < subcommand_count; i++)
-        if (subcommands[i].options != NULL) {
-            printf("        %s) %s", subcommands[i].name, before);
-            put_options(subcommands[i].options);
-            printf("--help --json%s ;;\n", after);
-        }
-    printf("        *) %s--help --json%s ;;\n", before, after);
-}
-
-/* A case for each subcommand's words. */
-static void put_word_cases(const char *before, const char *after)
-{
-    for (size_t i = 0; i < subcommand_count; i++)
-        if (subcommands[i].words != NULL)
-            printf("    %s) %s%s%s ;;\n", subcommands[i].name, before, subcommands[i].words, after);
-}
-
-/* ---- bash ---- */
-
-static void put_bash(void)
-{
-    static const char reply[] = "COMPREPLY=($(compgen -W \"", end[] = "\" -- \"$word\"))";
-    puts("# bash completion for delaunay\n_delaunay()\n{\n"
-         "    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]}");
-    put_shell_scan("COMP_WORDS", "1", "COMP_CWORD");
-    puts("    case $last in");
-    put_value_cases(reply, end);
-    puts("    if [[ $word == -* ]]; then\n        case $command in");
-    put_option_cases(reply, end);
-    fputs("        esac\n        return\n    fi\n    case $command in\n", stdout);
-    printf("    '') %s", reply);
-    put_names(is_any, " ");
-    printf("%s; return ;;\n    ", end);
-    put_names(takes_set, " | ");
-    printf(")\n        if ((at == 0)); then %s$(\"${COMP_WORDS[0]}\" \"${where[@]}\" %s)%s; "
-           "return; fi ;;\n"
-           "    esac\n    case $command in\n    ",
-           reply, read_sets, end);
-    put_names(takes_files, " | ");
-    puts(") compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- \"$word\")) ;;");
-    put_word_cases(reply, end);
-    puts("    esac\n}\ncomplete -F _delaunay delaunay");
-}
-
-/* ---- zsh ---- */
-
-static void put_zsh(void)
-{
-    puts("#compdef delaunay\n_delaunay()\n{\n    local last=${words[CURRENT - 1]}");
-    put_shell_scan("words", "2", "CURRENT");
-    puts("    case $last in");
-    put_value_cases("compadd ", "");
-    puts("    if [[ ${words[CURRENT]} == -* ]]; then\n        case $command in");
-    put_option_cases("compadd -- ", "");
-    fputs("        esac\n        return\n    fi\n    case $command in\n    '') compadd ", stdout);
-    put_names(is_any, " ");
-    fputs("; return ;;\n    ", stdout);
-    put_names(takes_set, " | ");
-    printf(")\n        if ((at == 0)); then compadd -- ${(f)\"$(${words[1]} $where %s)\"}; return; "
-           "fi ;;\n"
-           "    esac\n    case $command in\n    ",
-           read_sets);
-    put_names(takes_files, " | ");
-    puts(") _files ;;");
-    put_word_cases("compadd ", "");
-    puts("    esac\n}\n"
-         "if [[ ${zsh_eval_context[-1]} == loadautofunc ]]; then _delaunay \"$@\"; else compdef "
-         "_delaunay "
-         "delaunay; fi");
-}
-
-/* ---- fish ---- */
-
-/* The values of an option, after -a; NULL: others. */
-static const char *values_of(const struct subcommand *s, const char *option)
-{
-    static char names[FORMATS_LIST];
-    bool format = options_is(option, "format");
-    if (options_is(option, "colour"))
-        return s->run == command_raster ? paints : colours;
-    if (options_is(option, "method"))
-        return methods;
-    if (options_is(option, "input-format") || (format && s->run == command_load))
-        return inputs;
-    if (!format)
-        return NULL;
-    if (s->run == command_raster)
-        return grids;
-    if (s->run == command_contour || s->run == command_voronoi || s->run == command_alpha)
-        return shapes;
-    formats_list(names, sizeof names, " ");
-    return names;
-}
-
-/* A rule for each option. */
-static void put_fish_options(const struct subcommand *s)
-{
-    const char *rest = s->options != NULL ? s->options : "";
-    size_t n;
-    for (const char *word; (word = word_list_next(&rest, &n)) != NULL;) {
-        char name[32];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "= "), word);
-        const char *values = values_of(s, name);
-        printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %s", s->name, name);
-        if (values != NULL)
-            printf(" -x -a '%s'", values);
-        else if (word[n - 1] == '=')
-            fputs(" -x", stdout);
-        putchar('\n');
+    struct line *l = calloc(1, sizeof *l);
+    if (l == NULL)
+        return EXIT_REFUSED;
+    read_words(l);
+    if (l->n > 1) {
+        scan(l);
+        offer_words(l);
     }
+    free(l);
+    return EXIT_DONE;
 }
 
-/* The help's first sentence, or the part of it that is on its first line, within single quotes. */
-static void put_fish_help(const char *help)
-{
-    size_t n = strcspn(help, "\n.;");
-    for (size_t i = 0; i < n; i++)
-        if (help[i] != '\'')
-            putchar(help[i]);
-}
+/* ---- scripts ---- */
 
-static void put_fish(void)
-{
-    puts("# fish completion for delaunay\ncomplete -c delaunay -f\n"
-         "function __delaunay_at; test (count (commandline -opc | string match -v -- '-*')) -eq "
-         "$argv[1]; end\n"
-         "complete -c delaunay -s h -l host -x\ncomplete -c delaunay -s p -l port -x\n"
-         "complete -c delaunay -s u -l url -x\ncomplete -c delaunay -l json\n"
-         "complete -c delaunay -l version\ncomplete -c delaunay -l help");
-    for (size_t i = 0; i < subcommand_count; i++) {
-        printf("complete -c delaunay -n __fish_use_subcommand -a %s -d '", subcommands[i].name);
-        put_fish_help(subcommands[i].help);
-        puts("'");
-        put_fish_options(&subcommands[i]);
-    }
-    fputs("complete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
-    put_names(takes_set, " ");
-    printf("; and __delaunay_at 2' -a \"(delaunay %s)\"\n",
-           "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
-    fputs("complete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
-    put_names(takes_only_files, " ");
-    fputs("' -F\ncomplete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
-    put_names(takes_set_and_files, " ");
-    puts("; and not __delaunay_at 2' -F");
-    for (size_t i = 0; i < subcommand_count; i++)
-        if (subcommands[i].words != NULL)
-            printf("complete -c delaunay -n '__fish_seen_subcommand_from %s%s' -a '%s'\n",
-                   subcommands[i].name, subcommands[i].set ? "; and not __delaunay_at 2" : "",
-                   subcommands[i].words);
-}
+static const struct {
+    const char *shell, *script;
+} scripts[] = {
+    {"bash", "# bash completion for delaunay\n"
+             "_delaunay()\n"
+             "{\n"
+             "    local last=${COMP_WORDS[COMP_CWORD]}\n"
+             "    mapfile -t COMPREPLY < <(printf '%s\\n' \"${COMP_WORDS[@]:0:COMP_CWORD+1}\" |\n"
+             "        \"${COMP_WORDS[0]}\" completion words 2>/dev/null | cut -f 1)\n"
+             "    if [[ ${COMPREPLY[0]} == " FILES " ]]; then\n"
+             "        compopt -o filenames 2>/dev/null\n"
+             "        mapfile -t COMPREPLY < <(compgen -f -- \"$last\")\n"
+             "    fi\n"
+             "}\n"
+             "complete -F _delaunay delaunay\n"},
+    {"zsh", "#compdef delaunay\n"
+            "_delaunay()\n"
+            "{\n"
+            "    local -a found\n"
+            "    found=(${(f)\"$(print -rl -- \"${(@)words[1,CURRENT]}\" |\n"
+            "        ${words[1]} completion words 2>/dev/null | cut -f 1)\"})\n"
+            "    if [[ ${found[1]} == " FILES " ]]; then _files; else compadd -- $found; fi\n"
+            "}\n"
+            "if [[ ${zsh_eval_context[-1]} == loadautofunc ]]; then _delaunay \"$@\"\n"
+            "else compdef _delaunay delaunay; fi\n"},
+    {"fish",
+     "# fish completion for delaunay\n"
+     "function __delaunay_words\n"
+     "    set -l last (commandline -ct)\n"
+     "    printf '%s\\n' (commandline -opc) \"$last\" | delaunay completion words 2>/dev/null\n"
+     "end\n"
+     "function __delaunay_files; contains -- " FILES " (__delaunay_words); end\n"
+     "complete -c delaunay -f -n 'not __delaunay_files' -a '(__delaunay_words)'\n"
+     "complete -c delaunay -F -n __delaunay_files\n"}};
 
 int command_completion(struct delaunay_client *c, int argc, char **argv)
 {
@@ -283,14 +250,12 @@ int command_completion(struct delaunay_client *c, int argc, char **argv)
     (void)c;
     if (argc > 2)
         return options_wrong(argv[0], "completion takes one shell");
-    if (strcmp(shell, "bash") == 0)
-        put_bash();
-    else if (strcmp(shell, "zsh") == 0)
-        put_zsh();
-    else if (strcmp(shell, "fish") == 0)
-        put_fish();
-    else
-        return options_wrong(argv[0], "there is completion for bash, zsh and fish, not for %s",
-                             shell);
-    return EXIT_DONE;
+    if (strcmp(shell, "words") == 0)
+        return complete();
+    for (size_t i = 0; i < sizeof scripts / sizeof scripts[0]; i++)
+        if (strcmp(scripts[i].shell, shell) == 0) {
+            fputs(scripts[i].script, stdout);
+            return EXIT_DONE;
+        }
+    return options_wrong(argv[0], "there is completion for bash, zsh and fish, not for %s", shell);
 }

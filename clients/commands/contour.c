@@ -180,13 +180,12 @@ static int read_option(void *ctx, const char *option, char **argv)
 static int read_arguments(struct work *w, int argc, char **argv)
 {
     int status = options_read(argc, argv, read_option, w, 3, "a set, a field and a file");
-    if (status == EXIT_DONE && w->levels != NULL && (w->every != NULL || w->base != NULL))
-        status = options_wrong(argv[0], "--levels, or --every and --base");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];
     w->field = argv[optind + 1];
-    return shapes_file_choose(&w->file, argv[0], argv[optind + 2]);
+    return shapes_file_choose(&w->file, argv, argv[optind + 2],
+                              w->bands ? "PICTURE" : "PICTURE LABELS");
 }
 
 int command_contour(struct delaunay_client *c, int argc, char **argv)

@@ -292,9 +292,13 @@ int command_copy(struct delaunay_client *c, int argc, char **argv)
 {
     struct copy y = {.from = argc == 4 ? argv[1] : "", .to = ""};
     (void)c;
-    if (argc != 4 || !url_read(argv[2], &y.url[0]) || !url_read(argv[3], &y.url[1]) ||
-        !word_is_set_name(&(struct word){y.from, strlen(y.from)}))
+    if (argc != 4)
         return options_wrong(argv[0], "copy takes a set and two URLs");
+    if (!word_is_set_name(&(struct word){y.from, strlen(y.from)}))
+        return options_wrong(argv[0], "%s: " URL_SET_NAMES, y.from);
+    for (int i = 0; i < 2; i++)
+        if (!url_read(argv[2 + i], &y.url[i]))
+            return options_wrong(argv[0], "%s is not " URL_FORM, argv[2 + i]);
     y.to = y.url[1].set[0] != '\0' ? y.url[1].set : y.from;
     int status = connect_both(&y);
     if (status == EXIT_DONE)

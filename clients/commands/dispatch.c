@@ -22,7 +22,7 @@ static const char *find_set_fault(char **word, struct url *where)
         *word = where->set;
     }
     if (!word_is_set_name(&(struct word){*word, strlen(*word)}))
-        return "a set's name is 1 to 64 of the characters A-Z a-z 0-9 _ . : -";
+        return URL_SET_NAMES;
     return NULL;
 }
 

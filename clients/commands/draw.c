@@ -224,7 +224,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
     d->input.from.path = argv[optind];
     choose_name(d);
     if (d->on_terminal)
-        return EXIT_DONE;
+        return d->input.dry_run ? EXIT_DONE : options_suit(argv, "HEIGHTS");
     d->to.path = argv[optind + 1];
     d->to.more = put_more;
     d->to.ctx = d;
@@ -246,14 +246,26 @@ static int triangulate(struct delaunay_client *c, const struct drawing *d, const
     return r == DELAUNAY_OK ? EXIT_DONE : command_outcome(c, r);
 }
 
+/* In the terminal. */
+static int show_set(struct delaunay_client *c, const char *set, const struct drawing *d)
+{
+    char show[] = "show", name[20], map[] = "--geographic", field[100], *words[5] = {show, name};
+    int n = 2;
+    snprintf(name, sizeof name, "%s", set);
+    if (d->to.picture.geographic)
+        words[n++] = map;
+    if (d->to.field != NULL) {
+        snprintf(field, sizeof field, "--field=%s", d->to.field);
+        words[n++] = field;
+    }
+    return command_show(c, n, words);
+}
+
 static int write_result(struct delaunay_client *c, struct drawing *d)
 {
     const char *set = simplifying_asked(&d->simplifying) ? few_points : all_points;
-    char show[] = "show", name[20], map[] = "--geographic",
-         *words[] = {show, name, d->to.picture.geographic ? map : NULL, NULL};
     const char *field = d->to.field != NULL ? d->to.field : "z";
     int status = EXIT_DONE;
-    snprintf(name, sizeof name, "%s", set);
     if (set == few_points)
         status = simplifying_simplify(c, &d->simplifying, &d->input, field);
     if (status == EXIT_DONE)
@@ -262,8 +274,7 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
         status = refining_refine(c, set, &d->refining, d->to.inside);
     if (status != EXIT_DONE)
         return status;
-    return d->on_terminal ? command_show(c, words[2] != NULL ? 3 : 2, words)
-                          : export_set(c, &d->to, set, d->name);
+    return d->on_terminal ? show_set(c, set, d) : export_set(c, &d->to, set, d->name);
 }
 
 static int carry_out(struct drawing *d)

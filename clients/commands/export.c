@@ -247,13 +247,25 @@ int export_option(void *export, const char *option, char **argv)
     return EXIT_DONE;
 }
 
+/* Whether the options suit what is written. */
+static int check_options(const struct export *e, char **argv)
+{
+    const struct format *f = e->format;
+    char have[80];
+    if (f == NULL)
+        return options_suit(argv, e->picture.colour == COLOUR_RELIEF ? "FILE MESH PICTURE HEIGHTS"
+                                                                     : "FILE MESH PICTURE POINTS");
+    snprintf(have, sizeof have, "FILE%s%s%s", (f->parts & MODEL_TRIANGLES) != 0 ? " MESH" : "",
+             f->heights || (f->parts & MODEL_CONSTRAINTS) != 0 ? " HEIGHTS" : "",
+             strcmp(f->name, "geojson") == 0 ? " GEOJSON" : "");
+    return options_suit(argv, have);
+}
+
 int export_prepare(struct export *e, char **argv)
 {
     const char *name = output_form(e->form, e->path, "svg");
     char all[FORMATS_LIST];
     e->png = strcmp(name, "png") == 0;
-    if (e->planar && e->picture.geographic)
-        return options_wrong(argv[0], "--geographic, or --planar");
     e->format = e->lines ? NULL : format_find(name);
     if (e->format == NULL)
         e->format = line_format_find(name);
@@ -268,9 +280,8 @@ int export_prepare(struct export *e, char **argv)
     }
     if (e->png && output_is_standard(e->path))
         return options_wrong(argv[0], "a PNG needs a file");
-    if (crs_is_given(&e->crs) && (e->format == NULL || strcmp(e->format->name, "geojson") != 0))
-        return options_wrong(argv[0], "--crs is for GeoJSON; %s has no reference system", name);
-    return output_check(e->path, e->force);
+    int status = check_options(e, argv);
+    return status == EXIT_DONE ? output_check(e->path, e->force) : status;
 }
 
 int command_export(struct delaunay_client *c, int argc, char **argv)

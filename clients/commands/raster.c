@@ -246,22 +246,23 @@ static int choose_form(struct work *w, char **argv)
 {
     static const char *const names[] = {"asc", "bil", "png", "tif", "tiff"};
     const char *name = output_form(w->named, w->path, "asc");
-    for (int i = 0; i < 5; i++)
-        if (strcmp(names[i], name) == 0) {
-            w->form = i < 4 ? (enum raster_form)i : RASTER_TIFF;
-            return output_is_standard(w->path) && (w->form > RASTER_ASC || crs_is_given(&w->crs))
-                       ? options_wrong(argv[0], "%s needs a file",
-                                       w->form > RASTER_ASC ? name : "--crs")
-                       : output_check(w->path, w->force);
-        }
-    return options_wrong(argv[0], "unknown format %s; there are asc, bil, png and tif", name);
+    int i = 0;
+    while (i < 5 && strcmp(names[i], name) != 0)
+        i++;
+    if (i == 5)
+        return options_wrong(argv[0], "unknown format %s; there are asc, bil, png and tif", name);
+    w->form = i < 4 ? (enum raster_form)i : RASTER_TIFF;
+    if (output_is_standard(w->path) && w->form > RASTER_ASC)
+        return options_wrong(argv[0], "%s needs a file", name);
+    int status = options_suit(argv, w->form == RASTER_PNG         ? "FILE PICTURE"
+                                    : output_is_standard(w->path) ? ""
+                                                                  : "FILE");
+    return status == EXIT_DONE ? output_check(w->path, w->force) : status;
 }
 
 static int read_arguments(struct work *w, int argc, char **argv)
 {
     int status = options_read(argc, argv, read_option, w, 3, "a set, a field and a file");
-    if (status == EXIT_DONE && w->request.cell > 0 && w->request.columns > 0)
-        status = options_wrong(argv[0], "--cell, or --width");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];

@@ -7,6 +7,7 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/meshes/degrees.h"
+#include "clients/reading/word_list.h"
 
 int shapes_file_option(void *file, const char *option, char **argv)
 {
@@ -24,17 +25,17 @@ int shapes_file_option(void *file, const char *option, char **argv)
     return EXIT_DONE;
 }
 
-int shapes_file_choose(struct shapes_file *f, const char *command, const char *path)
+int shapes_file_choose(struct shapes_file *f, char **argv, const char *path, const char *picture)
 {
-    static const char *const forms[] = {"geojson", "json", "svg", "wkt"};
+    char have[40] = "FILE GEOJSON";
     f->path = path;
     f->form = output_form(f->form, path, "geojson");
-    if (crs_is_given(&f->crs) && strstr(f->form, "json") == NULL)
-        return options_wrong(command, "--crs is for GeoJSON; %s has no reference system", f->form);
-    for (int i = 0; i < 4; i++)
-        if (strcmp(f->form, forms[i]) == 0)
-            return output_check(path, f->force);
-    return options_wrong(command, "unknown format %s; there are geojson, svg and wkt", f->form);
+    if (!word_list_has("geojson json svg wkt", f->form, strlen(f->form)))
+        return options_wrong(argv[0], "unknown format %s; there are geojson, svg and wkt", f->form);
+    if (strstr(f->form, "json") == NULL)
+        snprintf(have, sizeof have, "FILE %s", shapes_file_is_picture(f) ? picture : "");
+    int status = options_suit(argv, have);
+    return status == EXIT_DONE ? output_check(path, f->force) : status;
 }
 
 bool shapes_file_project(struct shapes_file *f)

@@ -9,6 +9,10 @@
 #define URL_MOST_PORT 65535
 #define URL_PORT "6374"
 
+/* For messages. */
+#define URL_FORM "delaunay://[:token@]host[:port] or unix://[:token@]/path"
+#define URL_SET_NAMES "a set's name is 1 to 64 of the characters A-Z a-z 0-9 _ . : -"
+
 struct url {
     char host
         [256]; /* without the brackets of an IPv6 address; or the path of a Unix socket, which contains a '/' */

@@ -2,9 +2,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
 #include "clients/meshes/formats.h"
-#include "clients/reading/word_list.h"
 #include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
@@ -53,6 +53,8 @@ TEST(completion_offers_commands_options_and_their_values)
     expect("delaunay load -f n", "node");
     expect("delaunay export -f n", "node neigh ndjson");
     expect("delaunay export t x.svg --colour q", "quality");
+    expect("delaunay raster t z x.png --colour \"\"", "relief light height");
+    expect("delaunay voronoi t x --format \"\"", "geojson svg wkt");
     expect("delaunay contour t z --crs EPSG:1 --crs \"\"", "");
     expect("delaunay completion f", "fish");
     expect("delaunay slowlog L", "LEN");
@@ -66,7 +68,7 @@ static void check_script(const char *shell)
 {
     int status;
     const char *out = peer_shell(&status, "%s completion %s", getenv("DELAUNAY"), shell);
-    CHECK_MSG(status == 0 && strstr(out, "triangulate") != NULL, "%s", shell);
+    CHECK_MSG(status == 0 && strstr(out, "completion words") != NULL, "%s", shell);
     peer_shell(&status, "command -v %s", shell);
     if (status != 0)
         SKIP("the Debian package %s is missing", shell);
@@ -87,6 +89,30 @@ TEST(completion_script_is_right_for_zsh)
 TEST(completion_script_is_right_for_fish)
 {
     check_script("fish");
+}
+
+TEST(fish_completes_commands_with_descriptions_values_and_files)
+{
+    static const struct {
+        const char *line, *want;
+    } cases[] = {
+        {"tri", "triangles\ntriangulate\n"}, {"load -f n", "node\n"}, {"draw cit", "cities.csv\n"}};
+    int status;
+    const char *slash = strrchr(getenv("DELAUNAY"), '/');
+    peer_shell(&status, "command -v fish");
+    if (status != 0)
+        SKIP("the Debian package fish is missing");
+    cli_begin();
+    cli_write("cities.csv", "");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        CHECK_STR(peer_shell(&status,
+                             "PATH=$(realpath %.*s):$PATH; export PATH; cd %s; HOME=. fish -c "
+                             "'delaunay completion fish | source; complete -C \"delaunay %s\"' | "
+                             "cut -f 1",
+                             (int)(slash - getenv("DELAUNAY")), getenv("DELAUNAY"), cli_path(""),
+                             cases[i].line),
+                  cases[i].want);
+    cli_finish();
 }
 
 TEST(completion_names_the_shells_that_it_supports)
@@ -130,10 +156,10 @@ TEST(manual_page_has_every_option_and_format)
         const struct subcommand *s = &subcommands[i];
         if (s->run != NULL)
             expect_in(page, s->name, strlen(s->name));
-        const char *rest = s->options != NULL ? s->options : "", *name;
-        for (size_t n; (name = word_list_next(&rest, &n)) != NULL; options++) {
+        const char *rest = s->options != NULL ? s->options : "";
+        for (struct option_word o; option_word_next(&rest, &o); options++) {
             char option[40];
-            snprintf(option, sizeof option, "--%.*s", (int)strcspn(name, "= "), name);
+            snprintf(option, sizeof option, "--%.*s", (int)o.len, o.name);
             expect_in(page, option, strlen(option));
         }
     }
