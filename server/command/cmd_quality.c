@@ -60,9 +60,8 @@ static void submit(struct server *s, struct answer *a, struct dataset *set, stru
 {
     struct version *v = set->current;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
-    struct dataset *holds = inside.asked && !light ? set : NULL;
-    struct quality_job *j =
-        job_new_reading(s, a, sizeof *j, run_job, end_job, "measuring angles", holds);
+    struct quality_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "measuring angles",
+                                            inside.asked ? set : NULL);
     if (j == NULL)
         return;
     j->inside = inside;

@@ -25,39 +25,39 @@ void *job_new(size_t size, void (*run)(struct job *),
 
 void *job_new_reading(struct server *s, struct answer *a, size_t size, void (*run)(struct job *),
                       void (*end)(struct server *, struct job *, struct answer *), const char *what,
-                      struct dataset *holds)
+                      struct dataset *set)
 {
-    if (holds != NULL && !world_alone(a))
+    if (!world_alone(a))
         return NULL;
-    if (holds != NULL && !dataset_admits(holds, true, a->turn)) {
-        answer_wait(a, &holds->queue, true);
-        return NULL;
-    }
     struct job *j = job_new(size, run, end);
     if (j == NULL) {
         answer_out_of_memory(a);
         return NULL;
     }
     j->what = what;
-    j->set = holds;
+    j->set = set;
     j->memory = server_reservation(s, BUDGET_REPLIES);
     return j;
 }
 
-static void end_view(struct server *s, struct job *j)
+/* After `end`. */
+static void release(struct server *s, struct job *j)
 {
-    if (j->base != NULL)
+    if (j->base != NULL) {
         version_end_view(&s->sets, j->base, j->view);
-    else
+        version_unpin(&s->sets, j->base);
+    } else {
         dt_view_end(j->view);
+    }
+    reservation_set(&j->memory, 0);
+    free(j->fresh);
+    free(j);
 }
 
 void job_free(struct server *s, struct job *j)
 {
     j->end(s, j, NULL);
-    end_view(s, j);
-    reservation_set(&j->memory, 0);
-    free(j);
+    release(s, j);
 }
 
 bool job_succeeded(const struct job *j, struct answer *a)
@@ -170,27 +170,31 @@ static void run_later(struct work *w)
 
 /* ---- on a reactor ---- */
 
-/* Runs the job on this thread. False, with nothing done, if that would block all clients. It may take more steps than this
- * thread may do. Or it edits in place while a piece of the set is being read, which takes
- * microseconds unless the processors are busy. */
-static bool run_now(struct server *s, const struct answer *a, struct job *j)
+/* Closes the gate of the version that the job edits. False: a piece of the set is being read, which takes microseconds unless
+ * the processors are busy. */
+static bool close_gate(struct server *s, struct job *j)
 {
-    if (!edits_in_place(j)) {
-        run(j);
-        return true;
-    }
+    if (s->workers != NULL)
+        return gate_try_close(&j->base->gate);
+    gate_close(&j->base->gate); /* there is nobody else */
+    return true;
+}
+
+/* Runs the job on this thread. False, with nothing done, if that would block all clients: it would take more steps than this
+ * thread may do, or wait for a reader. */
+static bool run_now(struct server *s, const struct answer *a, struct job *j, enum job_weight weight)
+{
+    bool edits = edits_in_place(j), limited = s->workers != NULL && (edits || weight == JOB_TRY);
     bool closed = a != NULL && answer_shares(a); /* the gate is, by who carries out the request */
-    assert(!closed || gate_is_closed(&j->base->gate));
-    if (!closed && s->workers == NULL)
-        gate_close(&j->base->gate); /* there is nobody else */
-    else if (!closed && !gate_try_close(&j->base->gate))
+    assert(!edits || !closed || gate_is_closed(&j->base->gate));
+    if (edits && !closed && !close_gate(s, j))
         return false;
-    j->options.steps = s->workers == NULL ? 0 : COST_STEPS_AT_ONCE;
+    j->options.steps = limited ? COST_STEPS_AT_ONCE : 0;
     run(j);
     j->options.steps = 0;
-    if (!closed)
+    if (edits && !closed)
         gate_open(&j->base->gate);
-    return j->status != DT_TOOLONG;
+    return !limited || j->status != DT_TOOLONG;
 }
 
 static void finish_for_nobody(struct server *s, struct job *j)
@@ -204,7 +208,7 @@ static void finish_for_nobody(struct server *s, struct job *j)
 static void submit_to_worker(struct server *s, struct answer *a, struct job *j,
                              enum job_weight weight)
 {
-    static const enum work_kind kind[] = {WORK_SHORT, WORK_SHORT, WORK_LONG, WORK_SLOW};
+    static const enum work_kind kind[] = {WORK_SHORT, WORK_LONG, WORK_SHORT, WORK_LONG, WORK_SLOW};
     j->queued_ns = clock_ns();
     j->options.pool = workers_pool(s->workers);
     j->work.run = run_later;
@@ -219,59 +223,27 @@ static void submit_to_worker(struct server *s, struct answer *a, struct job *j,
     workers_submit(s->workers, kind[weight], &j->work);
 }
 
-/* Of a change that a worker would have to carry out: as if it had not been begun, because the reactor shares the world. */
-static void take_back(struct server *s, struct job *j)
+/* Whether too many jobs wait already. A job without an answer, or of a leader, is never refused. */
+static bool is_crowded(const struct server *s, const struct answer *a, enum job_weight weight)
 {
-    j->set->writer = NULL;
-    j->set->exclusive = false;
-    version_unpin(&s->sets, j->base);
-    job_free(s, j);
+    return (weight == JOB_TRY || weight == JOB_LONG) && !a->of_leader &&
+           workers_backlog(s->workers) >= LIMIT_QUEUED_JOBS;
 }
 
-static void start(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
+/* Whether a worker may have the job, which becomes the writer of its set. If not, the answer says why. */
+static bool may_submit(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
 {
-    j->owner = a != NULL ? a->owner : 0;
-    bool done = (s->workers == NULL || weight == JOB_LIGHT) && run_now(s, a, j);
-    if (!done && j->changes && a != NULL && !world_alone(a))
-        take_back(s, j);
-    else if (!done)
-        submit_to_worker(s, a, j, weight);
-    else if (a != NULL)
-        job_finish(s, j, a);
-    else
-        finish_for_nobody(s, j);
-}
-
-/* Whether the job is refused. Then it is freed. */
-static bool refuse(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
-{
-    if (weight != JOB_LONG || a == NULL || a->of_leader || s->workers == NULL ||
-        workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
+    if (a != NULL && !world_alone(a))
         return false;
-    answer_err(a, ERR_BUSY, "too many requests are waiting for a worker; try again");
-    job_free(s, j);
+    if (a != NULL && is_crowded(s, a, weight))
+        return answer_err(a, ERR_BUSY, "too many requests are waiting for a worker; try again");
+    if (j->set == NULL || j->set->writer == j)
+        return true;
+    if (a != NULL && !dataset_admits(j->set, true, a->turn))
+        return answer_wait(a, &j->set->queue, true);
+    j->set->writer = j;
     return true;
 }
-
-void job_aside(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
-{
-    if (!refuse(s, a, j, weight))
-        start(s, a, j, weight);
-}
-
-void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
-              enum job_weight weight)
-{
-    if (refuse(s, a, j, weight))
-        return;
-    j->base = version_pin(v);
-    j->dt = v->dt;
-    if (j->set != NULL)
-        j->set->writer = j;
-    start(s, a, j, weight);
-}
-
-/* ---- changes ---- */
 
 /* Drops a set that a failed request has created. */
 static void drop_unborn(struct server *s, struct dataset *set)
@@ -279,6 +251,58 @@ static void drop_unborn(struct server *s, struct dataset *set)
     if (!set->born)
         registry_drop(&s->sets, set);
 }
+
+/* The set has no writer any more, if the job was that. Returns the set; NULL: another job is the writer, or the job has no set. */
+static struct dataset *leave_set(struct job *j)
+{
+    struct dataset *set = j->set;
+    if (set == NULL || set->writer != j)
+        return NULL;
+    set->writer = NULL;
+    set->exclusive = false;
+    return set;
+}
+
+/* As if the job had not been begun. */
+static void take_back(struct server *s, struct job *j)
+{
+    struct dataset *set = j->changes ? j->set : NULL;
+    leave_set(j);
+    job_free(s, j);
+    if (set != NULL)
+        drop_unborn(s, set);
+}
+
+static void start(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
+{
+    j->owner = a != NULL ? a->owner : 0;
+    bool now = s->workers == NULL || weight == JOB_LIGHT || weight == JOB_TRY;
+    if (!now || !run_now(s, a, j, weight)) {
+        if (may_submit(s, a, j, weight))
+            submit_to_worker(s, a, j, weight);
+        else
+            take_back(s, j);
+    } else if (a != NULL) {
+        job_finish(s, j, a);
+    } else {
+        finish_for_nobody(s, j);
+    }
+}
+
+void job_aside(struct server *s, struct answer *a, struct job *j, enum job_weight weight)
+{
+    start(s, a, j, weight);
+}
+
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
+              enum job_weight weight)
+{
+    j->base = version_pin(v);
+    j->dt = v->dt;
+    start(s, a, j, weight);
+}
+
+/* ---- changes ---- */
 
 struct dt_options job_options(const struct server *s)
 {
@@ -348,30 +372,20 @@ void job_change(struct server *s, struct answer *a, struct job *j, struct datase
                 enum job_weight weight)
 {
     const struct dt_summary *sum = &set->current->sum;
-    if (a != NULL && needs_world(j, set, weight) && !world_alone(a)) {
-        job_free(s, j);
-        return;
-    }
-    if (weight == JOB_LIGHT && makes_grid(j, sum)) {
+    bool ready = a == NULL || !needs_world(j, set, weight) || world_alone(a);
+    j->changes = true;
+    j->set = set;
+    if (ready && weight == JOB_LIGHT && makes_grid(j, sum)) {
         weight = JOB_SHORT;
         count_grid(s, j, set->current->dt);
     }
-    if (!choose_copy(s, a, j, set)) {
-        job_free(s, j);
-        drop_unborn(s, set);
+    if (!ready || !choose_copy(s, a, j, set)) {
+        take_back(s, j);
         return;
     }
     bool in_place = j->fresh == NULL;
     if (!in_place && weight == JOB_LIGHT && !cost_at_once(COST_COPY, sum->points))
         weight = JOB_LONG;
-    struct version *fresh = j->fresh;
-    if (refuse(s, a, j, weight)) {
-        free(fresh);
-        drop_unborn(s, set);
-        return;
-    }
-    j->changes = true;
-    j->set = set;
     j->base = version_pin(set->current);
     j->dt = in_place ? j->base->dt : NULL;
     j->log = j->change != NULL && set->born ? durable_log_of(s, set) : NULL;
@@ -440,8 +454,8 @@ void job_drain(struct job *j)
 
 /* ---- the end ---- */
 
-/* Publishes the result of the job: it is current, and other requests may have the set. */
-static void publish(struct server *s, struct job *j)
+/* The result of the writer of the set becomes current, and other requests may have the set. */
+static void publish(struct server *s, struct job *j, struct dataset *set)
 {
     bool memory = true; /* it may have changed */
     if (j->fresh == NULL) {
@@ -449,16 +463,13 @@ static void publish(struct server *s, struct job *j)
     } else if (j->status == DT_OK) {
         j->fresh->dt = j->dt;
         version_update(&s->sets, j->fresh);
-        dataset_publish(&s->sets, j->set, j->fresh);
-    } else {
-        if (j->dt != NULL)
-            s->sets.discard(s->sets.discard_ctx, j->dt);
-        free(j->fresh);
+        dataset_publish(&s->sets, set, j->fresh);
+        j->fresh = NULL;
+    } else if (j->dt != NULL) {
+        s->sets.discard(s->sets.discard_ctx, j->dt);
     }
-    j->set->writer = NULL;
-    j->set->exclusive = false;
-    if (j->status == DT_OK && !j->set->born)
-        j->set->born = true;
+    if (j->status == DT_OK && !set->born)
+        set->born = true;
     if (memory)
         server_limit_pages(s);
 }
@@ -478,24 +489,19 @@ static void note_changes(const struct job *j, struct answer *a)
         a->shown = j->base->lsn; /* at least that of what it has read */
 }
 
-/* The order: the set counts its own memory from publish on, so that of the job is released before. The end of the job
- * logs and answers what is current, and may begin another job of the set, so it comes behind publish and before the
- * requests that wait. It may use base, which the reply shows. */
+/* The set counts its own memory once the result is published, so that of the job is released before. The end of the job
+ * logs and answers what is current, and may begin another job of the set; it comes before the requests that wait. */
 void job_finish(struct server *s, struct job *j, struct answer *a)
 {
-    struct dataset *set = j->set;
+    struct dataset *set = leave_set(j);
     bool reserved = j->memory.bytes > 0;
     list_remove(&j->link);
     reservation_set(&j->memory, 0);
     if (set != NULL)
-        publish(s, j);
+        publish(s, j, set);
     j->end(s, j, a);
-    end_view(s, j);
     note_changes(j, a);
-    if (j->base != NULL)
-        version_unpin(&s->sets, j->base);
-    reservation_set(&j->memory, 0);
-    free(j);
+    release(s, j);
     if (reserved)
         server_memory_freed(s);
     if (set != NULL) {

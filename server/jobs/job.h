@@ -10,7 +10,7 @@
  *
  *     job_read    reads a version, which it pins, and is a visitor of its gate while it runs, so it must be short: it reads one
  *                 piece, or searches for about a millisecond. If job->set is set, it may run for long, since edits of
- *                 the set wait for its end; queries go on.
+ *                 the set wait while a worker has it; queries go on.
  *     job_change  is the only writer of a set. It edits in place, or it edits or triangulates a copy of the points,
  *                 which becomes the current version when the job has succeeded. With job_beside, before that, a result is
  *                 made beside the set, for as long as it takes. Then `run` installs it in microseconds.
@@ -31,7 +31,7 @@ struct job {
     uint64_t owner;      /* the id of the connection that gets the reply; 0: none */
     int64_t queued_ns;   /* when it was submitted to the workers; 0: it ran at once */
     int64_t began_ns;    /* when a worker began */
-    struct dataset *set; /* its edits wait for the end of the job; NULL: they do not */
+    struct dataset *set; /* its edits wait while a worker has the job; NULL: they do not */
     struct request_queue *
         waiting; /* borrows; of requests that wait for its end, beside those that wait for the set; NULL: none */
     bool changes;          /* it was submitted by job_change */
@@ -60,6 +60,7 @@ struct job {
 /* The amount of its work. */
 enum job_weight {
     JOB_LIGHT, /* done at once; by a worker if it exceeds a limit on steps, or if somebody is reading the set to change */
+    JOB_TRY, /* the same for a job that reads. Beyond options.steps its `run` returns DT_TOOLONG, and runs again, as JOB_LONG */
     JOB_SHORT, /* for a worker, but it takes only milliseconds: it does not wait behind builds */
     JOB_LONG,  /* ERR BUSY if too many of these wait already */
     JOB_SLOW   /* a row of a reply that takes long: never on all workers (WORK_SLOW) */
@@ -71,14 +72,15 @@ void *job_new(size_t size, void (*run)(struct job *),
               void (*end)(struct server *, struct job *, struct answer *));
 void job_free(struct server *s, struct job *j);
 
-/* The same for job_read and a reply: its memory is that of replies. Edits of the set `holds` (NULL: of none) wait for its end, as those
- * of job->set. NULL: the request waits until they may, or out of memory, as the answer says. */
+/* The same for job_read and a reply: its memory is that of replies. NULL: out of memory, or the reactor shares the
+ * world, as the answer says. */
 void *job_new_reading(struct server *s, struct answer *a, size_t size, void (*run)(struct job *),
                       void (*end)(struct server *, struct job *, struct answer *), const char *what,
-                      struct dataset *holds);
+                      struct dataset *set);
 
 /* Carries out a job that reads version v (job->dt must not be edited). A light job has been done on return and the reply is
- * complete, else a->next is ANSWER_WORK. */
+ * complete. Else a->next is ANSWER_WORK, or the request waits until edits of job->set may wait, or an ERR line has been
+ * written. */
 void job_read(struct server *s, struct answer *a, struct job *j, struct version *v,
               enum job_weight weight);
 

@@ -71,11 +71,8 @@ void clip_answer(struct server *s, struct answer *a, struct version *v, struct s
     struct dataset *other = q->clip;
     uint64_t cells = (uint64_t)q->raster.columns * q->raster.rows;
     bool light = s->workers == NULL || cells <= CELLS_AT_ONCE;
-    if (!world_alone(a))
-        return;
     /* Edits of the other set wait, because regions are those of now. */
-    struct clip_job *j =
-        job_new_reading(s, a, sizeof *j, run_job, end_job, "marking cells", light ? NULL : other);
+    struct clip_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "marking cells", other);
     if (j == NULL)
         return;
     bool room = make_room(s, a, q);

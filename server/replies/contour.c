@@ -174,8 +174,8 @@ void contour_answer(struct server *s, struct answer *a, const struct surface_sou
     struct version *v = from->version;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
     /* With INSIDE edits wait, because regions are those of now. */
-    struct dataset *holds = q->inside.asked && !light ? from->set : NULL;
-    struct contour_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "tracing", holds);
+    struct contour_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "tracing",
+                                            q->inside.asked ? from->set : NULL);
     if (j == NULL) {
         surface_clear(q);
         return;

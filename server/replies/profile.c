@@ -14,8 +14,6 @@ _Static_assert(sizeof(struct dt_profile_row) == 4 * sizeof(double), "a row is fo
 
 struct profile_job {
     struct job job;
-    struct dataset
-        *set; /* borrows until the job is submitted to a worker; NULL: nobody edits the version */
     struct surface q;    /* owns its places */
     struct dt_ids words; /* owns: of the rows */
 };
@@ -25,6 +23,7 @@ static enum dt_status follow(struct profile_job *j, struct dt_profile *p)
 {
     struct dt_profile_row row[ROWS_A_VISIT];
     enum dt_status status = DT_OK;
+    j->words.n = 0;
     for (size_t n = 1; status == DT_OK && n > 0;) {
         status = job_grow(&j->job, &j->words, ROWS_A_VISIT * ROW_LENGTH);
         if (status == DT_OK)
@@ -76,41 +75,24 @@ static void answer(struct server *s, struct answer *a, struct profile_job *j)
     answer_rows(s, a, &rows, &j->words);
 }
 
-static void submit(struct server *s, struct answer *a, const struct surface_source *from,
-                   struct surface *q, bool light);
-
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct profile_job *j = (struct profile_job *)job;
-    const struct surface_source from = {.version = job->base, .set = j->set};
-    if (a != NULL && job->status == DT_TOOLONG && job->options.steps > 0)
-        submit(s, a, &from, &j->q, false);
-    else if (job_succeeded(job, a))
+    if (job_succeeded(job, a))
         answer(s, a, j);
     surface_clear(&j->q);
     free(j->words.v);
 }
 
-/* A light job that exceeds its steps is submitted again, to a worker: edits of the set wait for its end. */
-static void submit(struct server *s, struct answer *a, const struct surface_source *from,
-                   struct surface *q, bool light)
-{
-    if (!world_alone(a))
-        return;
-    struct profile_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job,
-                                            "following a profile", light ? NULL : from->set);
-    if (j == NULL)
-        return;
-    j->job.options.steps = light && s->workers != NULL ? COST_STEPS_AT_ONCE : 0;
-    j->set = from->set;
-    j->q = *q;
-    q->places = (struct places){0};
-    job_read(s, a, &j->job, from->version, light ? JOB_LIGHT : JOB_LONG);
-}
-
 void profile_answer(struct server *s, struct answer *a, const struct surface_source *from,
                     struct surface *q)
 {
-    submit(s, a, from, q, true);
-    surface_clear(q);
+    struct profile_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "following a profile", from->set);
+    if (j == NULL) {
+        surface_clear(q);
+        return;
+    }
+    j->q = *q;
+    job_read(s, a, &j->job, from->version, JOB_TRY);
 }

@@ -402,9 +402,7 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
 {
     struct version *v = set->current;
     bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
-    struct query_job *j =
-        world_alone(a) ? job_new_reading(s, a, sizeof *j, run_job, end_job, "searching", NULL)
-                       : NULL;
+    struct query_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "searching", NULL);
     if (j == NULL) {
         free(q->ids.v);
         return;

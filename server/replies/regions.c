@@ -59,7 +59,6 @@ static void write_location(struct answer *a, const struct dt_location *at, const
 
 struct regions_job {
     struct job job;
-    struct dataset *set; /* borrows until the job is submitted to a worker */
     struct regions_query q;
     struct dt_ids words; /* owns: of the rows */
     size_t rows;
@@ -152,6 +151,7 @@ static enum dt_status find_rows(struct regions_job *j)
 static void run_job(struct job *job)
 {
     struct regions_job *j = (struct regions_job *)job;
+    j->words.n = 0;
     switch (j->q.kind) {
     case REGIONS_ALL:
         job->status = find_all(j);
@@ -196,35 +196,26 @@ static void answer(struct server *s, struct answer *a, struct regions_job *j)
     answer_rows(s, a, &rows, &j->words);
 }
 
-static void submit(struct server *s, struct answer *a, struct dataset *set, struct regions_query *q,
-                   bool light);
-
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct regions_job *j = (struct regions_job *)job;
-    if (a != NULL && job->status == DT_TOOLONG && job->options.steps > 0)
-        submit(s, a, j->set, &j->q, false);
-    else if (job_succeeded(job, a))
+    if (job_succeeded(job, a))
         answer(s, a, j);
     dt_pages_release(j->q.places.p);
     free(j->words.v);
 }
 
-/* A light job that exceeds its steps is submitted again, to a worker: edits of the set wait for its end. */
 static void submit(struct server *s, struct answer *a, struct dataset *set, struct regions_query *q,
-                   bool light)
+                   enum job_weight weight)
 {
-    if (!world_alone(a))
+    struct regions_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "finding what is inside", set);
+    if (j == NULL) {
+        dt_pages_release(q->places.p);
         return;
-    struct regions_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job,
-                                            "finding what is inside", light ? NULL : set);
-    if (j == NULL)
-        return;
-    j->job.options.steps = light && s->workers != NULL ? COST_STEPS_AT_ONCE : 0;
-    j->set = set;
+    }
     j->q = *q;
-    q->places.p = NULL;
-    job_read(s, a, &j->job, set->current, light ? JOB_LIGHT : JOB_LONG);
+    job_read(s, a, &j->job, set->current, weight);
 }
 
 /* ---- places ---- */
@@ -232,10 +223,8 @@ static void submit(struct server *s, struct answer *a, struct dataset *set, stru
 void regions_answer(struct server *s, struct answer *a, struct dataset *set,
                     struct regions_query *q)
 {
-    bool places = q->kind == REGIONS_AT;
-    submit(s, a, set, q,
-           places || s->workers == NULL || cost_at_once(COST_SURVEY, set->current->sum.points));
-    dt_pages_release(q->places.p);
+    bool light = q->kind == REGIONS_AT || cost_at_once(COST_SURVEY, set->current->sum.points);
+    submit(s, a, set, q, light ? JOB_TRY : JOB_LONG);
 }
 
 void regions_locate(struct server *s, struct answer *a, struct dataset *set,
@@ -252,7 +241,7 @@ void regions_locate(struct server *s, struct answer *a, struct dataset *set,
         status = find_region(set->current->dt, place->at, &opt, &region);
     }
     if (status == DT_TOOLONG)
-        submit(s, a, set, &q, false);
+        submit(s, a, set, &q, JOB_LONG);
     else if (status == DT_OK)
         write_location(a, &q.at, region);
     else

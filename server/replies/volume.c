@@ -63,8 +63,8 @@ void volume_answer(struct server *s, struct answer *a, const struct surface_sour
     struct version *v = from->version;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
     /* With INSIDE edits wait, because regions are those of now. */
-    struct dataset *holds = volume->inside.asked && !light ? from->set : NULL;
-    struct volume_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "adding up", holds);
+    struct volume_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "adding up",
+                                           volume->inside.asked ? from->set : NULL);
     if (j == NULL)
         return;
     strcpy(j->field, dt_field_name(volume->field));
