@@ -9,7 +9,6 @@
 #include "server/rows/answer_rows.h"
 #include "server/sets/valued.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -7,7 +7,6 @@
 #include "server/jobs/expire.h"
 #include "server/jobs/submit.h"
 #include "server/jobs/upkeep.h"
-#include "server/ops/cost.h"
 #include "server/ops/limits.h"
 #include "server/rows/stream.h"
 

@@ -4,7 +4,6 @@
 #include "server/disk/segment_reader.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <string.h>

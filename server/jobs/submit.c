@@ -9,7 +9,6 @@
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* ---- the log ---- */

@@ -8,7 +8,6 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 
 enum cost_kind {
     COST_BUILD,  /* per point: a triangulation, or its check */

@@ -9,7 +9,6 @@
 #include "server/ops/setting.h"
 #include "server/redis/handlers.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 

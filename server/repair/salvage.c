@@ -16,7 +16,6 @@
 #include "server/system/random.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "server/replies/resp3.h"
 #include "server/rows/stream.h"
 #include "server/session/request_stats.h"
-#include "server/session/session.h"
 #include "server/session/session_inside.h"
 
 /* Converts lines to RESP 3, whose types depend on the command. */

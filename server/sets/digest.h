@@ -13,7 +13,6 @@
  * the pieces, each of which takes about 0.1 ms. */
 #pragma once
 
-#include "core/delaunay_fields.h"
 #include "server/sets/dataset.h"
 
 enum {

@@ -17,8 +17,6 @@
 #include "core/delaunay.h"
 #include "server/system/list.h"
 
-#include <stdbool.h>
-
 enum work_kind { WORK_SHORT, WORK_LONG, WORK_SLOW };
 
 struct work {

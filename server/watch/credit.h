@@ -5,7 +5,6 @@
  * because there is credit after a pause. Times are in nanoseconds. */
 #pragma once
 
-#include <stdbool.h>
 #include <stdint.h>
 
 enum { CREDIT_SHARE = 12, CREDIT_MOST = 2000 * 1000, CREDIT_DEBT = 5000 * 1000 };
