@@ -77,6 +77,15 @@ void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s)
     put_u32(bytes + sum_at, crc32c(0, bytes, sum_at));
 }
 
+void segment_append(struct buf *out, const struct segment *s)
+{
+    char *to = buf_reserve(out, SEGMENT_HEADER);
+    if (to == NULL)
+        return;
+    segment_write(to, s);
+    buf_commit(out, SEGMENT_HEADER);
+}
+
 static void read_history(const char *bytes, struct segment *s)
 {
     s->history = (struct history){.origin = get_u64(bytes + 32),

@@ -162,6 +162,7 @@ struct record {
 
 /* Writes the first segment_header_size(s->version) bytes of the header. */
 void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s);
+void segment_append(struct buf *out, const struct segment *s);
 
 /* Bytes of the header of a segment of that version. */
 size_t segment_header_size(uint32_t version);

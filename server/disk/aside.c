@@ -15,15 +15,10 @@ enum { FLUSH_BYTES = 1 << 20 };
 
 static const char incoming[] = "incoming", arrived_name[] = "arrived";
 
-static int open_folder(const struct datadir *dir, const char *name)
-{
-    return openat(dir->fd, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
-
 /* Removes the files of a folder inside the directory, then the folder. True if there is none. */
 static bool remove_folder(const struct datadir *dir, const char *name)
 {
-    struct datadir folder = {.fd = open_folder(dir, name), .path = name};
+    struct datadir folder = {.fd = own_folder_open(dir->fd, name), .path = name};
     if (folder.fd < 0)
         return errno == ENOENT;
     return own_file_close(folder.fd, datadir_empty(&folder)) &&
@@ -34,14 +29,9 @@ static bool remove_folder(const struct datadir *dir, const char *name)
 
 static bool flush(struct aside *a)
 {
-    while (buf_len(&a->out) > 0) {
-        ssize_t n = write(a->fd, buf_head(&a->out), buf_len(&a->out));
-        if (n < 0 && errno != EINTR)
-            return false;
-        if (n > 0)
-            buf_consume(&a->out, (size_t)n);
-    }
-    return true;
+    bool ok = own_file_write(a->fd, buf_head(&a->out), buf_len(&a->out));
+    buf_rewind(&a->out, 0);
+    return ok;
 }
 
 bool aside_begin(struct aside *a, const struct datadir *dir, const struct segment *header)
@@ -50,7 +40,7 @@ bool aside_begin(struct aside *a, const struct datadir *dir, const struct segmen
     *a = (struct aside){.dir = dir, .folder = -1, .fd = -1};
     datafile_name(name, DATAFILE_SNAPSHOT, header->lsn);
     if (remove_folder(dir, incoming) && mkdirat(dir->fd, incoming, 0700) == 0 &&
-        (a->folder = open_folder(dir, incoming)) >= 0)
+        (a->folder = own_folder_open(dir->fd, incoming)) >= 0)
         a->fd = openat(a->folder, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     segment_write(bytes, header);
     return a->fd >= 0 && aside_write(a, bytes, sizeof bytes);
@@ -126,7 +116,7 @@ static bool link_files(const struct datadir *dir, const struct datadir *folder)
 /* `arrived` exists: its files replace the files of the directory. It has to be complete as long as it has that name. */
 static bool replace(const struct datadir *dir)
 {
-    struct datadir folder = {.fd = open_folder(dir, arrived_name), .path = arrived_name};
+    struct datadir folder = {.fd = own_folder_open(dir->fd, arrived_name), .path = arrived_name};
     if (folder.fd < 0)
         return false;
     bool ok = datadir_empty(dir) && link_files(dir, &folder) && datadir_sync(dir);
@@ -143,7 +133,7 @@ bool aside_put_in_place(const struct datadir *dir)
 
 bool aside_open(const struct datadir *dir, struct datadir *arrived)
 {
-    *arrived = (struct datadir){.fd = open_folder(dir, arrived_name), .path = arrived_name};
+    *arrived = (struct datadir){.fd = own_folder_open(dir->fd, arrived_name), .path = arrived_name};
     return arrived->fd >= 0;
 }
 

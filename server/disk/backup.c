@@ -37,40 +37,25 @@ bool backup_may_name(const char *text, size_t len)
 
 /* ---- the directory of backups ---- */
 
-/* Calls `each` with the names in the directory, apart from . and .., until it returns false. False: it has, or the
- * directory cannot be read. */
-static bool each_name(int dir, bool (*each)(int dir, const char *name))
-{
-    int fd = openat(dir, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *names = fd < 0 ? NULL : fdopendir(fd);
-    if (names == NULL) {
-        if (fd >= 0)
-            close(fd);
-        return false;
-    }
-    bool ok = true;
-    for (struct dirent *e; ok && (e = readdir(names)) != NULL;)
-        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0)
-            ok = each(dir, e->d_name);
-    closedir(names);
-    return ok;
-}
-
-static int open_directory(int under, const char *name)
-{
-    return openat(under, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
-
 /* Removes an incomplete backup. Other files in the directory stay, and then the directory stays, too. */
-static bool remove_unfinished(int under, const char *name)
+static void remove_unfinished(int under, const char *name)
 {
-    if (!ends_unfinished(name, strlen(name)))
-        return true;
-    struct datadir d = {.fd = open_directory(under, name)};
+    struct datadir d = {.fd = own_folder_open(under, name)};
     if (d.fd >= 0)
         own_file_close(d.fd, datadir_empty(&d));
     unlinkat(under, name, AT_REMOVEDIR);
-    return true;
+}
+
+/* Removes those of killed daemons. */
+static void remove_all_unfinished(int under)
+{
+    DIR *names = own_folder_names(under);
+    if (names == NULL)
+        return;
+    for (const struct dirent *e; (e = readdir(names)) != NULL;)
+        if (ends_unfinished(e->d_name, strlen(e->d_name)))
+            remove_unfinished(under, e->d_name);
+    closedir(names);
 }
 
 /* Opens the directory of backups, which is created if it is missing. -1 with errno. */
@@ -86,23 +71,14 @@ static int open_under(const char *path)
     return fd;
 }
 
-static bool stop_here(int dir, const char *name)
-{
-    (void)dir, (void)name;
-    return false;
-}
-
 /* Whether there is something of that name that a rename would not replace. */
 static bool is_taken(int under, const char *name)
 {
     struct stat st;
     if (fstatat(under, name, &st, AT_SYMLINK_NOFOLLOW) != 0)
         return false; /* if there is something, the rename reports it */
-    int fd = S_ISDIR(st.st_mode) ? open_directory(under, name) : -1;
-    bool taken = fd < 0 || !each_name(fd, stop_here);
-    if (fd >= 0)
-        close(fd);
-    return taken;
+    int fd = S_ISDIR(st.st_mode) ? own_folder_open(under, name) : -1;
+    return own_file_close(fd, fd < 0 || !own_folder_is_empty(fd));
 }
 
 /* ---- the files ---- */
@@ -251,10 +227,10 @@ static enum backup_result write_under(struct backup *b, int under)
     snprintf(temporary, sizeof temporary, "%s%s", b->name, unfinished);
     if (is_taken(under, b->name))
         return BACKUP_EXISTS;
-    each_name(under, remove_unfinished);
+    remove_all_unfinished(under);
     if (mkdirat(under, temporary, MODE) != 0)
         return fail(b, BACKUP_ERROR);
-    int fd = open_directory(under, temporary);
+    int fd = own_folder_open(under, temporary);
     enum backup_result result = fd < 0 ? fail(b, BACKUP_ERROR) : BACKUP_OK;
     if (result == BACKUP_OK) {
         datadir_pin(b->dir);

@@ -135,22 +135,6 @@ bool datadir_in_place(const struct datadir *d)
     return found && there.st_dev == own.st_dev && there.st_ino == own.st_ino;
 }
 
-static bool is_empty(int fd)
-{
-    struct dirent *e;
-    int own = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *dir = own < 0 ? NULL : fdopendir(own);
-    if (dir == NULL)
-        return own_file_close(own, false);
-    errno = 0;
-    do
-        e = readdir(dir);
-    while (e != NULL && (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0));
-    bool empty = e == NULL && errno == 0;
-    closedir(dir);
-    return empty;
-}
-
 /* Nothing is hidden by that: what was deleted does not come back. All users of the descriptor have the new directory from
  * now on, and the old one, with its lock, is closed. */
 static bool take_empty(const struct datadir *d)
@@ -158,9 +142,9 @@ static bool take_empty(const struct datadir *d)
     struct stat own;
     struct datadir other = {.fd = open(d->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC),
                             .path = d->path};
-    bool ok = other.fd >= 0 && fstat(d->fd, &own) == 0 && own.st_nlink == 0 && is_empty(other.fd) &&
-              flock(other.fd, LOCK_EX | LOCK_NB) == 0 && sync_parent(&other) &&
-              dup3(other.fd, d->fd, O_CLOEXEC) >= 0;
+    bool ok = other.fd >= 0 && fstat(d->fd, &own) == 0 && own.st_nlink == 0 &&
+              own_folder_is_empty(other.fd) && flock(other.fd, LOCK_EX | LOCK_NB) == 0 &&
+              sync_parent(&other) && dup3(other.fd, d->fd, O_CLOEXEC) >= 0;
     return own_file_close(other.fd, ok);
 }
 
@@ -246,13 +230,9 @@ bool datadir_list(const struct datadir *d, struct datafiles *files)
     size_t cap = 0;
     bool ok = true;
     *files = (struct datafiles){0};
-    int fd = openat(d->fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
-    if (dir == NULL) {
-        if (fd >= 0)
-            close(fd);
+    DIR *dir = own_folder_names(d->fd);
+    if (dir == NULL)
         return false;
-    }
     errno = 0;
     for (struct dirent *e; ok && (e = readdir(dir)) != NULL;) {
         struct datafile f;
@@ -374,20 +354,6 @@ bool datadir_put_aside(const struct datadir *d, const struct datafile *f)
     return datadir_link_aside(d, f) && datadir_sync(d) && unlinkat(d->fd, f->name, 0) == 0;
 }
 
-static bool write_all(int fd, const char *bytes, size_t n)
-{
-    while (n > 0) {
-        ssize_t wrote = write(fd, bytes, n);
-        if (wrote < 0 && errno != EINTR)
-            return false;
-        if (wrote > 0) {
-            bytes += wrote;
-            n -= (size_t)wrote;
-        }
-    }
-    return true;
-}
-
 /* Copies the bytes after byte `at`, up to byte `end`. Fails with ECANCELED once *cancel is set; cancel may be
  * NULL. */
 static bool copy_rest(int from, int to, uint64_t at, uint64_t end, const atomic_bool *cancel)
@@ -402,7 +368,7 @@ static bool copy_rest(int from, int to, uint64_t at, uint64_t end, const atomic_
             errno = ECANCELED;
             return false;
         }
-        if (n < 0 || !write_all(to, block, (size_t)n))
+        if (n < 0 || !own_file_write(to, block, (size_t)n))
             return false;
         at += (uint64_t)n;
     }
@@ -464,7 +430,7 @@ static bool write_again(int fd, uint64_t at)
         ssize_t n = pread(fd, block, sizeof block, (off_t)at);
         if (n == 0)
             return true;
-        if (n < 0 || lseek(fd, (off_t)at, SEEK_SET) < 0 || !write_all(fd, block, (size_t)n))
+        if (n < 0 || lseek(fd, (off_t)at, SEEK_SET) < 0 || !own_file_write(fd, block, (size_t)n))
             return false;
         at += (uint64_t)n;
     }

@@ -44,11 +44,6 @@ void log_file_fail(struct log_file *f, int error)
 
 /* ---- the reserve ---- */
 
-static bool is_lack_of_space(int error)
-{
-    return error == ENOSPC || error == EDQUOT;
-}
-
 /* The reserve of an earlier start, or a new one. One with a second name is not ours to fill. */
 static int open_reserve(int dir)
 {
@@ -66,7 +61,7 @@ void log_file_reserve(struct log_file *f)
     int error = fd < 0 ? errno : posix_fallocate(fd, 0, RESERVE_BYTES);
     if (fd >= 0)
         close(fd);
-    f->reserved = !is_lack_of_space(error); /* a file system without fallocate: no reserve */
+    f->reserved = !own_file_lacks_space(error); /* a file system without fallocate: no reserve */
     f->full_error = error;
     if (error != 0)
         unlinkat(f->dir->fd, reserve_name, 0);
@@ -75,7 +70,7 @@ void log_file_reserve(struct log_file *f)
 /* Frees the reserve; whether another attempt makes sense. */
 static bool use_reserve(struct log_file *f, int error)
 {
-    if (!is_lack_of_space(error) || !f->reserved)
+    if (!own_file_lacks_space(error) || !f->reserved)
         return false;
     f->reserved = false;
     f->full_error = error;
@@ -102,7 +97,7 @@ static void write_bytes(struct log_file *f, struct buf *b)
         } else if (errno != EINTR && !use_reserve(f, errno)) {
             int error = errno;
             /* This makes space for the snapshot that follows; what is cut off was not acknowledged. */
-            if (is_lack_of_space(error) && ftruncate(f->fd, (off_t)f->mark) == 0)
+            if (own_file_lacks_space(error) && ftruncate(f->fd, (off_t)f->mark) == 0)
                 f->bytes = f->mark;
             log_file_fail(f, error);
         }
@@ -224,11 +219,7 @@ static void write_header(struct log_file *f)
                              .digest = f->digest_before,
                              .flags = f->broken ? SEGMENT_BROKEN : 0};
     struct buf b = {0};
-    char *to = buf_reserve(&b, SEGMENT_HEADER);
-    if (to != NULL) {
-        segment_write(to, &header);
-        buf_commit(&b, SEGMENT_HEADER);
-    }
+    segment_append(&b, &header);
     log_file_mark(f);
     write_bytes(f, &b);
     log_file_sync(f);

@@ -2,6 +2,7 @@
 #include "server/disk/recover.h"
 
 #include "server/disk/segment_reader.h"
+#include "server/system/own_file.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -413,15 +414,11 @@ void recovery_log(struct recovery *r, const struct datafiles *files)
 
 /* ---- afterwards ---- */
 
-static void remove_temporaries(const struct datadir *dir)
+static void remove_temporaries(const struct datadir *dir, const struct datafiles *files)
 {
-    struct datafiles files;
-    if (!datadir_list(dir, &files))
-        return;
-    for (size_t i = 0; i < files.n; i++)
-        if (files.v[i].kind == DATAFILE_TEMPORARY)
-            unlinkat(dir->fd, files.v[i].name, 0);
-    datafiles_free(&files);
+    for (size_t i = 0; i < files->n; i++)
+        if (files->v[i].kind == DATAFILE_TEMPORARY)
+            unlinkat(dir->fd, files->v[i].name, 0);
 }
 
 /* Cuts off the torn end, after putting it aside if it may have changes. */
@@ -444,22 +441,19 @@ static bool cut_torn_end(struct recovery *r)
 /* Syncs the files that were read, because new changes build on them. If the process that wrote them was killed,
  * they need not be on the disk, and a power failure would leave a gap before the new changes. The last
  * segment comes first: the others are nearly always durable already. */
-static bool save_log(struct recovery *r)
+static bool save_log(struct recovery *r, const struct datafiles *files)
 {
-    struct datafiles files;
-    bool last = true, ok = datadir_list(r->dir, &files);
-    for (size_t i = files.n; ok && i-- > 0;) {
-        const struct datafile *f = &files.v[i];
+    bool last = true;
+    for (size_t i = files->n; i-- > 0;) {
+        const struct datafile *f = &files->v[i];
         if (f->kind != DATAFILE_LOG)
             continue;
-        ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes) ||
-             fail(r, RECOVERY_ERROR, "cannot write and sync %s: %s", f->name, strerror(errno));
+        if (!datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes))
+            return fail(r, RECOVERY_ERROR, "cannot write and sync %s: %s", f->name,
+                        strerror(errno));
         last = false;
     }
-    if (!ok && r->result == RECOVERY_OK)
-        fail(r, RECOVERY_ERROR, "cannot list the files: %s", strerror(errno));
-    datafiles_free(&files);
-    return ok;
+    return true;
 }
 
 /* The snapshot that was read, if there are also files that it covers: they would have been removed after a
@@ -482,22 +476,23 @@ static const struct datafile *unproven_snapshot(const struct recovery *r,
 /* The process that wrote the snapshot may have been killed after the sync of its name had failed. Such a name
  * may never become durable, even if a later sync succeeds; the name of a copy does. If there is no space
  * for a copy, the original is used. */
-static bool save_snapshot(struct recovery *r)
+static bool save_snapshot(struct recovery *r, const struct datafiles *files)
 {
-    struct datafiles files;
-    bool ok = datadir_list(r->dir, &files);
-    const struct datafile *f = ok ? unproven_snapshot(r, &files) : NULL;
-    if (f != NULL)
-        ok = datadir_copy_again(r->dir, f, &r->cancel) || errno == ENOSPC || errno == EDQUOT;
+    const struct datafile *f = unproven_snapshot(r, files);
+    if (f == NULL || datadir_copy_again(r->dir, f, &r->cancel) || own_file_lacks_space(errno))
+        return true;
     int error = errno;
-    datafiles_free(&files);
-    if (ok || cancelled(r))
-        return ok;
-    return fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
+    return !cancelled(r) &&
+           fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
 }
 
 bool recovery_tidy(struct recovery *r)
 {
-    remove_temporaries(r->dir);
-    return (!r->torn || cut_torn_end(r)) && save_log(r) && save_snapshot(r);
+    struct datafiles files;
+    if (!datadir_list(r->dir, &files))
+        return fail(r, RECOVERY_ERROR, "cannot list the files: %s", strerror(errno));
+    remove_temporaries(r->dir, &files);
+    bool ok = (!r->torn || cut_torn_end(r)) && save_log(r, &files) && save_snapshot(r, &files);
+    datafiles_free(&files);
+    return ok;
 }

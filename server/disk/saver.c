@@ -2,6 +2,7 @@
 #include "server/disk/saver.h"
 
 #include "server/system/notice.h"
+#include "server/system/own_file.h"
 #include "server/system/random.h"
 
 #include <errno.h>
@@ -20,7 +21,7 @@ int saver_error(const struct saver *v)
 
 bool saver_disk_is_full(const struct saver *v)
 {
-    return v->status.error == ENOSPC || v->status.error == EDQUOT;
+    return own_file_lacks_space(v->status.error);
 }
 
 uint64_t saver_log_bytes(const struct saver *v)

@@ -55,16 +55,12 @@ static bool flush(struct output *o)
 {
     if (o->out.failed)
         return fail(o, ENOMEM);
-    while (buf_len(&o->out) > 0) {
-        ssize_t n = write(o->fd, buf_head(&o->out), buf_len(&o->out));
-        if (n < 0 && errno != EINTR)
-            return fail(o, errno);
-        if (n > 0) {
-            buf_consume(&o->out, (size_t)n);
-            o->snap->bytes += (uint64_t)n;
-            o->unsynced += (uint64_t)n;
-        }
-    }
+    size_t n = buf_len(&o->out);
+    if (!own_file_write(o->fd, buf_head(&o->out), n))
+        return fail(o, errno);
+    buf_rewind(&o->out, 0);
+    o->snap->bytes += n;
+    o->unsynced += n;
     if (o->snap->cancel)
         return fail(o, ECANCELED);
     return o->unsynced < SYNC_BYTES || sync_output(o);
@@ -295,11 +291,7 @@ static bool put_all(struct output *o)
                              .history = snap->lineage.history,
                              .digest = snap->digest};
     struct record end = {.type = RECORD_END, .n = (uint32_t)snap->n};
-    char *to = buf_reserve(&o->out, SEGMENT_HEADER);
-    if (to == NULL)
-        return fail(o, ENOMEM);
-    segment_write(to, &header);
-    buf_commit(&o->out, SEGMENT_HEADER);
+    segment_append(&o->out, &header);
     for (size_t i = 0; i < snap->n; i++) {
         if (!put_set(o, &snap->source[i]))
             return false;

@@ -1,6 +1,8 @@
 /* incoming.c - see incoming.h. */
 #include "server/follow/incoming.h"
 
+#include "server/system/own_file.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +15,7 @@ static bool fail(struct incoming *s, const char *what, const char *why)
 
 const char *incoming_disk_fault(int error)
 {
-    if (error != ENOSPC && error != EDQUOT)
+    if (!own_file_lacks_space(error))
         return strerror(error);
     return "no room on the disk for its snapshot beside the files here: free space, or start with "
            "an empty data directory";

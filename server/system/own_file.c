@@ -4,8 +4,8 @@
 
 #include "server/system/notice.h"
 
-#include <errno.h>
 #include <fcntl.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,6 +78,20 @@ int own_file_create(int dir, const char *name, int flags)
     }
 }
 
+bool own_file_write(int fd, const char *bytes, size_t n)
+{
+    while (n > 0) {
+        ssize_t wrote = write(fd, bytes, n);
+        if (wrote < 0 && errno != EINTR)
+            return false;
+        if (wrote > 0) {
+            bytes += wrote;
+            n -= (size_t)wrote;
+        }
+    }
+    return true;
+}
+
 bool own_file_close(int fd, bool ok)
 {
     int error = errno;
@@ -85,4 +99,35 @@ bool own_file_close(int fd, bool ok)
         close(fd);
     errno = error;
     return ok;
+}
+
+/* ---- folders ---- */
+
+int own_folder_open(int dir, const char *name)
+{
+    return openat(dir, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+DIR *own_folder_names(int dir)
+{
+    int fd = own_folder_open(dir, ".");
+    DIR *names = fd < 0 ? NULL : fdopendir(fd);
+    if (names == NULL)
+        own_file_close(fd, false);
+    return names;
+}
+
+bool own_folder_is_empty(int dir)
+{
+    const struct dirent *e;
+    DIR *names = own_folder_names(dir);
+    if (names == NULL)
+        return false;
+    errno = 0;
+    do
+        e = readdir(names);
+    while (e != NULL && (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0));
+    bool empty = e == NULL && errno == 0;
+    closedir(names);
+    return empty;
 }
