@@ -121,10 +121,25 @@ bool session_wait_for_input(struct session *s)
     return false;
 }
 
-/* The request is a line; http: it looks like the first line of an HTTP request. */
-static bool carry_out(struct session *s, bool http)
+/* Carries out a request in RESP framing, as Redis's or as ours. */
+static void run_resp(struct session *s, const struct request *q, const struct resp *resp,
+                     struct answer *a)
+{
+    a->out = &s->conn.out;
+    if (!redis_answer(s->server, q, a)) {
+        a->out = &s->reactor->lines;
+        command_run(s->server, q, a);
+    }
+    s->in_bulk = a->next == ANSWER_BODY && resp->has_body;
+    s->bulk_left = resp->body;
+    a->closes |= resp->has_body && a->next == ANSWER_DONE;
+}
+
+/* resp NULL: the request is a line; http: it looks like the first line of an HTTP request. */
+static bool carry_out(struct session *s, const struct resp *resp, bool http)
 {
     struct request *q = &s->reactor->request;
+    s->greeted = s->greeted || resp != NULL;
     if (q->n == 0) {
         session_consume(s);
         return true;
@@ -133,7 +148,8 @@ static bool carry_out(struct session *s, bool http)
         return refuse_stranger(s);
     const struct word *name = &q->word[0];
     s->greeted = true;
-    if (http || name->text[name->len - 1] == ':') { /* sent by a browser, against its user's will */
+    if (resp == NULL && (http || name->text[name->len - 1] ==
+                                     ':')) { /* sent by a browser, against its user's will */
         notice_client(s, NOTICE_WARNING,
                       "does not speak the protocol, but HTTP, for instance: closed");
         conn_finish(&s->conn);
@@ -146,7 +162,10 @@ static bool carry_out(struct session *s, bool http)
         return false;
     struct answer a;
     session_answer(s, &a);
-    command_run(s->server, q, &a);
+    if (resp != NULL)
+        run_resp(s, q, resp, &a);
+    else
+        command_run(s->server, q, &a);
     return session_take_over(s, &a);
 }
 
@@ -161,41 +180,11 @@ static bool step_line(struct session *s)
         s->held = (size_t)took;
         if (!request_split(&s->reactor->request, line.text, line.len))
             return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
-        return carry_out(s, !s->greeted && line_is_http(line.text, line.len));
+        return carry_out(s, NULL, !s->greeted && line_is_http(line.text, line.len));
     }
     if (is_too_much(s, buf_len(&s->conn.in), 0))
         return refuse_stranger(s);
     return session_wait_for_input(s);
-}
-
-/* ---- the same in RESP framing ---- */
-
-static bool carry_out_resp(struct session *s, const struct resp *resp)
-{
-    struct request *q = &s->reactor->request;
-    s->greeted = true;
-    if (q->n == 0) {
-        session_consume(s);
-        return true;
-    }
-    if (is_too_much(s, s->held, q->n))
-        return refuse_stranger(s);
-    if (leave_for_later(s, q))
-        return false;
-    take_timeout(s, q);
-    if (!enter_world(s, q))
-        return false;
-    struct answer a;
-    session_answer(s, &a);
-    a.out = &s->conn.out;
-    if (!redis_answer(s->server, q, &a)) {
-        a.out = &s->reactor->lines;
-        command_run(s->server, q, &a);
-    }
-    s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
-    s->bulk_left = resp->body;
-    a.closes |= resp->has_body && a.next == ANSWER_DONE;
-    return session_take_over(s, &a);
 }
 
 static bool step_resp(struct session *s)
@@ -210,7 +199,7 @@ static bool step_resp(struct session *s)
         return session_wait_for_input(s);
     if (took > 0) {
         s->held = (size_t)took;
-        return carry_out_resp(s, &resp);
+        return carry_out(s, &resp, false);
     }
     static const enum reply_code code[] = {
         [RESP_BROKEN] = ERR_SYNTAX, [RESP_TOO_LONG] = ERR_TOOLONG, [RESP_NOMEM] = ERR_NOMEM};
@@ -231,7 +220,7 @@ static bool step_request(struct session *s)
         if (took > 0) {
             s->held = took;
             s->need = 0;
-            return s->resp ? carry_out_resp(s, &(struct resp){0}) : carry_out(s, false);
+            return carry_out(s, s->resp ? &(struct resp){0} : NULL, false);
         }
     }
     return s->resp ? step_resp(s) : step_line(s);
