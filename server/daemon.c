@@ -191,11 +191,6 @@ static void on_owner(struct source *source, uint32_t events)
 
 /* ---- once a second ---- */
 
-static void check_client(struct session *s)
-{
-    session_check_timeouts(s);
-}
-
 static void send_progress(void)
 {
     for (const struct job *j = job_first(&d.server), *next; j != NULL; j = next) {
@@ -211,7 +206,7 @@ static void send_progress(void)
 
 static void on_tick(struct loop *loop)
 {
-    clients_each(&d.clients, check_client);
+    clients_each(&d.clients, session_check_timeouts);
     send_progress();
     notice_tick();
     durable_tick(&d.server);

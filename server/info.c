@@ -135,35 +135,19 @@ void info_section(const struct server *s, const char *name, struct facts *f)
 
 /* ---- the command ---- */
 
-/* Adds section i unless the reply has it already: added[i]. */
-static void add_once(const struct server *s, struct facts *f, bool *added, size_t i)
+/* Adds the sections of that name, or all (name NULL), unless the reply has them already: added[i]. False: there is none. */
+static bool add_sections(const struct server *s, struct facts *f, bool *added,
+                         const struct word *name)
 {
-    if (!added[i])
-        sections[i].add(s, f);
-    added[i] = true;
-}
-
-static void add_all(const struct server *s, struct facts *f, bool *added)
-{
-    for (size_t i = 0; i < SECTIONS; i++)
-        add_once(s, f, added, i);
-}
-
-/* Adds the section of that name. False: there is none. */
-static bool add_section(const struct server *s, struct facts *f, bool *added,
-                        const struct word *name)
-{
-    if (word_is(name, "ALL")) {
-        add_all(s, f, added);
-        return true;
-    }
+    bool known = false;
     for (size_t i = 0; i < SECTIONS; i++) {
-        if (word_is(name, sections[i].name)) {
-            add_once(s, f, added, i);
-            return true;
-        }
+        if (name != NULL && !word_is(name, "ALL") && !word_is(name, sections[i].name))
+            continue;
+        if (!added[i])
+            sections[i].add(s, f);
+        known = added[i] = true;
     }
-    return false;
+    return known;
 }
 
 void cmd_info(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -172,9 +156,9 @@ void cmd_info(struct server *s, struct dataset *set, const struct request *q, st
     bool known = true, added[SECTIONS] = {false};
     (void)set;
     if (q->n == 1)
-        add_all(s, &f, added);
+        add_sections(s, &f, added, NULL);
     for (size_t i = 1; i < q->n && known; i++) {
-        known = add_section(s, &f, added, &q->word[i]);
+        known = add_sections(s, &f, added, &q->word[i]);
         if (!known)
             answer_err(a, ERR_SYNTAX,
                        "INFO has no section %.*s; it has server clients memory stats sets "
