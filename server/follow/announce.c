@@ -127,18 +127,21 @@ static void *serve(void *arg)
     return NULL;
 }
 
-static struct announcement *start(struct announcement *a, const char *host, unsigned port,
-                                  const char *token, int event)
+struct announcement *announce_start(const char *host, unsigned port, const char *token,
+                                    const struct history *h, int event)
 {
+    struct announcement *a = calloc(1, sizeof *a);
     if (a == NULL)
         return NULL;
+    if (h != NULL)
+        a->history = *h;
     snprintf(a->host, sizeof a->host, "%s", host);
     snprintf(a->dial.token, sizeof a->dial.token, "%s", token);
     a->dial.host = a->host;
     a->dial.port = port;
-    a->dial.patience_ms = a->inquires ? INQUIRY_MS : PATIENCE_MS;
+    a->dial.patience_ms = h == NULL ? INQUIRY_MS : PATIENCE_MS;
     a->event = event;
-    void *(*run)(void *) = a->inquires ? serve_inquiry : serve;
+    void *(*run)(void *) = h == NULL ? serve_inquiry : serve;
     int error = dial_init(&a->dial) ? pthread_create(&a->thread, NULL, run, a) : errno;
     if (error == 0)
         return a;
@@ -147,23 +150,6 @@ static struct announcement *start(struct announcement *a, const char *host, unsi
     free(a);
     errno = error;
     return NULL;
-}
-
-struct announcement *announce_start(const char *host, unsigned port, const char *token,
-                                    const struct history *h, int event)
-{
-    struct announcement *a = calloc(1, sizeof *a);
-    if (a != NULL)
-        a->history = *h;
-    return start(a, host, port, token, event);
-}
-
-struct announcement *announce_inquire(const char *host, unsigned port, const char *token, int event)
-{
-    struct announcement *a = calloc(1, sizeof *a);
-    if (a != NULL)
-        a->inquires = true;
-    return start(a, host, port, token, event);
 }
 
 void announce_end(struct announcement *a)

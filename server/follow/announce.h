@@ -31,17 +31,13 @@ struct announcement {
     _Atomic enum announced state;
     struct history theirs; /* of ANNOUNCE_NEWER */
     char answer[DIAL_LINE];
-    bool inquires; /* it asks who that daemon is: then it is ANNOUNCE_HEARD, and has `who` */
-    struct inquired who;
+    struct inquired who; /* of ANNOUNCE_HEARD, if it has asked who the daemon is */
 };
 
-/* Starts the thread, which informs the daemon at that address about the history. NULL with errno. */
+/* Starts the thread, which informs the daemon at that address about the history. h NULL: it asks who the daemon is, for some
+ * seconds at most. NULL with errno. */
 struct announcement *announce_start(const char *host, unsigned port, const char *token,
                                     const struct history *h, int event);
-
-/* Starts a thread that asks who the daemon at that address is, for some seconds at most. NULL with errno. */
-struct announcement *announce_inquire(const char *host, unsigned port, const char *token,
-                                      int event);
 
 /* Ends the thread. */
 void announce_end(struct announcement *a);

@@ -302,7 +302,7 @@ enum follow_target follower_examine(struct server *s, const char *host, unsigned
     announce_end(f->question); /* whoever has asked is gone */
     f->question = NULL;
     if (dial_read_token(s->config->follow_token_file, token))
-        f->question = announce_inquire(host, port, token, f->source.fd);
+        f->question = announce_start(host, port, token, NULL, f->source.fd);
     return f->question != NULL ? FOLLOW_ASKED : FOLLOW_POSSIBLE;
 }
 
