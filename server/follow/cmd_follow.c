@@ -160,14 +160,6 @@ void cmd_wait(struct server *s, struct dataset *set, const struct request *q, st
 
 /* ---- INFO ---- */
 
-static unsigned count_followers(const struct server *s)
-{
-    unsigned n = 0;
-    for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
-        n++;
-    return n;
-}
-
 /* The n-th one; the log here ends at `last`. */
 static void add_follower(struct facts *facts, const struct sender *f, unsigned n, uint64_t last)
 {
@@ -215,21 +207,8 @@ void follow_facts(const struct server *s, struct facts *f)
     facts_add_text(f, "daemon", daemon);
     facts_add(f, "settled", own.settled);
     facts_add(f, "generation", dir == NULL ? 0 : dir->lineage.history.generation);
-    facts_add(f, "followers", count_followers(s));
+    facts_add(f, "followers", leader_followers(s));
     facts_add(f, "min_followers", s->config->min_followers);
     for (const struct sender *one = NULL; (one = leader_next(s, one)) != NULL;)
         add_follower(f, one, ++n, last);
-}
-
-/* ---- ROLE ---- */
-
-struct follow_place follow_place(const struct server *s)
-{
-    struct follower_facts own;
-    follower_facts(s, &own);
-    struct follow_place p = {.receiving = strcmp(own.state, "receiving") == 0,
-                             .lsn = durable_last_lsn(s),
-                             .followers = count_followers(s)};
-    memcpy(p.leader, own.leader, sizeof p.leader);
-    return p;
 }

@@ -218,6 +218,14 @@ const struct sender *leader_next(const struct server *s, const struct sender *f)
     return f == NULL ? list_first(all) : list_next(all, f);
 }
 
+unsigned leader_followers(const struct server *s)
+{
+    unsigned n = 0;
+    for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
+        n++;
+    return n;
+}
+
 static void note_lag(struct leader *l, uint64_t last)
 {
     const struct list *all = &l->followers;

@@ -29,5 +29,8 @@ unsigned leader_count(const struct server *s, uint64_t lsn);
  * at_ms. */
 struct request_queue *leader_queue(struct server *s, int64_t at_ms);
 
+/* The number of followers. */
+unsigned leader_followers(const struct server *s);
+
 /* The follower after f; f NULL: the first one. NULL: there is none. */
 const struct sender *leader_next(const struct server *s, const struct sender *f);

@@ -3,8 +3,9 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
-#include "server/follow/cmd_follow.h"
+#include "server/follow/follower.h"
 #include "server/follow/leader.h"
+#include "server/jobs/durable.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -56,14 +57,6 @@ void redis_wait(struct server *s, const struct request *q, struct answer *a)
 
 /* ---- ROLE ---- */
 
-/* Splits ADDR:PORT at its last colon; without one the port is empty. */
-static const char *split_address(const char *text, size_t *len)
-{
-    const char *colon = strrchr(text, ':');
-    *len = colon != NULL ? (size_t)(colon - text) : strlen(text);
-    return colon != NULL ? colon + 1 : "";
-}
-
 /* [address, port, lsn], texts all. */
 static void put_follower(struct answer *a, const struct sender *f)
 {
@@ -71,7 +64,7 @@ static void put_follower(struct answer *a, const struct sender *f)
     uint64_t lsn = f->acked;
     size_t host;
     sock_peer_text(&f->peer, address);
-    const char *port = split_address(address, &host);
+    const char *port = redis_split_address(address, &host);
     resp_array(a->out, 3);
     resp_bulk(a->out, address, host);
     redis_bulk_text(a, port);
@@ -79,32 +72,33 @@ static void put_follower(struct answer *a, const struct sender *f)
     redis_bulk_text(a, text);
 }
 
-static void put_leader(struct answer *a, const struct follow_place *p)
+static void put_leader(const struct server *s, struct answer *a)
 {
+    struct follower_facts own;
     uint32_t number = 0;
     size_t host;
-    const char *port = split_address(p->leader, &host);
+    follower_facts(s, &own);
+    const char *port = redis_split_address(own.leader, &host);
     proto_read_u32(port, strlen(port), &number);
     resp_array(a->out, 5);
     redis_bulk_text(a, "slave");
-    resp_bulk(a->out, p->leader, host);
+    resp_bulk(a->out, own.leader, host);
     redis_integer(a, number);
-    redis_bulk_text(a, p->receiving ? "connected" : "connect");
-    redis_integer(a, (int64_t)p->lsn);
+    redis_bulk_text(a, strcmp(own.state, "receiving") == 0 ? "connected" : "connect");
+    redis_integer(a, (int64_t)durable_last_lsn(s));
 }
 
 void redis_role(struct server *s, const struct request *q, struct answer *a)
 {
-    struct follow_place p = follow_place(s);
     (void)q;
     if (s->follows) {
-        put_leader(a, &p);
+        put_leader(s, a);
         return;
     }
     resp_array(a->out, 3);
     redis_bulk_text(a, "master");
-    redis_integer(a, (int64_t)p.lsn);
-    resp_array(a->out, p.followers);
+    redis_integer(a, (int64_t)durable_last_lsn(s));
+    resp_array(a->out, leader_followers(s));
     for (const struct sender *f = NULL; (f = leader_next(s, f)) != NULL;)
         put_follower(a, f);
 }

@@ -56,6 +56,13 @@ void redis_null(struct answer *a)
         redis_simple(a, "$-1");
 }
 
+const char *redis_split_address(const char *text, size_t *len)
+{
+    const char *colon = strrchr(text, ':');
+    *len = colon != NULL ? (size_t)(colon - text) : strlen(text);
+    return colon != NULL ? colon + 1 : "";
+}
+
 bool redis_run(struct server *s, const struct request *q, struct answer *a)
 {
     struct buf *out = a->out;

@@ -19,6 +19,9 @@ void redis_map(struct answer *a, size_t n);
 /* Null; in RESP 2 the missing bulk string. */
 void redis_null(struct answer *a);
 
+/* Splits ADDR:PORT at its last colon: *len bytes are the address. Returns the port; without a colon it is empty. */
+const char *redis_split_address(const char *text, size_t *len);
+
 /* Carries out q as a command of ours. True: it has succeeded, and is to be answered in RESP. False: it waits or has been
  * refused; its answer is in lines (server.lines), which are converted to RESP. */
 bool redis_run(struct server *s, const struct request *q, struct answer *a);
