@@ -6,8 +6,8 @@
 #include "server/follow/follower.h"
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
+#include "server/system/sock.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -35,12 +35,6 @@ static bool copy_word(const struct word *w, char *to, size_t size)
     memcpy(to, w->text, w->len);
     to[w->len] = '\0';
     return true;
-}
-
-static bool is_numeric_address(const char *text)
-{
-    struct in6_addr any;
-    return inet_pton(AF_INET, text, &any) == 1 || inet_pton(AF_INET6, text, &any) == 1;
 }
 
 static void answer_why(struct answer *a, const char *why)
@@ -87,7 +81,7 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
         ;
     else if (none)
         answer_why(a, follower_promote(s));
-    else if (!copy_word(&q->word[1], host, sizeof host) || !is_numeric_address(host))
+    else if (!copy_word(&q->word[1], host, sizeof host) || !sock_is_address(host, NULL))
         answer_err(a, ERR_SYNTAX, "%.*s is not a numeric IPv4 or IPv6 address",
                    QUOTED(&q->word[1]));
     else if (!proto_read_u32(q->word[2].text, q->word[2].len, &port) || port == 0 || port > 65535)

@@ -41,15 +41,15 @@ static void end_release(struct server *s, struct job *j, struct answer *a)
     s->releasing = false;
 }
 
-static void release(struct server *s, const struct release *how)
+static void release(struct server *s, struct dt_pages *pages, size_t leave, bool idle)
 {
     struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, end_release);
     if (r == NULL)
         return;
-    r->pages = how->pages;
-    r->idle = how->idle;
-    r->leave = how->leave;
-    r->uses = how->uses;
+    r->pages = pages;
+    r->leave = leave;
+    r->idle = idle;
+    r->uses = s->uses;
     s->releasing = true;
     job_aside(s, NULL, &r->job, JOB_SHORT);
 }
@@ -112,8 +112,7 @@ void keep_turn_end(struct server *s)
     dt_pages_summary(s->pages, &now);
     size_t large = now.held - now.kept, limit = server_pages_limit(s, large);
     if (now.held > limit && now.kept > 0)
-        release(s,
-                &(struct release){.pages = s->pages, .leave = limit > large ? limit - large : 0});
+        release(s, s->pages, limit > large ? limit - large : 0, false);
 }
 
 void keep_tick(struct server *s)
@@ -125,8 +124,8 @@ void keep_tick(struct server *s)
     s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
     s->uses = now.uses;
     if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
-        release(s, &(struct release){.pages = s->pages, .idle = true, .uses = now.uses});
+        release(s, s->pages, 0, true);
     /* small blocks that are free stay in malloc's heap, and no reservation counts them */
     if (machine_resident() > s->config->max_memory)
-        release(s, &(struct release){.pages = NULL});
+        release(s, NULL, 0, false);
 }

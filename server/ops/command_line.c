@@ -3,8 +3,8 @@
 
 #include "proto/version.h"
 #include "server/ops/setting.h"
+#include "server/system/sock.h"
 
-#include <arpa/inet.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,19 +59,6 @@ static const char usage[] =
     "  --version           print the version\n"
     "  --help              print this help\n";
 
-static bool is_loopback(const char *address, bool *loopback)
-{
-    struct in_addr v4;
-    struct in6_addr v6;
-    if (inet_pton(AF_INET, address, &v4) == 1)
-        *loopback = (ntohl(v4.s_addr) >> 24) == 127;
-    else if (inet_pton(AF_INET6, address, &v6) == 1)
-        *loopback = IN6_IS_ADDR_LOOPBACK(&v6);
-    else
-        return false;
-    return true;
-}
-
 /* ---- flags ---- */
 
 enum flag { FLAG_CHECK = 256, FLAG_REPAIR, FLAG_VERSION, FLAG_HELP, FLAG_COMMANDS, FLAG_SETTING };
@@ -112,7 +99,7 @@ static bool safe_to_bind(const struct config *c)
     bool loopback;
     if (c->private && (c->unix_path != NULL || c->data != NULL))
         return complain("private", "", "it excludes --unix and --data");
-    if (!is_loopback(c->bind_address, &loopback))
+    if (!sock_is_address(c->bind_address, &loopback))
         return complain("bind", c->bind_address, "not a numeric IPv4 or IPv6 address");
     if (!loopback && c->auth_file == NULL && !c->insecure)
         return complain(

@@ -54,6 +54,23 @@ static socklen_t parse_address(const char *text, unsigned port, struct sockaddr_
     return 0;
 }
 
+static bool is_loopback(const struct sockaddr_storage *at)
+{
+    if (at->ss_family == AF_INET6)
+        return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)at)->sin6_addr);
+    uint32_t v4 = ntohl(((const struct sockaddr_in *)at)->sin_addr.s_addr);
+    return at->ss_family == AF_INET && v4 >> 24 == 127;
+}
+
+bool sock_is_address(const char *text, bool *loopback)
+{
+    struct sockaddr_storage at;
+    bool good = parse_address(text, 0, &at) > 0;
+    if (good && loopback != NULL)
+        *loopback = is_loopback(&at);
+    return good;
+}
+
 static unsigned port_of(const struct sockaddr_storage *at)
 {
     return ntohs(at->ss_family == AF_INET ? ((const struct sockaddr_in *)at)->sin_port
@@ -133,14 +150,7 @@ static socklen_t name_of(int fd, struct sockaddr_storage *at)
 bool sock_is_local(int fd)
 {
     struct sockaddr_storage at;
-    if (name_of(fd, &at) == 0)
-        return false;
-    if (at.ss_family == AF_UNIX)
-        return true;
-    if (at.ss_family == AF_INET6)
-        return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)&at)->sin6_addr);
-    uint32_t v4 = ntohl(((const struct sockaddr_in *)&at)->sin_addr.s_addr);
-    return at.ss_family == AF_INET && v4 >> 24 == 127;
+    return name_of(fd, &at) > 0 && (at.ss_family == AF_UNIX || is_loopback(&at));
 }
 
 unsigned sock_port(int fd)

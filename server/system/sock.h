@@ -22,6 +22,10 @@ int sock_listen(const char *address, unsigned *port);
 /* The same on a Unix socket. A stale socket file is replaced. */
 int sock_listen_unix(const char *path);
 
+/* Whether the text is a numeric IPv4 or IPv6 address. *loopback, unless NULL: only this machine's
+   processes reach it. */
+bool sock_is_address(const char *text, bool *loopback);
+
 /* Whether only this machine's processes can reach the listening socket. */
 bool sock_is_local(int fd);
 
