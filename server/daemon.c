@@ -9,8 +9,8 @@
 #include "server/jobs/durable.h"
 #include "server/jobs/expire.h"
 #include "server/jobs/keep.h"
+#include "server/jobs/restart.h"
 #include "server/jobs/server.h"
-#include "server/jobs/upkeep.h"
 #include "server/lifecycle.h"
 #include "server/listeners.h"
 #include "server/session/session.h"
@@ -110,7 +110,7 @@ static void notify_systemd(void)
 static void on_durable(struct source *source, uint32_t events)
 {
     (void)source, (void)events;
-    if (!upkeep_on_durable_event(&d.server)) {
+    if (!restart_on_durable_event(&d.server)) {
         d.failed = true;
         loop_stop(d.loop);
         return;

@@ -5,6 +5,7 @@
 #include "server/bodies/load.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/expire.h"
+#include "server/jobs/restart.h"
 #include "server/jobs/submit.h"
 #include "server/jobs/upkeep.h"
 #include "server/ops/limits.h"
@@ -143,7 +144,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 {
     bool writes = (c->flags & CMD_WRITE) != 0;
     if (set != NULL && set->loading) {
-        upkeep_refuse(a, set);
+        restart_refuse(a, set);
         return false;
     }
     if (!check_saving(s, a, c, q, set))

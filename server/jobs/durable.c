@@ -23,7 +23,7 @@ enum {
 enum stage {
     STAGE_NONE,    /* not begun, or the directory cannot be used */
     STAGE_READING, /* a thread is reading, and owns what it has read */
-    STAGE_READ,    /* the sets are the server's, but not all are triangulated yet (upkeep.h) */
+    STAGE_READ,    /* the sets are the server's, but not all are triangulated yet (restart.h) */
     STAGE_COMPLETE
 };
 

@@ -20,7 +20,7 @@ void durable_stop(struct server *s);
 /* Becomes readable when durable_on_event has something to do. */
 int durable_event(const struct server *s);
 
-/* DURABLE_READ, once: the sets have been read and are the server's, not triangulated yet (upkeep.h).
+/* DURABLE_READ, once: the sets have been read and are the server's, not triangulated yet (restart.h).
  * DURABLE_FAILED: the directory cannot be used; the reason is on standard error. */
 enum durable_news { DURABLE_NO_NEWS, DURABLE_READ, DURABLE_FAILED };
 enum durable_news durable_on_event(struct server *s);

@@ -3,9 +3,7 @@
  *
  *     the triangulation   edits of many points leave it for later: a job updates it before the next query
  *     the regions         that borders enclose: found before the first query that needs them, and again when borders have changed
- *     the grid            for searches: built before the first one, and again when edits have degraded it
- *     after a start       sets come from the disk without their triangulations: the smallest one is built first, and each
- *                         set can be used as soon as its own is there */
+ *     the grid            for searches: built before the first one, and again when edits have degraded it */
 #pragma once
 
 #include "server/jobs/server.h"
@@ -23,10 +21,3 @@ bool upkeep_prepare(struct server *s, struct answer *a, struct dataset *set);
 
 /* To be called after an edit of the set: rebuilds the grid if edits have degraded it. */
 void upkeep_after_edit(struct server *s, struct dataset *set);
-
-/* Calls durable_on_event, and begins to triangulate when the sets have been read. False: the directory cannot be used; the
- * reason is on standard error. */
-bool upkeep_on_durable_event(struct server *s);
-
-/* Writes the error for a set that is still to be triangulated after the start. */
-void upkeep_refuse(struct answer *a, const struct dataset *set);

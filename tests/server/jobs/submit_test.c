@@ -8,7 +8,7 @@
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
-#include "server/jobs/upkeep.h"
+#include "server/jobs/restart.h"
 #include "server/lifecycle.h"
 #include "server/rows/stream.h"
 #include "tests/server/directory.h"
@@ -33,7 +33,7 @@ static void await_durable_event(struct bench *b)
 {
     struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
     durable_turn_end(&b->l.server);
-    CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b->l.server));
+    CHECK(poll(&event, 1, 10000) == 1 && restart_on_durable_event(&b->l.server));
 }
 
 static void begin(struct bench *b, unsigned threads)
@@ -128,7 +128,7 @@ TEST(snapshot_that_is_written_at_once_removes_what_the_new_setting_does_not_keep
     CHECK(durable_begin_snapshot(&b.l.server, &lsn) == DURABLE_BEGUN);
     event.fd = durable_event(&b.l.server);
     do
-        CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b.l.server));
+        CHECK(poll(&event, 1, 10000) == 1 && restart_on_durable_event(&b.l.server));
     while (durable_saver(&b.l.server)->snapshots == 1);
     CHECK(!directory_file(&b.dir, "log.", 1, path));
     local_stop(&b.l);
@@ -152,7 +152,7 @@ static bool waits_for_followers(struct bench *b)
     hold_acknowledgement(&b->l.server.held, &hold, lsn, 0);
     log_push(durable_log(&b->l.server));
     while (durable_status(&b->l.server)->durable < lsn)
-        CHECK(poll(&event, 1, 10000) == 1 && upkeep_on_durable_event(&b->l.server));
+        CHECK(poll(&event, 1, 10000) == 1 && restart_on_durable_event(&b->l.server));
     bool waits = hold.groups > 0;
     hold_clear(&hold);
     return waits;
@@ -500,7 +500,7 @@ static bool starts(struct bench *b)
     while (good && !durable_is_complete(&b->l.server)) {
         struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
-        good = upkeep_on_durable_event(&b->l.server);
+        good = restart_on_durable_event(&b->l.server);
     }
     return good;
 }
