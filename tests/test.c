@@ -1,4 +1,5 @@
-/* test.c - runs the registered tests, several at once, each in a forked process, and counts: passed, failed, skipped. */
+/* test.c - runs the registered tests, several at once, each in a forked process, and counts: passed, failed, skipped. The names of
+ * those that failed come before the counts again. The output of tests that pass is shown only if words have selected them. */
 #include "tests/test.h"
 
 #include <fcntl.h>
@@ -27,10 +28,21 @@ void test_register(struct test *t)
     *at = t;
 }
 
+static _Thread_local const char *caller_file; /* of TEST_CALL; NULL: none */
+static _Thread_local int caller_line;
+
+void test_called(const char *file, int line)
+{
+    caller_file = file;
+    caller_line = line;
+}
+
 void test_fail(const char *file, int line, const char *format, ...)
 {
     va_list ap;
     test_fail_alloc(0);
+    if (caller_file != NULL)
+        fprintf(stderr, "%s:%d: from here\n", caller_file, caller_line);
     fprintf(stderr, "%s:%d: ", file, line);
     va_start(ap, format);
     vfprintf(stderr, format, ap);
@@ -179,7 +191,7 @@ unsigned test_slowness(void)
 
 /* A test that runs, in a process group of its own, so that all processes that it started end with it. */
 struct run {
-    const struct test *test; /* NULL: none */
+    struct test *test; /* NULL: none */
     pid_t pid;
     double start;
     FILE *output; /* what it prints, so that the lines of tests that run at once do not mix */
@@ -188,6 +200,7 @@ struct run {
 static unsigned jobs; /* tests at once */
 static struct run running[64];
 static unsigned passed, failed, skipped;
+static bool any_words;
 
 /* Many tests mostly wait: for a time-out, a disk, a process. */
 static unsigned usual_jobs(void)
@@ -211,7 +224,7 @@ static void on_stop(void (*handler)(int))
     signal(SIGTERM, handler);
 }
 
-static void start(struct run *r, const struct test *t)
+static void start(struct run *r, struct test *t)
 {
     *r = (struct run){.test = t, .start = now(), .output = tmpfile()};
     r->pid = -1;
@@ -242,16 +255,17 @@ static void print_output(struct run *r)
     rewind(r->output);
     while ((n = fread(piece, 1, sizeof piece, r->output)) > 0)
         fwrite(piece, 1, n, stdout);
-    fclose(r->output);
 }
 
 static void end(struct run *r, int status, const struct rusage *used)
 {
-    const struct test *t = r->test;
+    struct test *t = r->test;
     kill(-r->pid, SIGKILL);
-    print_output(r);
     double wall = now() - r->start;
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (any_words || code != 0)
+        print_output(r);
+    fclose(r->output);
     if (WIFSIGNALED(status))
         printf("%s: %s\n", t->file,
                WTERMSIG(status) == SIGALRM ? "timed out" : strsignal(WTERMSIG(status)));
@@ -262,6 +276,7 @@ static void end(struct run *r, int status, const struct rusage *used)
                (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) +
                    1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec));
     *(code == 0 ? &passed : code == SKIPPED ? &skipped : &failed) += 1;
+    t->failed = code != 0 && code != SKIPPED;
     r->test = NULL;
 }
 
@@ -318,7 +333,7 @@ static int list(char **words)
 
 static void run_all(char **words)
 {
-    for (const struct test *t = first; t != NULL; t = t->next)
+    for (struct test *t = first; t != NULL; t = t->next)
         if (selected(t, words))
             start(free_run(), t);
     while (any_runs())
@@ -349,10 +364,14 @@ int main(int argc, char **argv)
     setvbuf(stdout, NULL, _IOLBF, 0);
     if (lists)
         return list(words);
+    any_words = *words != NULL;
     on_stop(stop);
     run_all(words);
     if (!any)
         failed += useless_words(words);
+    for (const struct test *t = first; t != NULL; t = t->next)
+        if (t->failed)
+            printf("failed: %s (%s)\n", t->name, t->file);
     printf("%u passed, %u failed", passed, failed);
     if (skipped > 0)
         printf(", %u skipped", skipped);

@@ -23,13 +23,14 @@ struct test {
     void (*run)(void);
     unsigned timeout_s;
     struct test *next;
+    bool failed;
 };
 
 void test_register(struct test *t);
 
 #define TEST_TIMEOUT(NAME, SECONDS)                                                                \
     static void test_##NAME(void);                                                                 \
-    static struct test case_##NAME = {#NAME, __FILE__, test_##NAME, SECONDS, NULL};                \
+    static struct test case_##NAME = {#NAME, __FILE__, test_##NAME, SECONDS, NULL, false};         \
     __attribute__((constructor)) static void register_##NAME(void)                                 \
     {                                                                                              \
         test_register(&case_##NAME);                                                               \
@@ -51,6 +52,10 @@ void test_register(struct test *t);
         if (!(COND))                                                                               \
             test_fail(__FILE__, __LINE__, __VA_ARGS__);                                            \
     } while (0)
+
+/* For a function that checks for its callers: a failure in CALL names this line, too. */
+#define TEST_CALL(CALL) (test_called(__FILE__, __LINE__), CALL, test_called(NULL, 0))
+void test_called(const char *file, int line);
 
 /* Ends a test that cannot be run here: it counts as skipped, and the reason is printed. .ci/run allows some reasons. */
 #define SKIP(...) test_skip(__VA_ARGS__)

@@ -56,21 +56,29 @@ TEST(versions_of_sets_are_compared_where_they_are_given)
 
 /* ---- the program, run by itself ---- */
 
-/* The last line that this program prints for these arguments, and whether its exit status is 0. */
-static const char *last_line(const char *arguments, bool *good)
+/* The output of this program with the arguments, up to 4,000 bytes, and whether its exit status is 0. */
+static const char *output_of(const char *arguments, bool *good)
 {
-    static char line[200];
+    static char text[4000];
     char command[300], self[200];
-    ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    CHECK(n > 0);
-    self[n] = '\0';
+    ssize_t len = readlink("/proc/self/exe", self, sizeof self - 1);
+    CHECK(len > 0);
+    self[len] = '\0';
     snprintf(command, sizeof command, "HARNESS_TEST=1 %s %s 2>&1", self, arguments);
     FILE *f = popen(command, "r");
     CHECK(f != NULL);
-    line[0] = '\0';
-    while (fgets(line, sizeof line, f) != NULL)
-        continue;
+    size_t n = fread(text, 1, sizeof text - 1, f);
+    text[n] = '\0';
     *good = pclose(f) == 0;
+    return text;
+}
+
+/* The same of the last line. */
+static const char *last_line(const char *arguments, bool *good)
+{
+    const char *text = output_of(arguments, good), *line = text;
+    for (const char *at = text; (at = strchr(at, '\n')) != NULL && *++at != '\0';)
+        line = at;
     return line;
 }
 
@@ -83,6 +91,31 @@ TEST(sample_that_skips_itself)
 TEST(sample_that_fails)
 {
     CHECK(getenv("HARNESS_TEST") == NULL);
+}
+
+static void check_one(int n)
+{
+    CHECK(n == 1);
+}
+
+TEST(sample_whose_caller_is_named)
+{
+    printf("a line that is shown\n");
+    TEST_CALL(check_one(1));
+    if (getenv("HARNESS_TEST") != NULL)
+        TEST_CALL(check_one(2));
+}
+
+TEST(failed_tests_are_named_again_at_the_end_and_with_the_line_of_the_caller)
+{
+    bool good;
+    const char *text = output_of("sample_that sample_whose", &good);
+    CHECK(!good);
+    CHECK_STR(strstr(text, "failed: "),
+              "failed: sample_that_fails (tests/core/harness_test.c)\n"
+              "failed: sample_whose_caller_is_named (tests/core/harness_test.c)\n"
+              "0 passed, 2 failed, 1 skipped\n");
+    CHECK(strstr(text, "a line that is shown\n") != NULL && strstr(text, ": from here\n") != NULL);
 }
 
 TEST(skipped_tests_are_a_third_outcome)

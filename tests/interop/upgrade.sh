@@ -12,7 +12,7 @@ build_next() {
         cp -a "$build"/{core,proto,server} "$tree/build" || return
     version=$(sed -n 's/^ *RECORD_VERSION = \([0-9]*\),$/\1/p' $header)
     # All its files have that version, also those that need no later one today.
-    sed -i -E "s/RECORD_VERSION(_PLAIN)? = [0-9]+,/RECORD_VERSION\\1 = $((version + 1)),/" "$tree/$header"
+    sed -i -E "s/RECORD_VERSION([A-Z_]*) = [0-9]+,/RECORD_VERSION\\1 = $((version + 1)),/" "$tree/$header"
     ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd CFLAGS=-O0 && mv "$tree/build/delaunayd" "$scratch/next"
 }
 

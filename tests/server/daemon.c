@@ -44,7 +44,7 @@ static bool skip_version(int fd, char got, char want)
     return true;
 }
 
-void expect(int fd, const char *want)
+void(expect)(int fd, const char *want)
 {
     size_t n = strlen(want), got = 0;
     char *text = calloc(1, n + 1);
@@ -156,7 +156,7 @@ void expect_end(int fd)
     CHECK_MSG(r == 0, "%s", r > 0 ? "more than expected" : strerror(errno));
 }
 
-void converse(const struct daemon *d, const char *request, const char *want)
+void(converse)(const struct daemon *d, const char *request, const char *want)
 {
     size_t n;
     int fd = daemon_connect(d);

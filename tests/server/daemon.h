@@ -13,6 +13,7 @@ void say_bytes(int fd, const void *bytes, size_t n);
 
 /* Reads exactly the length of `want` and compares. */
 void expect(int fd, const char *want);
+#define expect(...) TEST_CALL(expect(__VA_ARGS__))
 
 /* Reads one line that is no comment, its LF removed; the text lives until the next call. */
 const char *hear_line(int fd);
@@ -33,6 +34,7 @@ void expect_end(int fd);
 /* A connection of its own: sends all of `request`, closes the sending side, and compares all that
  * comes back. */
 void converse(const struct daemon *d, const char *request, const char *want);
+#define converse(...) TEST_CALL(converse(__VA_ARGS__))
 
 /* A connection to a Unix socket; -1: no process listens at the path. */
 int connect_unix(const char *path);

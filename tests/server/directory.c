@@ -207,14 +207,15 @@ char *directory_state(const struct daemon *d, const char *const *sets)
     return state;
 }
 
-void carry_out(const struct daemon *d, const char *requests)
+void(carry_out)(const struct daemon *d, const char *requests)
 {
     size_t n;
     int fd = daemon_connect(d);
     say(fd, requests);
     shutdown(fd, SHUT_WR);
     char *replies = hear_all(fd, &n);
-    CHECK_MSG(strncmp(replies, "ERR", 3) != 0 && strstr(replies, "\nERR") == NULL, "%s", replies);
+    CHECK_MSG(strncmp(replies, "ERR", 3) != 0 && strstr(replies, "\nERR") == NULL, "%s--- to\n%s",
+              replies, requests);
     free(replies);
     close(fd);
 }

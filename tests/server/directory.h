@@ -45,3 +45,4 @@ char *directory_state(const struct daemon *d, const char *const *sets);
 
 /* Sends the request lines, one after the other's reply, and checks that none is an error. */
 void carry_out(const struct daemon *d, const char *requests);
+#define carry_out(...) TEST_CALL(carry_out(__VA_ARGS__))

@@ -1,5 +1,6 @@
 /* follow_test.c - a daemon that follows another one: it has the same sets, however the connection, it or its leader
  * ends; and which of two daemons accepts changes. */
+#include "server/changes/change.h"
 #include "tests/faults/tree.h"
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
@@ -65,7 +66,7 @@ static void load_large(const struct node *n)
     constrain_large(n);
 }
 
-/* Every kind of change. */
+/* Every kind of change (check_everything); no snapshot begins another log. */
 static void change_everything(const struct node *n)
 {
     carry_out(
@@ -86,11 +87,42 @@ static void change_everything(const struct node *n)
         "LOAD x PATHS BORDER\n20 20\n21 20\n20 21\n20 20\n.\nLOAD x 1 PATHS\n30 30\n");
 }
 
+/* Notes which types of records the file has. */
+static void note_types(const char *path, bool seen[RECORD_TYPES])
+{
+    size_t n;
+    struct segment header;
+    struct record r;
+    char *bytes = file_read(path, &n);
+    ptrdiff_t took = segment_read(bytes, n, &header);
+    CHECK(took > 0);
+    for (size_t at = (size_t)took; (took = record_read(bytes + at, n - at, &r)) > 0;
+         at += (size_t)took)
+        seen[r.type] = true;
+    free(bytes);
+}
+
+/* The log of a leader with everything has records of every kind of change. */
+static void check_everything(const struct node *n)
+{
+    bool seen[RECORD_TYPES] = {false};
+    char path[128];
+    for (unsigned i = 0; directory_file(&n->dir, "log.", i, path); i++)
+        note_types(path, seen);
+    for (unsigned code = CHANGE_NONE + 1; code < CHANGE_KINDS; code++) {
+        enum record_type type = change_kinds[code].record;
+        CHECK_MSG(type == 0 || seen[type],
+                  "change_everything makes no change of kind %u, whose record has type %u", code,
+                  type);
+    }
+}
+
 TEST_TIMEOUT(follower_gets_every_kind_of_change, 60)
 {
     struct node l = node_new(NULL), f = node_follower_of(&l);
     node_await(&l, "followers", "1");
     change_everything(&l);
+    check_everything(&l);
     node_expect_same(&l, &f);
     load_large(&l);
     node_expect_same(&l, &f);
