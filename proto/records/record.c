@@ -130,7 +130,7 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
 
 uint32_t record_version(enum record_type type)
 {
-    return type >= RECORD_CONSTRAIN ? RECORD_VERSION : RECORD_VERSION_PLAIN;
+    return type >= RECORD_CONSTRAIN ? RECORD_VERSION_CONSTRAINTS : RECORD_VERSION_PLAIN;
 }
 
 uint32_t record_most(enum record_type part)

@@ -51,7 +51,8 @@
 
 enum {
     RECORD_VERSION = 5,
-    RECORD_VERSION_PLAIN = 4, /* of segments that need no later one */
+    RECORD_VERSION_PLAIN = 4,       /* of segments that need no later one */
+    RECORD_VERSION_CONSTRAINTS = 5, /* of segments with constraints */
     SEGMENT_HEADER = 64,
     SEGMENT_HEADER_3 = 32, /* up to version 3 */
     RECORD_HEADER = 52,

@@ -277,7 +277,7 @@ static uint32_t version_of(const struct snapshot *snap)
     uint32_t version = RECORD_VERSION_PLAIN;
     for (size_t i = 0; i < snap->n; i++)
         if (snap->source[i].constrained)
-            version = RECORD_VERSION;
+            version = RECORD_VERSION_CONSTRAINTS;
     return version;
 }
 
