@@ -22,9 +22,9 @@ import { RequestOptions } from './index';
 /** The commands that need no more than their words. */
 export interface Table {
 """
-WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "text": "%s", "word": "%s"}
-MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "text": "[...%s]", "word": "[...%s]"}
-TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "text": "string", "word": "string | number"}
+WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "text": "%s"}
+MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "text": "[...%s]"}
+TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "text": "string"}
 READS = {"i": "number", "d": "number", "b": "truth", "s": "text"}
 FACTS = {"i": "number", "d": "number", "b": "boolean", "s": "string"}
 

@@ -16,7 +16,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
 from ._asking import Asking
-from ._protocol import Value, Word, field_name, option, set_name
+from ._protocol import Value, field_name, option, set_name
 
 # Requests that change nothing, so that they can be sent again.
 READS = frozenset(
@@ -27,9 +27,9 @@ READS = frozenset(
 class Table(Asking):
     """The commands that need no more than their words."""
 '''
-TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "text": "str", "word": "Word"}
-WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "text": "%s", "word": "%s"}
-MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "text": "%s", "word": "%s"}
+TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "text": "str"}
+WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "text": "%s"}
+MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "text": "%s"}
 FACTS = {"i": "int", "d": "float", "b": "bool", "s": "str"}
 
 

@@ -3,9 +3,14 @@
 import re
 from typing import NamedTuple
 
-INTEGERS = "id a b c first k n columns rows followers port".split()
-TEXTS = "name address history digest token command section pattern".split()
-DOUBLES = "x y x0 y0 x1 y1 r radius seconds t e step".split()
+# The names of values in usages.
+KINDS = {
+    "set": "set",
+    "field": "field",
+    "integer": "id a b c first k n columns rows followers port",
+    "text": "name address history digest token command section pattern",
+    "double": "x y x0 y0 x1 y1 r radius seconds t e step",
+}
 
 
 class Value(NamedTuple):
@@ -16,11 +21,11 @@ class Value(NamedTuple):
     many: bool = False
 
     def kind(self):
-        """What it is written from: a number, the name of a set or a field, another text, or any of these."""
-        if self.name in ("set", "field"):
-            return self.name
-        of = {"integer": INTEGERS, "double": DOUBLES, "text": TEXTS}
-        return next((kind for kind, names in of.items() if self.name in names), "word")
+        """What it is written from: a number, the name of a set or a field, or another text."""
+        for kind, names in KINDS.items():
+            if self.name in names.split():
+                return kind
+        raise SystemExit("clients/generate/usage.py: KINDS does not say of which kind a value `%s` is" % self.name)
 
 
 class Option(NamedTuple):

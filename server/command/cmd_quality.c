@@ -56,7 +56,7 @@ static void end_job(struct server *s, struct job *job, struct answer *a)
 }
 
 /* With INSIDE edits of the set wait until a large set has been read, because regions are those of now. */
-static void submit(struct server *s, struct answer *a, struct dataset *set, struct inside inside)
+static void measure(struct server *s, struct answer *a, struct dataset *set, struct inside inside)
 {
     struct version *v = set->current;
     bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
@@ -79,5 +79,5 @@ void cmd_quality(struct server *s, struct dataset *set, const struct request *q,
     if (!good || at < q->n)
         answer_usage(a);
     else if (!inside.asked || regions_ready(s, a, set, inside))
-        submit(s, a, set, inside);
+        measure(s, a, set, inside);
 }

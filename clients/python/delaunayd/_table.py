@@ -9,7 +9,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
 from ._asking import Asking
-from ._protocol import Value, Word, field_name, option, set_name
+from ._protocol import Value, field_name, option, set_name
 
 # Requests that change nothing, so that they can be sent again.
 READS = frozenset(
