@@ -42,7 +42,7 @@ static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_po
     return dt_orient2d_exact(a, b, c);
 }
 
-/* The determinant of the next one, rounded: dt(c) cr(d) - dt(d) cr(c) of bounds.h for the base a-b, c and d side by
+/* The determinant of dt_incircle, rounded: dt(c) cr(d) - dt(d) cr(c) of bounds.h for the base a-b, c and d side by
  * side. Beyond DT_CLOSE_DET_BOUND of *size it has the right sign. */
 static inline double dt_incircle_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
                                          struct dt_point d, double *size)

@@ -54,13 +54,13 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
-    bool recycled;      /* dead records have been reused elsewhere since the hints were built */
-    uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
-    uint32_t alone;     /* the vertex, if there is just one */
+    bool recycled;  /* dead records have been reused elsewhere since the grid (hints.h) was built */
+    uint32_t hull;  /* a ghost, if there is one: see dt_hull_settle */
+    uint32_t alone; /* the vertex, if there is just one */
     struct dt_fixed *fixed; /* owns; NULL: no edge is constrained (fixed.h) */
 };
 
-/* *m must be zeroed or cleared; it keeps its keeper of pages. */
+/* *m must be zeroed or cleared; `pages` stays. */
 void dt_mesh_clear(struct dt_mesh *m);
 
 size_t dt_mesh_memory(const struct dt_mesh *m); /* bytes */
