@@ -38,13 +38,9 @@ static bool round_sum(double from, struct dt_double2 offset, double error, doubl
 /* ---- exact ---- */
 
 /* from + n / d, rounded. */
-static double round_big(double from, const struct dt_big *n, const struct dt_big *d)
+static double round_big(double from, struct dt_big n, struct dt_big d)
 {
-    struct dt_big whole;
-    dt_big_of(from, &whole);
-    dt_big_multiply(&whole, d, &whole);
-    dt_big_add(&whole, n, &whole);
-    return dt_big_quotient(&whole, d);
+    return dt_big_quotient(dt_big_add(dt_big_multiply(dt_big_of(from), d), n), d);
 }
 
 /* ---- circumcentres: a + (|b|^2 c' - |c|^2 b') / (2 b x c), where b and c are seen from a, v' = (v.y, -v.x) ---- */
@@ -183,17 +179,12 @@ static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point
 
 static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct dt_point c)
 {
-    struct dt_big_vector to_b, to_c;
-    struct dt_big bb, cc, twice, x, y;
-    dt_big_vector_of(a, b, &to_b);
-    dt_big_vector_of(a, c, &to_c);
-    dt_big_dot(&to_b, &to_b, &bb);
-    dt_big_dot(&to_c, &to_c, &cc);
-    dt_big_cross(&to_b, &to_c, &twice);
-    dt_big_add(&twice, &twice, &twice);
-    dt_big_determinant(&bb, &cc, &to_b.y, &to_c.y, &x);
-    dt_big_determinant(&cc, &bb, &to_c.x, &to_b.x, &y);
-    return (struct dt_point){round_big(a.x, &x, &twice), round_big(a.y, &y, &twice)};
+    struct dt_big_vector to_b = dt_big_vector_of(a, b), to_c = dt_big_vector_of(a, c);
+    struct dt_big bb = dt_big_dot(&to_b, &to_b), cc = dt_big_dot(&to_c, &to_c);
+    struct dt_big area = dt_big_cross(&to_b, &to_c), twice = dt_big_add(area, area);
+    struct dt_big x = dt_big_determinant(&bb, &cc, &to_b.y, &to_c.y),
+                  y = dt_big_determinant(&cc, &bb, &to_c.x, &to_b.x);
+    return (struct dt_point){round_big(a.x, x, twice), round_big(a.y, y, twice)};
 }
 
 struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c)
@@ -261,16 +252,10 @@ void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struc
 
 static double bisector_big(struct dt_point p, struct dt_point q, double at)
 {
-    struct dt_big_vector d;
-    struct dt_big n, twice_w;
-    dt_big_vector_of(p, q, &d);
-    dt_big_dot(&d, &d, &n);
-    dt_big_add(&d.y, &d.y, &d.y);
-    dt_big_difference(at, p.x, &twice_w);
-    dt_big_add(&twice_w, &twice_w, &twice_w);
-    dt_big_multiply(&d.x, &twice_w, &d.x);
-    dt_big_subtract(&n, &d.x, &n);
-    return round_big(p.y, &n, &d.y);
+    struct dt_big_vector d = dt_big_vector_of(p, q);
+    struct dt_big w = dt_big_difference(at, p.x);
+    struct dt_big n = dt_big_subtract(dt_big_dot(&d, &d), dt_big_multiply(d.x, dt_big_add(w, w)));
+    return round_big(p.y, n, dt_big_add(d.y, d.y));
 }
 
 double dt_bisector_y(struct dt_point p, struct dt_point q, double at)

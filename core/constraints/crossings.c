@@ -33,19 +33,11 @@ bool dt_segments_cross(const struct dt_segment *a, const struct dt_segment *b)
 
 /* from + (to - from) num / den, rounded. A polynomial of degree three over one of degree two: numbers of 2,560 bits have
  * room, and tell the quotient from the middle of two doubles. */
-static double round_place(double from, double to, const struct dt_big *num,
-                          const struct dt_big *den)
+static double round_place(double from, double to, struct dt_big num, struct dt_big den)
 {
     const double least = 0x1p-142;
-    struct dt_big x, y;
-    dt_big_difference(to, from, &x);
-    dt_big_multiply(&x, num, &x);
-    dt_big_of(from, &y);
-    dt_big_multiply(&y, den, &y);
-    dt_big_add(&x, &y, &x);
-    if (x.sign == 0)
-        return 0;
-    double v = dt_big_quotient(&x, den);
+    struct dt_big part = dt_big_multiply(dt_big_difference(to, from), num);
+    double v = dt_big_quotient(dt_big_add(part, dt_big_multiply(dt_big_of(from), den)), den);
     if (fabs(v) < least)
         v = fabs(v) > least / 2 ? copysign(least, v) : 0;
     return v;
@@ -53,15 +45,11 @@ static double round_place(double from, double to, const struct dt_big *num,
 
 struct dt_point dt_crossing_place(const struct dt_segment *a, const struct dt_segment *b)
 {
-    struct dt_big_vector one, other, between;
-    struct dt_big num, den;
-    dt_big_vector_of(a->p, a->q, &one);
-    dt_big_vector_of(b->p, b->q, &other);
-    dt_big_vector_of(a->p, b->p, &between);
-    dt_big_cross(&one, &other, &den);
-    dt_big_cross(&between, &other, &num);
-    return (struct dt_point){round_place(a->p.x, a->q.x, &num, &den),
-                             round_place(a->p.y, a->q.y, &num, &den)};
+    struct dt_big_vector one = dt_big_vector_of(a->p, a->q), other = dt_big_vector_of(b->p, b->q),
+                         between = dt_big_vector_of(a->p, b->p);
+    struct dt_big den = dt_big_cross(&one, &other), num = dt_big_cross(&between, &other);
+    return (struct dt_point){round_place(a->p.x, a->q.x, num, den),
+                             round_place(a->p.y, a->q.y, num, den)};
 }
 
 /* ---- all ---- */

@@ -19,9 +19,8 @@ struct levels {
 /* The level before; true: it is not below the least value. */
 static bool step_back(struct levels *l)
 {
-    struct dt_big before;
-    dt_big_subtract(&l->at, &l->step, &before);
-    if (dt_big_compare(&before, &l->least) < 0)
+    struct dt_big before = dt_big_subtract(l->at, l->step);
+    if (dt_big_compare(before, l->least) < 0)
         return false;
     l->at = before;
     return true;
@@ -30,16 +29,13 @@ static bool step_back(struct levels *l)
 /* Goes to the first exact level that is not below the least value. */
 static void begin(struct levels *l, double least, double most, double step, double base)
 {
-    struct dt_big rest;
-    dt_big_of(least, &l->least);
-    dt_big_of(most, &l->most);
-    dt_big_of(step, &l->step);
-    dt_big_of(fmod(base, step), &rest);
-    dt_big_add(&l->least, &rest, &l->at);
-    dt_big_of(fmod(least, step), &rest);
-    dt_big_subtract(&l->at, &rest, &l->at);
-    while (dt_big_compare(&l->at, &l->least) < 0)
-        dt_big_add(&l->at, &l->step, &l->at);
+    l->least = dt_big_of(least);
+    l->most = dt_big_of(most);
+    l->step = dt_big_of(step);
+    l->at = dt_big_subtract(dt_big_add(l->least, dt_big_of(fmod(base, step))),
+                            dt_big_of(fmod(least, step)));
+    while (dt_big_compare(l->at, l->least) < 0)
+        l->at = dt_big_add(l->at, l->step);
     while (step_back(l))
         ;
 }
@@ -47,11 +43,8 @@ static void begin(struct levels *l, double least, double most, double step, doub
 /* Whether more than `most` exact levels are between the least and the greatest value. */
 static bool are_more(const struct levels *l, size_t most)
 {
-    struct dt_big end;
-    dt_big_of((double)most, &end);
-    dt_big_multiply(&end, &l->step, &end);
-    dt_big_add(&l->at, &end, &end);
-    return dt_big_compare(&end, &l->most) <= 0;
+    struct dt_big steps = dt_big_multiply(dt_big_of((double)most), l->step);
+    return dt_big_compare(dt_big_add(l->at, steps), l->most) <= 0;
 }
 
 /* Lists the rounded levels from the least value to the greatest one, each once; with `around`, also the ones before and after. Returns
@@ -64,9 +57,9 @@ static size_t list(struct levels *l, double least, double most, bool around, dou
     if (are_more(l, cap))
         return cap + 1;
     /* The one before may be rounded to the least value. */
-    dt_big_subtract(&l->at, &l->step, &l->at);
+    l->at = dt_big_subtract(l->at, l->step);
     for (;;) {
-        double z = dt_big_nearest(&l->at);
+        double z = dt_big_nearest(l->at);
         if (above &&
             z <= most) /* the steps are so small that all that follow are rounded to the same */
             z = nextafter(most, HUGE_VAL);
@@ -81,8 +74,8 @@ static size_t list(struct levels *l, double least, double most, bool around, dou
         }
         if (z > most)
             return n;
-        above = dt_big_compare(&l->at, &l->most) > 0;
-        dt_big_add(&l->at, &l->step, &l->at);
+        above = dt_big_compare(l->at, l->most) > 0;
+        l->at = dt_big_add(l->at, l->step);
     }
 }
 

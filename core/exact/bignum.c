@@ -10,9 +10,10 @@
 
 enum { N = DT_BIG_LIMBS };
 
-/* *r = sign * sum wide[i] 2^(64 (exponent + i)), i < n, truncated to the upper N limbs. */
-static void set(struct dt_big *r, int sign, int32_t exponent, const uint64_t *wide, uint32_t n)
+/* sign * sum wide[i] 2^(64 (exponent + i)), i < n, truncated to the upper N limbs. */
+static struct dt_big big_of(int sign, int32_t exponent, const uint64_t *wide, uint32_t n)
 {
+    struct dt_big r;
     uint32_t low = 0;
     while (n > 0 && wide[n - 1] == 0)
         n--;
@@ -20,15 +21,16 @@ static void set(struct dt_big *r, int sign, int32_t exponent, const uint64_t *wi
         low = n - N;
     while (low < n && wide[low] == 0)
         low++;
-    r->sign = n > 0 ? sign : 0;
-    r->exponent = exponent + (int32_t)low;
-    r->n = n - low;
-    for (uint32_t i = 0; i < r->n; i++)
-        r->limb[i] = wide[low + i];
+    r.sign = n > 0 ? sign : 0;
+    r.exponent = exponent + (int32_t)low;
+    r.n = n - low;
+    for (uint32_t i = 0; i < r.n; i++)
+        r.limb[i] = wide[low + i];
+    return r;
 }
 
 /* |v| = integer 2^(bit - 64 BIAS). */
-void dt_big_of(double v, struct dt_big *r)
+struct dt_big dt_big_of(double v)
 {
     enum { FRACTION = 52, LEAST = -1075, BIAS = 17 };
     uint64_t bits, one = (uint64_t)1 << FRACTION;
@@ -37,16 +39,16 @@ void dt_big_of(double v, struct dt_big *r)
     uint64_t integer = (bits & (one - 1)) | (power > 0 ? one : 0);
     int shift = bit % 64;
     uint64_t wide[2] = {integer << shift, shift > 0 ? integer >> (64 - shift) : 0};
-    set(r, v < 0 ? -1 : 1, bit / 64 - BIAS, wide, 2);
+    return big_of(v < 0 ? -1 : 1, bit / 64 - BIAS, wide, 2);
 }
 
 /* From three limbs, because the top one may have few bits. */
-double dt_big_to_double(const struct dt_big *a)
+double dt_big_to_double(struct dt_big a)
 {
     double v = 0;
-    for (uint32_t i = a->n > 3 ? a->n - 3 : 0; i < a->n; i++)
-        v += ldexp((double)a->limb[i], 64 * (a->exponent + (int32_t)i));
-    return a->sign * v;
+    for (uint32_t i = a.n > 3 ? a.n - 3 : 0; i < a.n; i++)
+        v += ldexp((double)a.limb[i], 64 * (a.exponent + (int32_t)i));
+    return a.sign * v;
 }
 
 /* ---- sums ---- */
@@ -79,17 +81,16 @@ static int compare(const struct dt_big *a, const struct dt_big *b)
     return 0;
 }
 
-int dt_big_compare(const struct dt_big *a, const struct dt_big *b)
+int dt_big_compare(struct dt_big a, struct dt_big b)
 {
-    if (a->sign != b->sign)
-        return a->sign < b->sign ? -1 : 1;
-    return a->sign * compare(a, b);
+    if (a.sign != b.sign)
+        return a.sign < b.sign ? -1 : 1;
+    return a.sign * compare(&a, &b);
 }
 
-/* *r = sign * (|a| + |b|), or sign * (|a| - |b|) for |a| >= |b|, which adds the complement of b. b is left out if all of it
+/* sign * (|a| + |b|), or sign * (|a| - |b|) for |a| >= |b|, which adds the complement of b. b is left out if all of it
  * is below the limbs that the result can have. */
-static void combine(int sign, const struct dt_big *a, bool minus, const struct dt_big *b,
-                    struct dt_big *r)
+static struct dt_big combine(int sign, const struct dt_big *a, bool minus, const struct dt_big *b)
 {
     uint64_t wide[2 * N + 1], flip = minus ? UINT64_MAX : 0, carry = minus;
     int32_t top = top_of(a), low = a->exponent;
@@ -102,81 +103,69 @@ static void combine(int sign, const struct dt_big *a, bool minus, const struct d
         carry = (uint64_t)(sum >> 64);
     }
     wide[n++] = minus ? 0 : carry;
-    set(r, sign, low, wide, n);
+    return big_of(sign, low, wide, n);
 }
 
-/* *r = a + b, with `sign` as the sign of b. */
-static void add(const struct dt_big *a, int sign, const struct dt_big *b, struct dt_big *r)
+/* a + b, with `sign` as the sign of b. */
+static struct dt_big sum(const struct dt_big *a, int sign, const struct dt_big *b)
 {
     bool minus = a->sign * sign < 0;
-    if (compare(a, b) >= 0)
-        combine(a->sign, a, minus, b, r);
-    else
-        combine(sign, b, minus, a, r);
+    return compare(a, b) >= 0 ? combine(a->sign, a, minus, b) : combine(sign, b, minus, a);
 }
 
-void dt_big_add(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+struct dt_big dt_big_add(struct dt_big a, struct dt_big b)
 {
-    add(a, b->sign, b, r);
+    return sum(&a, b.sign, &b);
 }
 
-void dt_big_subtract(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+struct dt_big dt_big_subtract(struct dt_big a, struct dt_big b)
 {
-    add(a, -b->sign, b, r);
+    return sum(&a, -b.sign, &b);
 }
 
-void dt_big_difference(double a, double b, struct dt_big *r)
+/* Usually, where exponents are alike, the difference is a double. It is not if it overflows, which makes the error nan. */
+struct dt_big dt_big_difference(double a, double b)
 {
     struct dt_double2 d = dt_double2_difference(a, b);
-    struct dt_big lo;
-    dt_big_of(d.hi, r);
-    if (d.lo == 0) /* mostly, where exponents are alike */
-        return;
-    dt_big_of(d.lo, &lo);
-    dt_big_add(r, &lo, r);
+    return d.lo == 0 ? dt_big_of(d.hi) : dt_big_subtract(dt_big_of(a), dt_big_of(b));
 }
 
 /* ---- products and quotients ---- */
 
-void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+struct dt_big dt_big_multiply(struct dt_big a, struct dt_big b)
 {
     uint64_t wide[2 * N];
-    for (uint32_t k = 0; k < b->n; k++)
+    for (uint32_t k = 0; k < b.n; k++)
         wide[k] = 0;
-    for (uint32_t i = 0; i < a->n; i++) {
+    for (uint32_t i = 0; i < a.n; i++) {
         uint64_t carry = 0;
-        for (uint32_t k = 0; k < b->n && a->limb[i] != 0; k++) {
-            unsigned __int128 sum =
-                (unsigned __int128)a->limb[i] * b->limb[k] + wide[i + k] + carry;
+        for (uint32_t k = 0; k < b.n && a.limb[i] != 0; k++) {
+            unsigned __int128 sum = (unsigned __int128)a.limb[i] * b.limb[k] + wide[i + k] + carry;
             wide[i + k] = (uint64_t)sum;
             carry = (uint64_t)(sum >> 64);
         }
-        wide[i + b->n] = carry;
+        wide[i + b.n] = carry;
     }
-    set(r, a->sign * b->sign, a->exponent + b->exponent, wide, a->n + b->n);
+    return big_of(a.sign * b.sign, a.exponent + b.exponent, wide, a.n + b.n);
 }
 
-/* *x = 1 / b by Newton's iteration x <- x + x (1 - b x), which doubles the bits that are right. */
-static void reciprocal(const struct dt_big *b, struct dt_big *x)
+/* 1 / b by Newton's iteration x <- x + x (1 - b x), which doubles the bits that are right. */
+static struct dt_big reciprocal(struct dt_big b)
 {
-    struct dt_big one, step, scaled = *b;
-    scaled.exponent -= top_of(b); /* 2^-64 <= scaled < 1, so a double holds it */
-    dt_big_of(1, &one);
-    dt_big_of(1 / dt_big_to_double(&scaled), x);
+    int32_t top = top_of(&b);
+    b.exponent -= top; /* 2^-64 <= b < 1, so a double holds it */
+    struct dt_big one = dt_big_of(1), x = dt_big_of(1 / dt_big_to_double(b));
     for (int bits = 50; bits < 64 * N; bits *= 2) {
-        dt_big_multiply(&scaled, x, &step);
-        dt_big_subtract(&one, &step, &step);
-        dt_big_multiply(x, &step, &step);
-        dt_big_add(x, &step, x);
+        struct dt_big rest = dt_big_subtract(one, dt_big_multiply(b, x));
+        x = dt_big_add(x, dt_big_multiply(x, rest));
     }
-    x->exponent -= top_of(b);
+    x.exponent -= top;
+    return x;
 }
 
-void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+struct dt_big dt_big_divide(struct dt_big a, struct dt_big b)
 {
-    struct dt_big x;
-    reciprocal(b, &x);
-    dt_big_multiply(a, &x, r);
+    return dt_big_multiply(a, reciprocal(b));
 }
 
 /* ---- rounding ---- */
@@ -190,45 +179,34 @@ static bool is_odd(double v)
 
 /* Whether a / b is nearer to the double above v than to v; halfway, to the even one. Above the largest double is 2^1024. The gap is not
  * halved, since the gap between the least doubles cannot be. */
-static bool is_nearer_above(const struct dt_big *a, const struct dt_big *b, double v)
+static bool is_nearer_above(struct dt_big a, struct dt_big b, double v)
 {
     double up = nextafter(v, HUGE_VAL), gap = isinf(up) ? v - nextafter(v, 0) : up - v;
-    struct dt_big twice, middle, more;
-    dt_big_add(a, a, &twice);
-    dt_big_of(v, &middle);
-    dt_big_add(&middle, &middle, &middle);
-    dt_big_of(gap, &more);
-    dt_big_add(&middle, &more, &middle); /* twice as well */
-    dt_big_multiply(&middle, b, &middle);
-    int above = dt_big_compare(&twice, &middle) * b->sign;
+    struct dt_big middle = dt_big_of(v), twice = dt_big_add(a, a);
+    middle = dt_big_add(dt_big_add(middle, middle), dt_big_of(gap)); /* twice as well */
+    int above = dt_big_compare(twice, dt_big_multiply(middle, b)) * b.sign;
     return above > 0 || (above == 0 && is_odd(v));
 }
 
 /* The double nearest to a / b, ties to even; v is a double near it. */
-static double nearest(const struct dt_big *a, const struct dt_big *b, double v)
+static double nearest(struct dt_big a, struct dt_big b, double v)
 {
-    struct dt_big minus = *a;
+    struct dt_big minus = a;
     minus.sign = -minus.sign;
     v = isinf(v) ? copysign(DBL_MAX, v) : v;
     while (!isinf(v) && is_nearer_above(a, b, v))
         v = nextafter(v, HUGE_VAL);
-    while (!isinf(v) && is_nearer_above(&minus, b, -v))
+    while (!isinf(v) && is_nearer_above(minus, b, -v))
         v = nextafter(v, -HUGE_VAL);
     return v;
 }
 
-double dt_big_nearest(const struct dt_big *a)
+double dt_big_nearest(struct dt_big a)
 {
-    struct dt_big one;
-    dt_big_of(1, &one);
-    return nearest(a, &one, dt_big_to_double(a));
+    return nearest(a, dt_big_of(1), dt_big_to_double(a));
 }
 
-double dt_big_quotient(const struct dt_big *a, const struct dt_big *b)
+double dt_big_quotient(struct dt_big a, struct dt_big b)
 {
-    struct dt_big q;
-    if (a->sign == 0)
-        return 0;
-    dt_big_divide(a, b, &q);
-    return nearest(a, b, dt_big_to_double(&q));
+    return a.sign == 0 ? 0 : nearest(a, b, dt_big_to_double(dt_big_divide(a, b)));
 }

@@ -26,29 +26,28 @@ struct dt_big {
     uint64_t limb[DT_BIG_LIMBS]; /* the least first; the first and the last one are not 0 */
 };
 
-/* *r = v, which is finite. */
-void dt_big_of(double v, struct dt_big *r);
-
-/* *r = a - b, for doubles whose difference does not overflow. */
-void dt_big_difference(double a, double b, struct dt_big *r);
+/* v, which is finite. */
+struct dt_big dt_big_of(double v);
 
 /* Within an ulp; 0 or infinite where a double cannot hold it. */
-double dt_big_to_double(const struct dt_big *a);
+double dt_big_to_double(struct dt_big a);
 
 /* The nearest double, ties to even; infinite from halfway between the largest double and 2^1024 on. */
-double dt_big_nearest(const struct dt_big *a);
+double dt_big_nearest(struct dt_big a);
 
-/* *r = a + b, and so on; r may be a or b. */
-void dt_big_add(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
-void dt_big_subtract(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
-void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
+struct dt_big dt_big_add(struct dt_big a, struct dt_big b);
+struct dt_big dt_big_subtract(struct dt_big a, struct dt_big b);
+struct dt_big dt_big_multiply(struct dt_big a, struct dt_big b);
 
-/* *r = a / b; b is not 0. */
-void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
+/* a / b; b is not 0. */
+struct dt_big dt_big_divide(struct dt_big a, struct dt_big b);
+
+/* a - b, for any finite doubles. */
+struct dt_big dt_big_difference(double a, double b);
 
 /* The double nearest to a / b, ties to even, as dt_big_nearest has it; b is not 0. Exact unless a product of b and a double of 54 bits
  * needs more than DT_BIG_LIMBS limbs. */
-double dt_big_quotient(const struct dt_big *a, const struct dt_big *b);
+double dt_big_quotient(struct dt_big a, struct dt_big b);
 
 /* The sign of a - b. */
-int dt_big_compare(const struct dt_big *a, const struct dt_big *b);
+int dt_big_compare(struct dt_big a, struct dt_big b);

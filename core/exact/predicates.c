@@ -74,12 +74,8 @@ int dt_orient2d_double2(const struct dt_near_corner *k)
 
 int dt_orient2d_big(const struct dt_near_corner *k)
 {
-    struct dt_big_vector q, s;
-    struct dt_big det;
-    dt_big_vector_of(k->p, k->q, &q);
-    dt_big_vector_of(k->p, k->s, &s);
-    dt_big_cross(&q, &s, &det);
-    return det.sign;
+    struct dt_big_vector q = dt_big_vector_of(k->p, k->q), s = dt_big_vector_of(k->p, k->s);
+    return dt_big_cross(&q, &s).sign;
 }
 
 /* If all differences are exact, two products decide: rounding is monotone. False: some are not. */
@@ -241,21 +237,13 @@ int dt_incircle_double2(const struct dt_near_base *k)
 
 int dt_incircle_big(const struct dt_near_base *k)
 {
-    struct dt_big_vector base, to_q, to_t, other;
-    struct dt_big cr_q, cr_t, dt_q, dt_t;
-    dt_big_vector_of(k->p, k->s, &base);
-    dt_big_vector_of(k->p, k->q, &to_q);
-    dt_big_vector_of(k->p, k->t, &to_t);
-    dt_big_cross(&base, &to_q, &cr_q);
-    dt_big_vector_of(k->nearer, k->t, &other);
-    dt_big_cross(&base, &other, &cr_t);
-    dt_big_vector_of(k->s, k->q, &other);
-    dt_big_dot(&to_q, &other, &dt_q);
-    dt_big_vector_of(k->s, k->t, &other);
-    dt_big_dot(&to_t, &other, &dt_t);
-    dt_big_multiply(&dt_q, &cr_t, &dt_q);
-    dt_big_multiply(&dt_t, &cr_q, &dt_t);
-    return k->sign * dt_big_compare(&dt_q, &dt_t);
+    struct dt_big_vector base = dt_big_vector_of(k->p, k->s),
+                         nearer_t = dt_big_vector_of(k->nearer, k->t),
+                         pq = dt_big_vector_of(k->p, k->q), pt = dt_big_vector_of(k->p, k->t),
+                         sq = dt_big_vector_of(k->s, k->q), st = dt_big_vector_of(k->s, k->t);
+    struct dt_big cr_q = dt_big_cross(&base, &pq), cr_t = dt_big_cross(&base, &nearer_t);
+    struct dt_big dt_q = dt_big_dot(&pq, &sq), dt_t = dt_big_dot(&pt, &st);
+    return k->sign * dt_big_compare(dt_big_multiply(dt_q, cr_t), dt_big_multiply(dt_t, cr_q));
 }
 
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
@@ -313,11 +301,10 @@ bool dt_segment_meets_box(struct dt_point a, struct dt_point b, struct dt_point 
 
 /* ---- distances ---- */
 
-static void square_distance_big(struct dt_point a, struct dt_point b, struct dt_big *r)
+static struct dt_big square_distance_big(struct dt_point a, struct dt_point b)
 {
-    struct dt_big_vector v;
-    dt_big_vector_of(a, b, &v);
-    dt_big_dot(&v, &v, r);
+    struct dt_big_vector v = dt_big_vector_of(a, b);
+    return dt_big_dot(&v, &v);
 }
 
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
@@ -325,10 +312,7 @@ int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
     double da = dt_square_distance(a, q), db = dt_square_distance(b, q);
     if (dt_squares_decide(da, db))
         return da < db ? -1 : 1;
-    struct dt_big to_a, to_b;
-    square_distance_big(q, a, &to_a);
-    square_distance_big(q, b, &to_b);
-    return dt_big_compare(&to_a, &to_b);
+    return dt_big_compare(square_distance_big(q, a), square_distance_big(q, b));
 }
 
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
@@ -336,21 +320,14 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
     double d = dt_square_distance(a, b), rr = r * r;
     if (dt_squares_decide(d, rr))
         return d < rr ? -1 : 1;
-    struct dt_big exact_d, exact_rr;
-    square_distance_big(a, b, &exact_d);
-    dt_big_of(r, &exact_rr);
-    dt_big_multiply(&exact_rr, &exact_rr, &exact_rr);
-    return dt_big_compare(&exact_d, &exact_rr);
+    struct dt_big exact_r = dt_big_of(r);
+    return dt_big_compare(square_distance_big(a, b), dt_big_multiply(exact_r, exact_r));
 }
 
 int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b)
 {
-    struct dt_big_vector to_a, to_b;
-    struct dt_big dot;
-    dt_big_vector_of(o, a, &to_a);
-    dt_big_vector_of(o, b, &to_b);
-    dt_big_dot(&to_a, &to_b, &dot);
-    return dot.sign;
+    struct dt_big_vector to_a = dt_big_vector_of(o, a), to_b = dt_big_vector_of(o, b);
+    return dt_big_dot(&to_a, &to_b).sign;
 }
 
 /* ---- circumradii: (|ab| |bc| |ca|)^2 beside (2 r)^2 D^2 ---- */
@@ -358,20 +335,11 @@ int dt_dot_exact(struct dt_point o, struct dt_point a, struct dt_point b)
 static int compare_circumradius_big(struct dt_point a, struct dt_point b, struct dt_point c,
                                     double r)
 {
-    struct dt_big_vector to_b, to_c;
-    struct dt_big sides, other;
-    square_distance_big(a, b, &sides);
-    square_distance_big(b, c, &other);
-    dt_big_multiply(&sides, &other, &sides);
-    square_distance_big(c, a, &other);
-    dt_big_multiply(&sides, &other, &sides);
-    dt_big_vector_of(a, b, &to_b);
-    dt_big_vector_of(a, c, &to_c);
-    dt_big_cross(&to_b, &to_c, &other);
-    dt_big_of(2 * r, &to_b.x);
-    dt_big_multiply(&other, &to_b.x, &other);
-    dt_big_multiply(&other, &other, &other);
-    return dt_big_compare(&sides, &other);
+    struct dt_big sides = dt_big_multiply(square_distance_big(a, b), square_distance_big(b, c));
+    struct dt_big_vector to_b = dt_big_vector_of(a, b), to_c = dt_big_vector_of(a, c);
+    struct dt_big other = dt_big_multiply(dt_big_cross(&to_b, &to_c), dt_big_of(2 * r));
+    sides = dt_big_multiply(sides, square_distance_big(c, a));
+    return dt_big_compare(sides, dt_big_multiply(other, other));
 }
 
 int dt_compare_circumradius(struct dt_point a, struct dt_point b, struct dt_point c, double r)

@@ -83,7 +83,7 @@ double dt_sum_half(struct dt_sum *s)
 {
     struct dt_sum size = *s;
     struct dt_big big = big_of(size.digit, DT_SUM_DIGITS, LOWEST);
-    return big.sign == 0 ? 0 : dt_big_nearest(&big) / 2;
+    return big.sign == 0 ? 0 : dt_big_nearest(big) / 2;
 }
 
 /* ---- of any size ---- */
@@ -129,10 +129,6 @@ double dt_wide_sum_over(const struct dt_wide_sum *s, uint32_t divisor)
 {
     struct dt_wide_sum sum = *s;
     dt_wide_sum_move(&sum, 0);
-    struct dt_big big = big_of(sum.digit, DT_WIDE_DIGITS, LOWEST_WIDE), by;
-    if (big.sign == 0)
-        return 0;
-    dt_big_of(divisor, &by);
-    dt_big_divide(&big, &by, &big);
-    return dt_big_nearest(&big);
+    struct dt_big big = big_of(sum.digit, DT_WIDE_DIGITS, LOWEST_WIDE);
+    return big.sign == 0 ? 0 : dt_big_nearest(dt_big_divide(big, dt_big_of(divisor)));
 }

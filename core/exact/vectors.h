@@ -47,35 +47,26 @@ struct dt_big_vector {
     struct dt_big x, y;
 };
 
-/* *r = b - a */
-static inline void dt_big_vector_of(struct dt_point a, struct dt_point b, struct dt_big_vector *r)
+/* b - a */
+static inline struct dt_big_vector dt_big_vector_of(struct dt_point a, struct dt_point b)
 {
-    dt_big_difference(b.x, a.x, &r->x);
-    dt_big_difference(b.y, a.y, &r->y);
+    return (struct dt_big_vector){dt_big_difference(b.x, a.x), dt_big_difference(b.y, a.y)};
 }
 
-/* *r = a d - b c; r is none of them. */
-static inline void dt_big_determinant(const struct dt_big *a, const struct dt_big *b,
-                                      const struct dt_big *c, const struct dt_big *d,
-                                      struct dt_big *r)
+/* a d - b c */
+static inline struct dt_big dt_big_determinant(const struct dt_big *a, const struct dt_big *b,
+                                               const struct dt_big *c, const struct dt_big *d)
 {
-    struct dt_big right;
-    dt_big_multiply(a, d, r);
-    dt_big_multiply(b, c, &right);
-    dt_big_subtract(r, &right, r);
+    return dt_big_subtract(dt_big_multiply(*a, *d), dt_big_multiply(*b, *c));
 }
 
-static inline void dt_big_cross(const struct dt_big_vector *a, const struct dt_big_vector *b,
-                                struct dt_big *r)
+static inline struct dt_big dt_big_cross(const struct dt_big_vector *a,
+                                         const struct dt_big_vector *b)
 {
-    dt_big_determinant(&a->x, &a->y, &b->x, &b->y, r);
+    return dt_big_determinant(&a->x, &a->y, &b->x, &b->y);
 }
 
-static inline void dt_big_dot(const struct dt_big_vector *a, const struct dt_big_vector *b,
-                              struct dt_big *r)
+static inline struct dt_big dt_big_dot(const struct dt_big_vector *a, const struct dt_big_vector *b)
 {
-    struct dt_big y;
-    dt_big_multiply(&a->x, &b->x, r);
-    dt_big_multiply(&a->y, &b->y, &y);
-    dt_big_add(r, &y, r);
+    return dt_big_add(dt_big_multiply(a->x, b->x), dt_big_multiply(a->y, b->y));
 }

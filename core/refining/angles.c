@@ -8,17 +8,10 @@
 /* The cross product where double words lose too many bits: rounded to a double word. */
 static struct dt_double2 exact_cross(struct dt_point r, struct dt_point p, struct dt_point q)
 {
-    struct dt_big_vector u, v;
-    struct dt_big exact, rest;
-    struct dt_double2 cross;
-    dt_big_vector_of(r, p, &u);
-    dt_big_vector_of(r, q, &v);
-    dt_big_cross(&u, &v, &exact);
-    cross.hi = dt_big_nearest(&exact);
-    dt_big_of(cross.hi, &rest);
-    dt_big_subtract(&exact, &rest, &rest);
-    cross.lo = dt_big_nearest(&rest);
-    return cross;
+    struct dt_big_vector u = dt_big_vector_of(r, p), v = dt_big_vector_of(r, q);
+    struct dt_big exact = dt_big_cross(&u, &v);
+    double hi = dt_big_nearest(exact);
+    return (struct dt_double2){hi, dt_big_nearest(dt_big_subtract(exact, dt_big_of(hi)))};
 }
 
 /* Of the angle at r, counterclockwise from p to q. A product of double words errs by 2^-100, so a sum of two errs by 2^-90 of itself

@@ -1,6 +1,7 @@
 /* quality.c - see quality.h. */
 #include "core/refining/quality.h"
 
+#include "core/exact/predicates.h"
 #include "core/exact/vectors.h"
 
 /* Two sides that differ by less than this part of them are compared exactly: the rounding errors of a dozen operations are
@@ -51,48 +52,21 @@ void dt_wanted_of(const struct dt_quality *q, struct dt_wanted *out)
 
 /* ---- exact comparisons ---- */
 
-/* The square of the length against `length`. */
-static bool is_long_exactly(double length, struct dt_point a, struct dt_point b)
-{
-    struct dt_big_vector v;
-    struct dt_big square, limit;
-    dt_big_vector_of(a, b, &v);
-    dt_big_dot(&v, &v, &square);
-    dt_big_of(length, &limit);
-    dt_big_multiply(&limit, &limit, &limit);
-    return dt_big_compare(&square, &limit) > 0;
-}
-
 static bool is_large_exactly(double area, const struct dt_shape *s)
 {
-    struct dt_big_vector u, v;
-    struct dt_big cross, limit, two;
-    dt_big_vector_of(s->p, s->q, &u);
-    dt_big_vector_of(s->p, s->r, &v);
-    dt_big_cross(&u, &v, &cross);
-    dt_big_of(area, &limit);
-    dt_big_of(2, &two);
-    dt_big_multiply(&limit, &two, &limit);
-    return dt_big_compare(&cross, &limit) > 0;
+    struct dt_big_vector u = dt_big_vector_of(s->p, s->q), v = dt_big_vector_of(s->p, s->r);
+    struct dt_big limit = dt_big_multiply(dt_big_of(area), dt_big_of(2));
+    return dt_big_compare(dt_big_cross(&u, &v), limit) > 0;
 }
 
 /* Whether the angle at r is too small. */
 static bool is_sharp_exactly(double cosine, struct dt_point p, struct dt_point q, struct dt_point r)
 {
-    struct dt_big_vector u, v;
-    struct dt_big dot, left, right, factor;
-    dt_big_vector_of(r, p, &u);
-    dt_big_vector_of(r, q, &v);
-    dt_big_dot(&u, &v, &dot);
-    if (dot.sign <= 0)
-        return false;
-    dt_big_multiply(&dot, &dot, &left);
-    dt_big_dot(&u, &u, &right);
-    dt_big_dot(&v, &v, &factor);
-    dt_big_multiply(&right, &factor, &right);
-    dt_big_of(cosine, &factor);
-    dt_big_multiply(&right, &factor, &right);
-    return dt_big_compare(&left, &right) > 0;
+    struct dt_big_vector u = dt_big_vector_of(r, p), v = dt_big_vector_of(r, q);
+    struct dt_big dot = dt_big_dot(&u, &v);
+    struct dt_big sides = dt_big_multiply(dt_big_dot(&u, &u), dt_big_dot(&v, &v));
+    return dot.sign > 0 &&
+           dt_big_compare(dt_big_multiply(dot, dot), dt_big_multiply(sides, dt_big_of(cosine))) > 0;
 }
 
 /* ---- the same, by doubles where they decide ---- */
@@ -122,13 +96,7 @@ static bool is_large(double area, const struct dt_shape *s)
 
 bool dt_is_long(const struct dt_wanted *w, struct dt_point a, struct dt_point b)
 {
-    double square = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
-    double limit = w->length * w->length;
-    if (w->length == HUGE_VAL)
-        return false;
-    if (fabs(square - limit) > CLOSE * limit && limit < HUGE_VAL)
-        return square > limit;
-    return is_long_exactly(w->length, a, b);
+    return w->length < HUGE_VAL && dt_compare_radius(a, b, w->length) > 0;
 }
 
 unsigned dt_shape_breaks(const struct dt_wanted *w, const struct dt_shape *s)

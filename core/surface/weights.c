@@ -14,7 +14,7 @@
  * 4. The area of the cell is at least 2^-392: the area of the disc with half the distance to the nearest neighbour. */
 #include "core/surface/weights.h"
 
-#include "core/exact/big_values.h"
+#include "core/exact/bignum.h"
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
 #include "core/query/query.h"
@@ -56,19 +56,14 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 
 /* ---- in numbers that are always enough ---- */
 
-static double big_rough(struct dt_big a)
-{
-    return dt_big_to_double(&a);
-}
-
 #define NUMBER struct dt_big
 #define F(name) name##_big
-#define DIFFERENCE(a, b) dt_big_difference_of(a, b)
-#define PLUS(a, b) dt_big_plus(a, b)
-#define MINUS(a, b) dt_big_minus(a, b)
-#define TIMES(a, b) dt_big_times(a, b)
-#define OVER(a, b) dt_big_over(a, b)
-#define ROUGH(a) big_rough(a)
+#define DIFFERENCE(a, b) dt_big_difference(a, b)
+#define PLUS(a, b) dt_big_add(a, b)
+#define MINUS(a, b) dt_big_subtract(a, b)
+#define TIMES(a, b) dt_big_multiply(a, b)
+#define OVER(a, b) dt_big_divide(a, b)
+#define ROUGH(a) dt_big_to_double(a)
 #define UNIT 0.0
 #include "core/surface/weights_formula.h"
 

@@ -125,71 +125,59 @@ struct dt_off_range dt_plane_off_range(const struct dt_corners *c, const struct 
 
 /* ---- exactly ---- */
 
-/* The second corner, the third one and q as seen from the first one, and their crosses. */
-static void weights_big(const struct dt_corners *c, const struct dt_sample *q, struct dt_big *area,
-                        struct dt_big *second, struct dt_big *third)
+/* A point is off by sum / area, both positive. */
+struct off_big {
+    struct dt_big sum, area;
+};
+
+/* weight (value - base); these may be so large that doubles have no difference. */
+static struct dt_big weighted_big(struct dt_big weight, double value, double base)
 {
-    struct dt_big_vector to_second, to_third, to_q;
-    dt_big_vector_of(c->first.at, c->second.at, &to_second);
-    dt_big_vector_of(c->first.at, c->third.at, &to_third);
-    dt_big_vector_of(c->first.at, q->at, &to_q);
-    dt_big_cross(&to_second, &to_third, area);
-    dt_big_cross(&to_q, &to_third, second);
-    dt_big_cross(&to_second, &to_q, third);
+    return dt_big_multiply(dt_big_difference(value, base), weight);
 }
 
-/* The same on a line, by the coordinate in which its points differ; `third` does not count. */
-static void weights_on_line(const struct dt_corners *c, const struct dt_sample *q,
-                            struct dt_big *area, struct dt_big *second)
+/* The weights are the crosses of the second corner, the third one and q, as seen from the first one. */
+static struct off_big off_of_triangle(const struct dt_corners *c, const struct dt_sample *q)
+{
+    const struct dt_point o = c->first.at;
+    struct dt_big_vector second = dt_big_vector_of(o, c->second.at),
+                         third = dt_big_vector_of(o, c->third.at),
+                         to_q = dt_big_vector_of(o, q->at);
+    struct dt_big area = dt_big_cross(&second, &third);
+    struct dt_big sum = weighted_big(area, c->first.z, q->z);
+    sum = dt_big_add(sum, weighted_big(dt_big_cross(&to_q, &third), c->second.z, c->first.z));
+    sum = dt_big_add(sum, weighted_big(dt_big_cross(&second, &to_q), c->third.z, c->first.z));
+    return (struct off_big){sum, area};
+}
+
+/* The same on a line, by the coordinate in which its points differ. */
+static struct off_big off_of_line(const struct dt_corners *c, const struct dt_sample *q)
 {
     const struct dt_point o = c->first.at, e = c->second.at;
-    bool by_x = e.x != o.x;
-    dt_big_difference(by_x ? e.x : e.y, by_x ? o.x : o.y, area);
-    dt_big_difference(by_x ? q->at.x : q->at.y, by_x ? o.x : o.y, second);
+    const bool by_x = e.x != o.x;
+    struct dt_big length = by_x ? dt_big_difference(e.x, o.x) : dt_big_difference(e.y, o.y);
+    struct dt_big part = by_x ? dt_big_difference(q->at.x, o.x) : dt_big_difference(q->at.y, o.y);
+    return (struct off_big){dt_big_add(weighted_big(length, c->first.z, q->z),
+                                       weighted_big(part, c->second.z, c->first.z)),
+                            length};
 }
 
-/* *sum += weight (value - base); these may be so large that doubles have no difference. */
-static void add_big(struct dt_big *sum, const struct dt_big *weight, double value, double base)
+static struct off_big off_big(const struct dt_corners *c, const struct dt_sample *q)
 {
-    struct dt_big term, other;
-    dt_big_of(value, &term);
-    dt_big_of(base, &other);
-    dt_big_subtract(&term, &other, &term);
-    dt_big_multiply(&term, weight, &term);
-    dt_big_add(sum, &term, sum);
-}
-
-/* *sum / *area is how far q is off. */
-static void off_big(const struct dt_corners *c, const struct dt_sample *q, struct dt_big *sum,
-                    struct dt_big *area)
-{
-    struct dt_big second, third;
-    if (!c->on_line)
-        weights_big(c, q, area, &second, &third);
-    else
-        weights_on_line(c, q, area, &second);
-    dt_big_of(0, sum);
-    add_big(sum, area, c->first.z, q->z);
-    add_big(sum, &second, c->second.z, c->first.z);
-    if (!c->on_line)
-        add_big(sum, &third, c->third.z, c->first.z);
-    sum->sign = sum->sign == 0 ? 0 : 1;
-    area->sign = 1;
+    struct off_big off = c->on_line ? off_of_line(c, q) : off_of_triangle(c, q);
+    off.sum.sign = off.sum.sign == 0 ? 0 : 1;
+    off.area.sign = 1;
+    return off;
 }
 
 bool dt_plane_exceeds(const struct dt_corners *c, const struct dt_sample *q, double bound)
 {
-    struct dt_big sum, area, most;
-    off_big(c, q, &sum, &area);
-    dt_big_of(bound, &most);
-    dt_big_multiply(&most, &area, &most);
-    return dt_big_compare(&sum, &most) > 0;
+    struct off_big off = off_big(c, q);
+    return dt_big_compare(off.sum, dt_big_multiply(dt_big_of(bound), off.area)) > 0;
 }
 
 double dt_plane_nearest_off(const struct dt_corners *c, const struct dt_sample *q)
 {
-    struct dt_big sum, area;
-    off_big(c, q, &sum, &area);
-    dt_big_divide(&sum, &area, &sum);
-    return dt_big_nearest(&sum);
+    struct off_big off = off_big(c, q);
+    return dt_big_nearest(dt_big_divide(off.sum, off.area));
 }

@@ -13,7 +13,7 @@
  * more than 2^-2200 of S^2 or S^2 H. */
 #include "core/triangle/clip.h"
 
-#include "core/exact/big_values.h"
+#include "core/exact/bignum.h"
 #include "core/exact/double2.h"
 
 #include <math.h>
@@ -35,22 +35,22 @@ enum { CORNERS = 9 };
 
 #define NUMBER struct dt_big
 #define F(name) name##_big
-#define DIFFERENCE(a, b) dt_big_difference_of(a, b)
-#define PLUS(a, b) dt_big_plus(a, b)
-#define MINUS(a, b) dt_big_minus(a, b)
-#define TIMES(a, b) dt_big_times(a, b)
-#define OVER(a, b) dt_big_over(a, b)
+#define DIFFERENCE(a, b) dt_big_difference(a, b)
+#define PLUS(a, b) dt_big_add(a, b)
+#define MINUS(a, b) dt_big_subtract(a, b)
+#define TIMES(a, b) dt_big_multiply(a, b)
+#define OVER(a, b) dt_big_divide(a, b)
 #define SIGN(a) ((a).sign)
 #define ZERO ((struct dt_big){0})
 #include "core/triangle/clip_formula.h"
 
 /* The top limb becomes the number's integer part, so that it is a double. */
-static struct dt_scaled scaled(struct dt_big *v)
+static struct dt_scaled scaled(struct dt_big v)
 {
-    if (v->sign <= 0)
+    if (v.sign <= 0)
         return (struct dt_scaled){0, 0};
-    int limbs = v->exponent + (int)v->n - 1;
-    v->exponent -= limbs;
+    int limbs = v.exponent + (int)v.n - 1;
+    v.exponent -= limbs;
     return (struct dt_scaled){dt_big_nearest(v), 64 * limbs};
 }
 
@@ -59,7 +59,7 @@ static struct dt_slab_parts clip_exactly(const struct dt_slab *s, struct dt_poin
 {
     struct dt_big above, below, area;
     clip_big(s, lo, hi, &above, &below, &area);
-    return (struct dt_slab_parts){scaled(&above), scaled(&below), scaled(&area)};
+    return (struct dt_slab_parts){scaled(above), scaled(below), scaled(area)};
 }
 
 /* ---- both ---- */

@@ -29,41 +29,30 @@ static bool area_of(struct dt_point p, struct dt_point q, struct dt_point r,
     return cross.value.hi >= 0x1p-20 * cross.size;
 }
 
-static void exact_area(struct dt_point p, struct dt_point q, struct dt_point r, struct dt_big *area)
+/* The absolute value of the same. */
+static struct dt_big exact_area(struct dt_point p, struct dt_point q, struct dt_point r)
 {
-    struct dt_big_vector a, b;
-    dt_big_vector_of(p, q, &a);
-    dt_big_vector_of(p, r, &b);
-    dt_big_cross(&a, &b, area);
+    struct dt_big_vector a = dt_big_vector_of(p, q), b = dt_big_vector_of(p, r);
+    struct dt_big area = dt_big_cross(&a, &b);
+    area.sign = 1;
+    return area;
 }
 
-static struct dt_double2 quotient_of(const struct dt_big *a, const struct dt_big *b)
+static struct dt_double2 quotient_of(struct dt_big a, struct dt_big b)
 {
-    struct dt_double2 r;
-    struct dt_big v, hi;
-    dt_big_divide(a, b, &v);
-    r.hi = dt_big_nearest(&v);
-    dt_big_of(r.hi, &hi);
-    dt_big_subtract(&v, &hi, &v);
-    r.lo = v.sign == 0 ? 0 : dt_big_to_double(&v);
-    return r;
+    struct dt_big v = dt_big_divide(a, b);
+    double hi = dt_big_nearest(v);
+    return (struct dt_double2){hi, dt_big_to_double(dt_big_subtract(v, dt_big_of(hi)))};
 }
 
 static struct dt_cut exact_cut(struct dt_point p, struct dt_point q, struct dt_point a,
                                struct dt_point b)
 {
-    struct dt_cut r;
-    struct dt_big before, right, left;
-    exact_area(p, a, b, &before);
-    exact_area(p, q, a, &right);
-    exact_area(q, p, b, &left);
-    right.sign = left.sign = before.sign = 1;
-    dt_big_add(&right, &left, &left);
-    r.along = quotient_of(&before, &left);
-    r.across = quotient_of(&right, &left);
-    r.at = dt_crossing_place(&(struct dt_segment){.p = p, .q = q},
-                             &(struct dt_segment){.p = a, .q = b});
-    return r;
+    struct dt_big right = exact_area(p, q, a), whole = dt_big_add(right, exact_area(q, p, b));
+    return (struct dt_cut){.along = quotient_of(exact_area(p, a, b), whole),
+                           .across = quotient_of(right, whole),
+                           .at = dt_crossing_place(&(struct dt_segment){.p = p, .q = q},
+                                                   &(struct dt_segment){.p = a, .q = b})};
 }
 
 /* from + along (to - from), rounded once. False: the nearest double is not certain. */

@@ -10,8 +10,7 @@
  * the determinants. */
 #include "core/triangle/gradient.h"
 
-#include "core/exact/big_values.h"
-#include "core/exact/double2.h"
+#include "core/exact/vectors.h"
 
 #include <math.h>
 
@@ -60,35 +59,23 @@ static bool gradient_in_double_words(const struct dt_point p[3], const double z[
 {
     if (!is_moderate(z[0]) || !is_moderate(z[1]) || !is_moderate(z[2]))
         return false;
-    struct dt_double2 bx = dt_double2_difference(p[1].x, p[0].x),
-                      by = dt_double2_difference(p[1].y, p[0].y),
-                      bz = dt_double2_difference(z[1], z[0]),
-                      cx = dt_double2_difference(p[2].x, p[0].x),
-                      cy = dt_double2_difference(p[2].y, p[0].y),
+    struct dt_vector2 b = dt_vector2_of(p[0], p[1]), c = dt_vector2_of(p[0], p[2]);
+    struct dt_double2 bz = dt_double2_difference(z[1], z[0]),
                       cz = dt_double2_difference(z[2], z[0]);
-    struct determinant area = determinant_of(bx, cy, by, cx), dx = determinant_of(bz, cy, by, cz),
-                       dy = determinant_of(cz, bx, cx, bz);
+    struct determinant area = determinant_of(b.x, c.y, b.y, c.x),
+                       dx = determinant_of(bz, c.y, b.y, cz), dy = determinant_of(cz, b.x, c.x, bz);
     return divide(&dx, &area, &out->dx) && divide(&dy, &area, &out->dy);
 }
 
 /* ---- exactly ---- */
 
-/* a d - b c */
-static struct dt_big big_determinant(struct dt_big a, struct dt_big d, struct dt_big b,
-                                     struct dt_big c)
-{
-    return dt_big_minus(dt_big_times(a, d), dt_big_times(b, c));
-}
-
 static struct dt_gradient exact_gradient(const struct dt_point p[3], const double z[3])
 {
-    struct dt_big bx = dt_big_difference_of(p[1].x, p[0].x),
-                  by = dt_big_difference_of(p[1].y, p[0].y), bz = dt_big_difference_of(z[1], z[0]),
-                  cx = dt_big_difference_of(p[2].x, p[0].x),
-                  cy = dt_big_difference_of(p[2].y, p[0].y), cz = dt_big_difference_of(z[2], z[0]);
-    struct dt_big area = big_determinant(bx, cy, by, cx), dx = big_determinant(bz, cy, by, cz),
-                  dy = big_determinant(cz, bx, cx, bz);
-    return (struct dt_gradient){dt_big_quotient(&dx, &area), dt_big_quotient(&dy, &area)};
+    struct dt_big_vector b = dt_big_vector_of(p[0], p[1]), c = dt_big_vector_of(p[0], p[2]);
+    struct dt_big bz = dt_big_difference(z[1], z[0]), cz = dt_big_difference(z[2], z[0]);
+    struct dt_big area = dt_big_cross(&b, &c), dx = dt_big_determinant(&bz, &b.y, &cz, &c.y),
+                  dy = dt_big_determinant(&cz, &c.x, &bz, &b.x);
+    return (struct dt_gradient){dt_big_quotient(dx, area), dt_big_quotient(dy, area)};
 }
 
 struct dt_gradient dt_gradient_of(const struct dt_point p[3], const double z[3])

@@ -12,33 +12,27 @@ typedef struct dt_big num;
 
 static num of(double v)
 {
-    num r;
-    dt_big_of(v, &r);
-    return r;
+    return dt_big_of(v);
 }
 
 static num plus(num a, num b)
 {
-    dt_big_add(&a, &b, &a);
-    return a;
+    return dt_big_add(a, b);
 }
 
 static num minus(num a, num b)
 {
-    dt_big_subtract(&a, &b, &a);
-    return a;
+    return dt_big_subtract(a, b);
 }
 
 static num times(num a, num b)
 {
-    dt_big_multiply(&a, &b, &a);
-    return a;
+    return dt_big_multiply(a, b);
 }
 
 static num over(num a, num b)
 {
-    dt_big_divide(&a, &b, &a);
-    return a;
+    return dt_big_divide(a, b);
 }
 
 struct place {
@@ -176,7 +170,7 @@ void voronoi_weights(const struct dt_point *p, uint32_t n, struct dt_point q,
         total = plus(total, share[i]);
     for (uint32_t i = 0; i < n; i++) {
         num w = over(share[i], total);
-        weight[i] = dt_big_to_double(&w);
+        weight[i] = dt_big_to_double(w);
     }
     polygon_free(&cell);
     free(share);

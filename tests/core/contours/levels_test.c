@@ -186,40 +186,39 @@ TEST(a_bignum_is_rounded_to_the_nearest_double_ties_to_even)
         struct dt_big a, half, tiny;
         if (isinf(odd))
             break;
-        dt_big_of(
-            unit,
-            &half); /* half a unit, and a 64th of the least: by products, since there may be no such double */
-        dt_big_of(0.5, &a);
-        dt_big_multiply(&half, &a, &half);
-        dt_big_of(0x1p-200, &a);
-        dt_big_multiply(&half, &a, &tiny);
-        dt_big_of(odd, &a);
-        CHECK(dt_big_nearest(&a) == odd);
-        dt_big_add(&a, &half, &a); /* the tie goes up, to the even one */
-        CHECK(dt_big_nearest(&a) == odd + unit);
-        dt_big_subtract(&a, &tiny, &a);
-        CHECK(dt_big_nearest(&a) == odd);
-        dt_big_of(odd + unit, &a);
-        dt_big_add(&a, &half, &a); /* the tie goes down */
-        CHECK(dt_big_nearest(&a) == odd + unit);
-        dt_big_add(&a, &tiny, &a);
-        CHECK(dt_big_nearest(&a) == odd + 2 * unit);
+        half = dt_big_of(
+            unit); /* half a unit, and a 64th of the least: by products, since there may be no such double */
+        a = dt_big_of(0.5);
+        half = dt_big_multiply(half, a);
+        a = dt_big_of(0x1p-200);
+        tiny = dt_big_multiply(half, a);
+        a = dt_big_of(odd);
+        CHECK(dt_big_nearest(a) == odd);
+        a = dt_big_add(a, half); /* the tie goes up, to the even one */
+        CHECK(dt_big_nearest(a) == odd + unit);
+        a = dt_big_subtract(a, tiny);
+        CHECK(dt_big_nearest(a) == odd);
+        a = dt_big_of(odd + unit);
+        a = dt_big_add(a, half); /* the tie goes down */
+        CHECK(dt_big_nearest(a) == odd + unit);
+        a = dt_big_add(a, tiny);
+        CHECK(dt_big_nearest(a) == odd + 2 * unit);
         a.sign = -1;
-        CHECK(dt_big_nearest(&a) == -(odd + 2 * unit));
+        CHECK(dt_big_nearest(a) == -(odd + 2 * unit));
     }
 }
 
 TEST(a_bignum_beyond_the_largest_double_is_infinite_from_halfway_to_the_next_power_on)
 {
     struct dt_big a, half, tiny;
-    dt_big_of(DBL_MAX, &a);
-    dt_big_of(0x1p970, &half);
-    dt_big_of(1, &tiny);
-    CHECK(dt_big_nearest(&a) == DBL_MAX);
-    dt_big_add(&a, &half, &a);
-    CHECK(dt_big_nearest(&a) == HUGE_VAL);
-    dt_big_subtract(&a, &tiny, &a);
-    CHECK(dt_big_nearest(&a) == DBL_MAX);
+    a = dt_big_of(DBL_MAX);
+    half = dt_big_of(0x1p970);
+    tiny = dt_big_of(1);
+    CHECK(dt_big_nearest(a) == DBL_MAX);
+    a = dt_big_add(a, half);
+    CHECK(dt_big_nearest(a) == HUGE_VAL);
+    a = dt_big_subtract(a, tiny);
+    CHECK(dt_big_nearest(a) == DBL_MAX);
     a.sign = -1;
-    CHECK(dt_big_nearest(&a) == -DBL_MAX);
+    CHECK(dt_big_nearest(a) == -DBL_MAX);
 }

@@ -16,21 +16,20 @@ static double coordinate(void)
 static void add_product(struct dt_big *sum, double a, double b, bool minus)
 {
     struct dt_big x, y;
-    dt_big_of(a, &x);
-    dt_big_of(b, &y);
-    dt_big_multiply(&x, &y, &x);
+    x = dt_big_of(a);
+    y = dt_big_of(b);
+    x = dt_big_multiply(x, y);
     if (minus)
-        dt_big_subtract(sum, &x, sum);
+        *sum = dt_big_subtract(*sum, x);
     else
-        dt_big_add(sum, &x, sum);
+        *sum = dt_big_add(*sum, x);
 }
 
 TEST(half_the_sum_of_cross_products_is_rounded_once)
 {
     for (int round = 0; round < 2000; round++) {
         struct dt_sum sum = {0};
-        struct dt_big exact;
-        dt_big_of(0, &exact);
+        struct dt_big exact = dt_big_of(0);
         for (uint64_t n = test_random() % 20; n > 0; n--) {
             struct dt_point a = {coordinate(), coordinate()}, b = {coordinate(), coordinate()};
             bool back = test_random() % 3 == 0; /* terms that cancel */
@@ -41,7 +40,7 @@ TEST(half_the_sum_of_cross_products_is_rounded_once)
                 add_product(&exact, p.y, q.x, true);
             }
         }
-        CHECK(dt_sum_half(&sum) == (exact.sign == 0 ? 0 : dt_big_nearest(&exact) / 2));
+        CHECK(dt_sum_half(&sum) == (exact.sign == 0 ? 0 : dt_big_nearest(exact) / 2));
     }
 }
 
@@ -83,8 +82,8 @@ TEST(wide_sums_of_any_doubles_are_exact_and_in_any_order)
         struct dt_big exact, six;
         double a[20], b[20];
         int n = (int)(test_random() % 20), k = round % 4;
-        dt_big_of(0, &exact);
-        dt_big_of(6, &six);
+        exact = dt_big_of(0);
+        six = dt_big_of(6);
         for (int i = 0; i < n; i++) {
             a[i] = few_bits(any_double(kind[k].from, kind[k].range));
             b[i] = few_bits(any_double(-60, k == 1 ? 500 : 20));
@@ -93,8 +92,8 @@ TEST(wide_sums_of_any_doubles_are_exact_and_in_any_order)
         }
         for (int i = n; i-- > 0;)
             dt_wide_sum_add(&back, a[i], b[i]);
-        dt_big_divide(&exact, &six, &six);
-        double want = exact.sign == 0 ? 0 : dt_big_nearest(&six);
+        six = dt_big_divide(exact, six);
+        double want = exact.sign == 0 ? 0 : dt_big_nearest(six);
         CHECK(dt_wide_sum_over(&sum, 6) == want && dt_wide_sum_over(&back, 6) == want);
     }
 }

@@ -39,8 +39,8 @@ struct vector {
 static struct vector vector_of(struct dt_point from, struct dt_point to)
 {
     struct vector v;
-    dt_big_difference(to.x, from.x, &v.x);
-    dt_big_difference(to.y, from.y, &v.y);
+    v.x = dt_big_difference(to.x, from.x);
+    v.y = dt_big_difference(to.y, from.y);
     return v;
 }
 
@@ -48,14 +48,8 @@ static struct vector vector_of(struct dt_point from, struct dt_point to)
 static struct dt_big combine(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
                              const struct dt_big *d, bool minus)
 {
-    struct dt_big r, s;
-    dt_big_multiply(a, b, &r);
-    dt_big_multiply(c, d, &s);
-    if (minus)
-        dt_big_subtract(&r, &s, &r);
-    else
-        dt_big_add(&r, &s, &r);
-    return r;
+    struct dt_big r = dt_big_multiply(*a, *b), s = dt_big_multiply(*c, *d);
+    return minus ? dt_big_subtract(r, s) : dt_big_add(r, s);
 }
 
 /* Of the angle at r. */
@@ -68,13 +62,12 @@ static int exact_bin(struct dt_point r, struct dt_point p, struct dt_point q)
     int bin = 0;
     if (dot.sign <= 0)
         return DT_ANGLE_BINS - 1;
-    dt_big_multiply(&dot, &dot, &square);
-    dt_big_multiply(&uu, &vv, &sides);
+    square = dt_big_multiply(dot, dot);
+    sides = dt_big_multiply(uu, vv);
     for (; bin < DT_ANGLE_BINS - 1; bin++) {
-        struct dt_big limit;
-        dt_big_of(cosine2[bin], &limit);
-        dt_big_multiply(&limit, &sides, &limit);
-        if (dt_big_compare(&square, &limit) > 0)
+        struct dt_big limit = dt_big_of(cosine2[bin]);
+        limit = dt_big_multiply(limit, sides);
+        if (dt_big_compare(square, limit) > 0)
             break;
     }
     return bin;
@@ -86,7 +79,7 @@ static double angle_at(struct dt_point r, struct dt_point p, struct dt_point q)
     struct vector u = vector_of(r, p), v = vector_of(r, q);
     struct dt_big dot = combine(&u.x, &v.x, &u.y, &v.y, false);
     struct dt_big cross = combine(&u.x, &v.y, &u.y, &v.x, true);
-    double angle = atan2(dt_big_nearest(&cross), dt_big_nearest(&dot));
+    double angle = atan2(dt_big_nearest(cross), dt_big_nearest(dot));
     return angle * (180 / 3.14159265358979323846);
 }
 
@@ -95,7 +88,7 @@ static void recount_triangle(const struct dt_point p[3], struct dt_shapes *out, 
     struct vector u = vector_of(p[0], p[1]), v = vector_of(p[0], p[2]);
     struct dt_big cross = combine(&u.x, &v.y, &u.y, &v.x, true);
     int least = DT_ANGLE_BINS - 1;
-    dt_big_add(area, &cross, area);
+    *area = dt_big_add(*area, cross);
     out->triangles++;
     for (int k = 0; k < 3; k++) {
         struct dt_point r = p[k], a = p[(k + 1) % 3], b = p[(k + 2) % 3];
@@ -122,8 +115,8 @@ static struct dt_shapes recount(const struct dt *t, const struct dt_ids *ids)
             CHECK(dt_get(t, ids->v[i + k], &p[k]) == DT_OK);
         recount_triangle(p, &r, &area);
     }
-    dt_big_of(2, &two);
-    r.area = area.sign == 0 ? 0 : dt_big_quotient(&area, &two);
+    two = dt_big_of(2);
+    r.area = area.sign == 0 ? 0 : dt_big_quotient(area, two);
     return r;
 }
 

@@ -22,23 +22,20 @@ static double any_number(int range)
 
 static struct dt_big times(const struct dt_big *a, const struct dt_big *b)
 {
-    struct dt_big r;
-    dt_big_multiply(a, b, &r);
-    return r;
+    return dt_big_multiply(*a, *b);
 }
 
 /* a d - b c of differences to the first number of each array */
 static struct dt_big determinant(const double *a, const double *d, int i, int k)
 {
     struct dt_big p, q, r, s;
-    dt_big_difference(a[i], a[0], &p);
-    dt_big_difference(d[k], d[0], &q);
-    dt_big_difference(d[i], d[0], &r);
-    dt_big_difference(a[k], a[0], &s);
+    p = dt_big_difference(a[i], a[0]);
+    q = dt_big_difference(d[k], d[0]);
+    r = dt_big_difference(d[i], d[0]);
+    s = dt_big_difference(a[k], a[0]);
     p = times(&p, &q);
     r = times(&r, &s);
-    dt_big_subtract(&p, &r, &p);
-    return p;
+    return dt_big_subtract(p, r);
 }
 
 /* Whether no other double is nearer to num / den. */
@@ -46,14 +43,14 @@ static bool is_nearest(double got, const struct dt_big *num, const struct dt_big
 {
     struct dt_big v, middle, half;
     double other[2] = {nextafter(got, -HUGE_VAL), nextafter(got, HUGE_VAL)};
-    dt_big_of(0.5, &half);
+    half = dt_big_of(0.5);
     for (int i = 0; i < 2; i++) { /* num - den (got + other) / 2 */
-        dt_big_of(got, &v);
-        dt_big_of(other[i], &middle);
-        dt_big_add(&v, &middle, &v);
+        v = dt_big_of(got);
+        middle = dt_big_of(other[i]);
+        v = dt_big_add(v, middle);
         v = times(&v, &half);
         v = times(&v, den);
-        int side = dt_big_compare(num, &v) * den->sign;
+        int side = dt_big_compare(*num, v) * den->sign;
         if (i == 0 ? side < 0 : side > 0)
             return false;
     }

@@ -23,8 +23,8 @@ struct vector {
 static struct vector vector(struct dt_point a, struct dt_point b)
 {
     struct vector v;
-    dt_big_difference(b.x, a.x, &v.x);
-    dt_big_difference(b.y, a.y, &v.y);
+    v.x = dt_big_difference(b.x, a.x);
+    v.y = dt_big_difference(b.y, a.y);
     return v;
 }
 
@@ -32,10 +32,9 @@ static struct vector vector(struct dt_point a, struct dt_point b)
 static struct dt_big products(struct dt_big ux, struct dt_big vx, int sign, struct dt_big uy,
                               struct dt_big vy)
 {
-    dt_big_multiply(&ux, &vx, &ux);
-    dt_big_multiply(&uy, &vy, &uy);
-    (sign > 0 ? dt_big_add : dt_big_subtract)(&ux, &uy, &ux);
-    return ux;
+    ux = dt_big_multiply(ux, vx);
+    uy = dt_big_multiply(uy, vy);
+    return sign > 0 ? dt_big_add(ux, uy) : dt_big_subtract(ux, uy);
 }
 
 static struct dt_big dot(struct vector u, struct vector v)
@@ -48,7 +47,7 @@ static struct foot foot_between(struct dt_point a, struct dt_point b, struct dt_
     struct vector e = vector(a, b), d = vector(a, q), back = vector(b, q);
     struct dt_big along = dot(d, e), past = dot(back, e);
     struct foot f = {.along = past.sign >= 0};
-    dt_big_of(1, &f.under);
+    f.under = dt_big_of(1);
     if (along.sign <= 0 || past.sign >= 0) {
         f.along = along.sign > 0;
         f.over = along.sign <= 0 ? dot(d, d) : dot(back, back);
@@ -56,17 +55,17 @@ static struct foot foot_between(struct dt_point a, struct dt_point b, struct dt_
     }
     struct dt_big across = products(d.x, e.y, -1, d.y, e.x);
     f.under = dot(e, e);
-    dt_big_multiply(&across, &across, &f.over);
-    dt_big_divide(&along, &f.under, &along);
-    f.along = dt_big_to_double(&along);
+    f.over = dt_big_multiply(across, across);
+    along = dt_big_divide(along, f.under);
+    f.along = dt_big_to_double(along);
     return f;
 }
 
 static bool is_nearer(struct foot f, struct foot g)
 {
-    dt_big_multiply(&f.over, &g.under, &f.over);
-    dt_big_multiply(&g.over, &f.under, &g.over);
-    return dt_big_compare(&f.over, &g.over) < 0;
+    f.over = dt_big_multiply(f.over, g.under);
+    g.over = dt_big_multiply(g.over, f.under);
+    return dt_big_compare(f.over, g.over) < 0;
 }
 
 /* The value at the nearest place of the hull. */

@@ -246,23 +246,20 @@ struct fraction {
 
 static struct dt_big product(const struct dt_big *a, const struct dt_big *b)
 {
-    struct dt_big r;
-    dt_big_multiply(a, b, &r);
-    return r;
+    return dt_big_multiply(*a, *b);
 }
 
 static struct dt_big cross_of(struct dt_point o, struct dt_point a, struct dt_point p,
                               struct dt_point b)
 {
     struct dt_big ax, ay, bx, by;
-    dt_big_difference(a.x, o.x, &ax);
-    dt_big_difference(a.y, o.y, &ay);
-    dt_big_difference(b.x, p.x, &bx);
-    dt_big_difference(b.y, p.y, &by);
+    ax = dt_big_difference(a.x, o.x);
+    ay = dt_big_difference(a.y, o.y);
+    bx = dt_big_difference(b.x, p.x);
+    by = dt_big_difference(b.y, p.y);
     ax = product(&ax, &by);
     ay = product(&ay, &bx);
-    dt_big_subtract(&ax, &ay, &ax);
-    return ax;
+    return dt_big_subtract(ax, ay);
 }
 
 struct expected {
@@ -275,7 +272,7 @@ struct expected {
 static int compare_fractions(const struct fraction *a, const struct fraction *b)
 {
     struct dt_big x = product(&a->num, &b->den), y = product(&b->num, &a->den);
-    return dt_big_compare(&x, &y);
+    return dt_big_compare(x, y);
 }
 
 static int compare_expected(const void *a, const void *b)
@@ -300,9 +297,8 @@ static bool strictly_between(struct dt_point p, struct dt_point v, struct dt_poi
 
 static double quotient(const struct dt_big *a, const struct dt_big *b)
 {
-    struct dt_big r;
-    dt_big_divide(a, b, &r);
-    return dt_big_nearest(&r);
+    struct dt_big r = dt_big_divide(*a, *b);
+    return dt_big_nearest(r);
 }
 
 /* Lists the places strictly between p and q. */
@@ -319,8 +315,8 @@ static size_t expect(const struct dt *t, struct dt_point p, struct dt_point q, s
             continue;
         struct dt_big num, den;
         bool flat = p.x == q.x;
-        dt_big_difference(flat ? v.y : v.x, flat ? p.y : p.x, &num);
-        dt_big_difference(flat ? q.y : q.x, flat ? p.y : p.x, &den);
+        num = dt_big_difference(flat ? v.y : v.x, flat ? p.y : p.x);
+        den = dt_big_difference(flat ? q.y : q.x, flat ? p.y : p.x);
         out[n++] = (struct expected){fraction_of(num, den), v, id, id, 0};
     }
     CHECK(dt_table_begin(t, NULL, DT_EDGES, false, &c) == DT_OK);

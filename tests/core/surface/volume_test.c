@@ -104,48 +104,43 @@ struct exact {
 
 static struct dt_big product(const struct dt_big *a, const struct dt_big *b)
 {
-    struct dt_big r;
-    dt_big_multiply(a, b, &r);
-    return r;
+    return dt_big_multiply(*a, *b);
 }
 
 /* h / (h - other) of the height h. */
 static struct dt_big share_of(const struct dt_big *h, const struct dt_big *other)
 {
-    struct dt_big r;
-    dt_big_subtract(h, other, &r);
-    dt_big_divide(h, &r, &r);
-    return r;
+    struct dt_big r = dt_big_subtract(*h, *other);
+    return dt_big_divide(*h, r);
 }
 
 static void add_to(struct dt_big *sum, const struct dt_big *v)
 {
     struct dt_big size = *v;
     size.sign = v->sign * v->sign;
-    dt_big_add(sum, &size, sum);
+    *sum = dt_big_add(*sum, size);
 }
 
 static struct dt_big exact_area(const struct dt_point p[3])
 {
     struct dt_big ax, ay, bx, by;
-    dt_big_difference(p[1].x, p[0].x, &ax);
-    dt_big_difference(p[1].y, p[0].y, &ay);
-    dt_big_difference(p[2].x, p[0].x, &bx);
-    dt_big_difference(p[2].y, p[0].y, &by);
+    ax = dt_big_difference(p[1].x, p[0].x);
+    ay = dt_big_difference(p[1].y, p[0].y);
+    bx = dt_big_difference(p[2].x, p[0].x);
+    by = dt_big_difference(p[2].y, p[0].y);
     ax = product(&ax, &by);
     ay = product(&ay, &bx);
-    dt_big_subtract(&ax, &ay, &ax);
-    return ax;
+    return dt_big_subtract(ax, ay);
 }
 
 static void add_exact(struct exact *e, const struct dt_point p[3], const double z[3], double level)
 {
     struct dt_big area = exact_area(p), h[3], whole, tip;
     int above = 0, below = 0;
-    dt_big_of(0, &whole);
+    whole = dt_big_of(0);
     for (int k = 0; k < 3; k++) {
-        dt_big_difference(z[k], level, &h[k]);
-        dt_big_add(&whole, &h[k], &whole);
+        h[k] = dt_big_difference(z[k], level);
+        whole = dt_big_add(whole, h[k]);
         above += h[k].sign > 0;
         below += h[k].sign < 0;
     }
@@ -164,7 +159,7 @@ static void add_exact(struct exact *e, const struct dt_point p[3], const double 
     tip = product(&tip, &a);
     tip = product(&tip, &b);
     add_to(sign > 0 ? &e->above : &e->below, &tip);
-    dt_big_subtract(&whole, &tip, &whole);
+    whole = dt_big_subtract(whole, tip);
     add_to(sign > 0 ? &e->below : &e->above, &whole);
 }
 
@@ -174,7 +169,7 @@ static struct exact exact_volumes(const struct dt *t, const double *z, double le
     uint32_t row[3 * 64];
     struct dt_cursor c;
     size_t rows = 1, words;
-    dt_big_of(0, &e.above);
+    e.above = dt_big_of(0);
     e.below = e.area = e.above;
     CHECK(dt_table_begin(t, NULL, DT_TRIANGLES, false, &c) == DT_OK);
     while (rows > 0) {
@@ -197,25 +192,24 @@ static void check_exact(double got, const struct dt_big *exact, const struct dt_
                         double divisor, double level)
 {
     struct dt_big v, by, error, most = *limit;
-    dt_big_of(got, &v);
-    dt_big_of(divisor, &by);
+    v = dt_big_of(got);
+    by = dt_big_of(divisor);
     v = product(&v, &by);
-    dt_big_subtract(&v, exact, &error);
+    error = dt_big_subtract(v, *exact);
     error.sign = error.sign * error.sign;
-    dt_big_of(0x1p-45, &v);
+    v = dt_big_of(0x1p-45);
     most = product(&most, &v);
-    dt_big_of(0x1p-1070, &v);
-    dt_big_add(&most, &v, &most);
-    CHECK_MSG(dt_big_compare(&error, &most) <= 0, "%.17g instead of %.17g, level %g", got,
-              dt_big_to_double(exact) / divisor, level);
+    v = dt_big_of(0x1p-1070);
+    most = dt_big_add(most, v);
+    CHECK_MSG(dt_big_compare(error, most) <= 0, "%.17g instead of %.17g, level %g", got,
+              dt_big_to_double(*exact) / divisor, level);
 }
 
 static void check_beside_exact(const struct dt *t, const double *z, double level)
 {
     struct exact e = exact_volumes(t, z, level);
     struct dt_volumes got = volumes_in(t, NULL, NULL, level);
-    struct dt_big both;
-    dt_big_add(&e.above, &e.below, &both);
+    struct dt_big both = dt_big_add(e.above, e.below);
     check_exact(got.above, &e.above, &both, 6, level);
     check_exact(got.below, &e.below, &both, 6, level);
     check_exact(got.area, &e.area, &e.area, 2, level);

@@ -9,13 +9,13 @@
 static void big_cross(struct dt_point o, struct dt_point a, struct dt_point b, struct dt_big *r)
 {
     struct dt_big ax, ay, bx, by;
-    dt_big_difference(a.x, o.x, &ax);
-    dt_big_difference(a.y, o.y, &ay);
-    dt_big_difference(b.x, o.x, &bx);
-    dt_big_difference(b.y, o.y, &by);
-    dt_big_multiply(&ax, &by, &ax);
-    dt_big_multiply(&ay, &bx, &ay);
-    dt_big_subtract(&ax, &ay, r);
+    ax = dt_big_difference(a.x, o.x);
+    ay = dt_big_difference(a.y, o.y);
+    bx = dt_big_difference(b.x, o.x);
+    by = dt_big_difference(b.y, o.y);
+    ax = dt_big_multiply(ax, by);
+    ay = dt_big_multiply(ay, bx);
+    *r = dt_big_subtract(ax, ay);
 }
 
 /* *sum / *all is the distance; the weights are areas, or on a line lengths. */
@@ -23,21 +23,21 @@ static void exact_off(const struct corner *k, int corners, struct dt_point q, do
                       struct dt_big *sum, struct dt_big *all)
 {
     struct dt_big w, term;
-    dt_big_of(0, sum);
-    dt_big_of(0, all);
+    *sum = dt_big_of(0);
+    *all = dt_big_of(0);
     for (int i = 0; i < corners; i++) {
         const struct corner *a = &k[(i + 1) % corners], *b = &k[(i + 2) % corners];
         bool by_x = k[0].at.x != k[1].at.x;
         if (corners == 3)
             big_cross(q, a->at, b->at, &w);
         else
-            dt_big_difference(by_x ? a->at.x : a->at.y, by_x ? q.x : q.y, &w);
+            w = dt_big_difference(by_x ? a->at.x : a->at.y, by_x ? q.x : q.y);
         if (corners == 2 && i == 1)
             w.sign = -w.sign;
-        dt_big_add(all, &w, all);
-        dt_big_difference(k[i].z, z, &term);
-        dt_big_multiply(&term, &w, &term);
-        dt_big_add(sum, &term, sum);
+        *all = dt_big_add(*all, w);
+        term = dt_big_difference(k[i].z, z);
+        term = dt_big_multiply(term, w);
+        *sum = dt_big_add(*sum, term);
     }
     all->sign = all->sign == 0 ? 0 : 1;
     sum->sign = sum->sign == 0 ? 0 : 1;
@@ -47,17 +47,17 @@ int exact_side(const struct corner *k, int corners, struct dt_point q, double z,
 {
     struct dt_big sum, all, term;
     exact_off(k, corners, q, z, &sum, &all);
-    dt_big_of(bound, &term);
-    dt_big_multiply(&term, &all, &term);
-    return dt_big_compare(&sum, &term);
+    term = dt_big_of(bound);
+    term = dt_big_multiply(term, all);
+    return dt_big_compare(sum, term);
 }
 
 double nearest_off(const struct corner *k, int corners, struct dt_point q, double z)
 {
     struct dt_big sum, all;
     exact_off(k, corners, q, z, &sum, &all);
-    dt_big_divide(&sum, &all, &sum);
-    return dt_big_nearest(&sum);
+    sum = dt_big_divide(sum, all);
+    return dt_big_nearest(sum);
 }
 
 double rounded_off(const struct corner *k, int corners, struct dt_point q, double z)
