@@ -223,47 +223,58 @@ static void note_synced(struct recovery *r, struct place *p, uint64_t at,
     p->mark_lsn = record->lsn;
 }
 
+/* Reads the next record. READER_BAD: it is not the one that has to come here. */
+static enum reader_result read_next(const struct recovery *r, const struct place *p,
+                                    struct segment_reader *in, struct record *record)
+{
+    enum reader_result got = reader_next(in, record);
+    if (got == READER_OK && record->lsn != r->last + 1) {
+        in->fault = "its number is not the next one";
+        in->last = 0;
+        return READER_BAD;
+    }
+    if (got != READER_END || p->load_at == 0)
+        return got;
+    in->half = true;
+    in->fault = "a LOAD is not complete";
+    return READER_BAD;
+}
+
+/* Carries out the record that has been read. */
+static bool take_record(struct recovery *r, struct place *p, struct segment_reader *in,
+                        const struct record *record)
+{
+    const char *fault = replay_log(&r->replay, record);
+    if (fault != NULL && r->mend && !r->replay.out_of_memory && !r->cancel)
+        return corrupt_at(r, p, in->at, fault);
+    if (fault != NULL)
+        return fail_record(r, p->file, in->at, fault);
+    if (record->type == RECORD_LOAD) {
+        p->load_at = in->at;
+        p->load_lsn = record->lsn;
+        p->load_digest = r->digest;
+    }
+    if (!replay_in_load(&r->replay))
+        p->load_at = 0;
+    note_synced(r, p, in->at, record);
+    r->last = record->lsn;
+    r->digest = record_digest(r->digest, reader_bytes(in), in->last);
+    r->done += in->last;
+    return !cancelled(r);
+}
+
 static bool read_log_records(struct recovery *r, struct place *p, struct segment_reader *in)
 {
     struct record record;
+    enum reader_result got;
     r->synced_at = p->mark_at = SEGMENT_HEADER;
     p->mark_lsn = p->first;
-    for (;;) {
-        enum reader_result got = reader_next(in, &record);
-        if (got == READER_ERROR)
-            return fail_to_read(r, p->file, in->error);
-        if (got == READER_END && p->load_at == 0)
-            return true;
-        if (got == READER_OK && record.lsn != r->last + 1) {
-            in->fault = "its number is not the next one";
-            got = READER_BAD;
-            in->last = 0;
-        }
-        if (got == READER_END) {
-            in->half = true;
-            in->fault = "a LOAD is not complete";
-        }
-        if (got != READER_OK)
-            return judge_end(r, p, in, in->fault);
-        const char *fault = replay_log(&r->replay, &record);
-        if (fault != NULL && r->mend && !r->replay.out_of_memory && !r->cancel)
-            return corrupt_at(r, p, in->at, fault);
-        if (fault != NULL)
-            return fail_record(r, p->file, in->at, fault);
-        if (record.type == RECORD_LOAD) {
-            p->load_at = in->at;
-            p->load_lsn = record.lsn;
-            p->load_digest = r->digest;
-        }
-        if (!replay_in_load(&r->replay))
-            p->load_at = 0;
-        note_synced(r, p, in->at, &record);
-        r->last = record.lsn;
-        r->digest = record_digest(r->digest, reader_bytes(in), in->last);
-        r->done += in->last;
-        if (cancelled(r))
+    while ((got = read_next(r, p, in, &record)) == READER_OK)
+        if (!take_record(r, p, in, &record))
             return false;
-    }
+    if (got == READER_BAD)
+        return judge_end(r, p, in, in->fault);
+    return got == READER_END || fail_to_read(r, p->file, in->error);
 }
 
 /* A segment gets its name when its header is durable (log_file.c), so this is no torn end. */

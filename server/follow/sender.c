@@ -156,17 +156,24 @@ static void take_header(struct sending *g, const struct segment *header)
     g->version = header->version > RECORD_VERSION_PLAIN ? header->version : RECORD_VERSION_PLAIN;
 }
 
+/* Opens a file in place of the one that is open, and reads its header. */
+static bool open_file(struct sending *g, const struct datafile *f, struct segment *header)
+{
+    close_file(g);
+    g->open = true; /* also if it fails: there may be a descriptor */
+    if (reader_open(&g->file, g->s->dir, f, header) == READER_OK)
+        return true;
+    close_file(g);
+    return false;
+}
+
 /* Opens the segment that begins with that lsn and reads its header. */
 static bool open_segment(struct sending *g, uint64_t first, struct segment *header)
 {
     struct datafile f = {.kind = DATAFILE_LOG, .lsn = first};
-    close_file(g);
     datafile_name(f.name, DATAFILE_LOG, first);
-    g->open = true; /* also if it fails: there may be a descriptor */
-    if (reader_open(&g->file, g->s->dir, &f, header) != READER_OK) {
-        close_file(g);
+    if (!open_file(g, &f, header))
         return false;
-    }
     g->first = first;
     take_header(g, header);
     return true;
@@ -292,16 +299,21 @@ static enum step send_log(struct sending *g)
     notify(g->s);
     if (!put_header(g, SEGMENT_LOG))
         return STEP_END;
-    for (;;) {
-        enum step step = put_record(g, &tries);
-        if (step == STEP_IDLE ? !idle(g, &beat_ms)
-                              : buf_len(&g->out) >= PIECE && step == STEP_GOOD && !flush(g))
+    for (;;)
+        switch (put_record(g, &tries)) {
+        case STEP_GOOD:
+            if (buf_len(&g->out) >= PIECE && !flush(g))
+                return STEP_END;
+            break;
+        case STEP_IDLE:
+            if (!idle(g, &beat_ms))
+                return STEP_END;
+            break;
+        case STEP_BREAK:
+            return flush(g) ? STEP_BREAK : STEP_END;
+        case STEP_END:
             return STEP_END;
-        if (step == STEP_BREAK && !flush(g))
-            return STEP_END;
-        if (step != STEP_GOOD && step != STEP_IDLE)
-            return step;
-    }
+        }
 }
 
 /* ---- a snapshot ---- */
@@ -310,14 +322,8 @@ static enum step send_log(struct sending *g)
 static bool open_snapshot(struct sending *g, uint64_t least, struct segment *header)
 {
     struct datafile newest;
-    if (!datadir_find(g->s->dir, DATAFILE_SNAPSHOT, UINT64_MAX, &newest) || newest.lsn < least)
-        return false;
-    close_file(g);
-    g->open = true;
-    if (reader_open(&g->file, g->s->dir, &newest, header) == READER_OK && header->digest != 0)
-        return true;
-    close_file(g);
-    return false;
+    return datadir_find(g->s->dir, DATAFILE_SNAPSHOT, UINT64_MAX, &newest) && newest.lsn >= least &&
+           open_file(g, &newest, header) && header->digest != 0;
 }
 
 /* Waits for a snapshot of changes up to at least `least`. */
@@ -359,40 +365,39 @@ static bool send_snapshot(struct sending *g, uint64_t least)
 
 /* ---- the conversation ---- */
 
-static bool put_answer(struct sending *g, const char *continues)
+static bool put_answer(struct sending *g, enum found found)
 {
+    static const char *const continues[] = {
+        [FOUND] = "yes", [FOUND_NOTHING] = "no", [FOUND_OTHER] = "differs"};
     char history[HISTORY_TEXT], line[160];
     history_write(history, &g->s->lineage.history);
     int n = snprintf(line, sizeof line, "OK 0 history=%s lsn=%" PRIu64 " continues=%s\n", history,
-                     (uint64_t)g->s->durable, continues);
+                     (uint64_t)g->s->durable, continues[found]);
     buf_append(&g->out, line, (size_t)n);
     bool sent = flush(g);
     g->s->sent_bytes = 0; /* the stream begins after this line */
     return sent;
 }
 
+/* Looks for the position that the follower has asked for. */
+static enum found find_start(struct sending *g)
+{
+    g->at = g->s->from;
+    g->now = g->s->lineage;
+    if (g->at.digest == 0)
+        return FOUND_NOTHING;
+    return g->at.lsn > g->s->durable ? FOUND_OTHER : find_position(g);
+}
+
+/* Sends the log, and a snapshot whenever the log does not have what comes next. */
 static void converse(struct sending *g)
 {
-    const struct position *from = &g->s->from;
-    enum step step = STEP_BREAK;
-    g->at = *from;
-    g->now = g->s->lineage;
-    if (from->digest != 0) {
-        enum found found = from->lsn > g->s->durable ? FOUND_OTHER : find_position(g);
-        if (!put_answer(g, found == FOUND           ? "yes"
-                           : found == FOUND_NOTHING ? "no"
-                                                    : "differs") ||
-            found == FOUND_OTHER)
-            return;
-        step = found == FOUND ? send_log(g) : STEP_BREAK;
-    } else if (!put_answer(g, "no")) {
+    enum found found = find_start(g);
+    if (!put_answer(g, found) || found == FOUND_OTHER)
         return;
-    }
-    for (uint64_t least = 0; step == STEP_BREAK; least = g->at.lsn + 1)
-        if (!send_snapshot(g, least))
-            return;
-        else if (find_position(g) == FOUND)
-            step = send_log(g);
+    enum step step = found == FOUND ? send_log(g) : STEP_BREAK;
+    for (uint64_t least = 0; step == STEP_BREAK && send_snapshot(g, least); least = g->at.lsn + 1)
+        step = find_position(g) == FOUND ? send_log(g) : STEP_BREAK;
 }
 
 static void *serve(void *arg)

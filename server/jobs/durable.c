@@ -97,42 +97,49 @@ uint64_t durable_last_lsn(const struct server *s)
 
 /* ---- reading, on a thread of its own ---- */
 
+/* Chooses the life and the history of the changes that follow. */
+static void begin_lineage(const struct server *s, struct datadir *dir, struct recovery *r)
+{
+    dir->lineage = r->lineage;
+    if (s->follows && r->lineage.life != 0)
+        r->replay.sets.life = r->lineage.life; /* that of its leader */
+    else
+        registry_begin_life(&r->replay.sets, r->lineage.life);
+    dir->lineage.life = r->replay.sets.life;
+    if (dir->lineage.history.origin == 0)
+        dir->lineage.history = history_begin(random_bits());
+}
+
+/* Whether the directory has been read and prepared for changes. */
+static bool recover(struct durable *d, struct recovery *r)
+{
+    if (!aside_finish(&d->dir))
+        return notice_error("%s: what a leader has sent cannot be put in place: %s", d->dir.path,
+                            strerror(errno));
+    recovery_run(r);
+    if (r->result == RECOVERY_OK && recovery_tidy(r))
+        return true;
+    if (r->result != RECOVERY_CANCELLED)
+        notice_error("%s: %s", d->dir.path, r->why);
+    return false;
+}
+
+/* Begins the log behind what has been read; without a log, reading has failed. */
 static void *read_directory(void *arg)
 {
     struct server *s = arg;
     struct durable *d = s->durable;
     struct recovery *r = &d->recovery;
-    if (!aside_finish(&d->dir)) {
-        notice_error("%s: what a leader has sent cannot be put in place: %s", d->dir.path,
-                     strerror(errno));
-        r->result = RECOVERY_ERROR;
-        d->read = true;
-        eventfd_write(d->event, 1);
-        return NULL;
-    }
-    recovery_run(r);
-    if (r->result == RECOVERY_OK && recovery_tidy(r)) {
+    if (recover(d, r)) {
         d->keeps = datadir_keeps(&d->dir);
-        d->dir.lineage = r->lineage;
-        if (s->follows && r->lineage.life != 0)
-            r->replay.sets.life = r->lineage.life; /* that of its leader */
-        else
-            registry_begin_life(&r->replay.sets, r->lineage.life);
-        d->dir.lineage.life = r->replay.sets.life;
-        if (d->dir.lineage.history.origin == 0)
-            d->dir.lineage.history = history_begin(random_bits());
+        begin_lineage(s, &d->dir, r);
         if (r->why[0] != '\0')
             notice(r->lost ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
         /* Changes that the log has lost have other records: nothing continues from their digest. */
         d->gap = r->ahead > r->last;
-        uint64_t digest = r->ahead > r->last ? 0 : r->digest;
-        d->log = log_new(&d->dir, d->policy, r->last + 1, digest, d->event);
-        if (d->log == NULL)
-            r->result = RECOVERY_ERROR;
-        else
+        d->log = log_new(&d->dir, d->policy, r->last + 1, d->gap ? 0 : r->digest, d->event);
+        if (d->log != NULL)
             log_fill(d->log, r->ahead);
-    } else if (r->result != RECOVERY_CANCELLED) {
-        notice_error("%s: %s", d->dir.path, r->why);
     }
     d->read = true;
     eventfd_write(d->event, 1);
@@ -184,7 +191,7 @@ static bool end_reading(struct server *s)
     struct durable *d = s->durable;
     pthread_join(d->reader, NULL);
     d->stage = STAGE_NONE;
-    if (d->recovery.result != RECOVERY_OK)
+    if (d->log == NULL)
         return false;
     begin_saver(s, &d->recovery);
     d->saver.read_bytes = d->recovery.log_bytes;

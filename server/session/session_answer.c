@@ -82,42 +82,39 @@ static void hold_reply(struct session *s, const struct answer *a)
         hold_view(in, &s->conn.hold, a->shown, a->mark);
 }
 
-static void begin_work(struct session *s, struct job *j)
+/* Arranges what wakes the session, and returns the state in which the session waits for that. */
+static enum session_state arrange_waiting(struct session *s, const struct answer *a)
 {
-    s->state = SESSION_WORKING;
-    s->job = j;
-}
-
-static void begin_waiting(struct session *s, const struct answer *a)
-{
-    if (a->wait_for == WAIT_JOB) {
-        begin_work(s, a->job);
-    } else if (a->wait_for == WAIT_QUEUE) {
-        s->state = SESSION_WAITING;
+    switch (a->wait_for) {
+    case WAIT_JOB:
+        s->job = a->job;
+        return SESSION_WORKING;
+    case WAIT_QUEUE:
         s->waiter.writes = a->wait_writes;
         queue_enter(a->wait, &s->waiter);
-    } else if (a->wait_for == WAIT_TIME) {
-        s->state = SESSION_WAITING;
+        return SESSION_WAITING;
+    case WAIT_TIME:
         loop_at(s->conn.loop, &s->later, a->wait_ms);
+        return SESSION_WAITING;
+    case WAIT_NOTHING:
+        break;
     }
+    return SESSION_READING;
 }
 
-/* Enters the state that the answer requires. */
-static void enter_state(struct session *s, const struct answer *a)
+/* The same for every answer. */
+static enum session_state arrange(struct session *s, const struct answer *a)
 {
-    s->state = SESSION_READING;
     switch (a->next) {
+    case ANSWER_WAIT:
+        return arrange_waiting(s, a);
+    case ANSWER_WORK:
+        s->job = a->job;
+        return SESSION_WORKING;
     case ANSWER_STREAM:
-        s->state = SESSION_STREAMING;
         s->stream = a->stream;
         stream_notify(s->stream, on_piece, s);
-        break;
-    case ANSWER_WORK:
-        begin_work(s, a->job);
-        break;
-    case ANSWER_WAIT:
-        begin_waiting(s, a);
-        break;
+        return SESSION_STREAMING;
     case ANSWER_BODY:
         s->load = a->load;
         load_notify(s->load, on_piece, s);
@@ -125,6 +122,7 @@ static void enter_state(struct session *s, const struct answer *a)
     case ANSWER_DONE:
         break;
     }
+    return SESSION_READING;
 }
 
 /* The request has been carried out, or a worker has it. */
@@ -136,6 +134,7 @@ static void end_request(struct session *s, const struct answer *a)
         a->next == ANSWER_BODY) /* else see end_turn */
         queue_served(&s->waiter);
     session_consume(s);
+    s->waited = s->again = false;
     if (s->load != NULL && a->next != ANSWER_BODY) {
         load_free(s->server, s->load);
         s->load = NULL;
@@ -156,16 +155,15 @@ bool session_take_over(struct session *s, struct answer *a)
     s->token = a->token;
     s->typed = a->typed;
     s->multi = a->multi;
-    s->waited = s->waited && a->next == ANSWER_WAIT;
-    s->again = a->next == ANSWER_WAIT;
-    enter_state(s, a);
-    if (!delivered) {
+    s->state = arrange(s, a);
+    if (!delivered)
         conn_close(&s->conn);
-        return false;
-    }
-    if (a->next != ANSWER_WAIT)
+    else if (a->next == ANSWER_WAIT)
+        s->again = true;
+    else
         end_request(s, a);
-    return !a->closes && (s->state == SESSION_READING || s->state == SESSION_STREAMING);
+    return delivered && !a->closes &&
+           (s->state == SESSION_READING || s->state == SESSION_STREAMING);
 }
 
 bool session_refuse(struct session *s, enum reply_code code, const char *why)
