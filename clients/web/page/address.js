@@ -24,6 +24,6 @@ export function givenView() {
 
 /** The view as text: places to a tenth of a pixel. */
 export function viewText({ x, y, scale }) {
-  const digits = Math.max(0, Math.min(15, Math.ceil(Math.log10(scale)) + 1));
+  const digits = Math.max(0, Math.min(100, Math.ceil(Math.log10(scale)) + 1));
   return [x.toFixed(digits), y.toFixed(digits), Number(scale.toPrecision(6))].join(',');
 }

@@ -37,18 +37,18 @@ export const follower = new Follower({
   mesh,
   view,
   most: isLocal ? Infinity : Number(given('most') ?? MOST_POINTS),
-  onShow: (box, dots) => {
+  onShow: (dots) => {
     handlers.onSet(follower.set);
-    const isWhole = follower.kind === 'whole';
-    if (fitNext && isWhole) view.fit(box);
-    if (isWhole) fitNext = false;
-    scene.show(mesh, box, dots);
+    const box = follower.kind === 'whole' ? mesh.box() : null;
+    if (fitNext && box !== null) view.fit(box);
+    if (box !== null) fitNext = false;
+    scene.show(mesh, dots);
     overlay.lines.forget();
-    showField(follower.field, isWhole ? Math.max(box[2] - box[0], box[3] - box[1]) : undefined);
+    showField(follower.field, box === null ? undefined : Math.max(box[2] - box[0], box[3] - box[1]));
     refreshSoon();
   },
-  onChange: (changes) => {
-    if (changes !== null) scene.update(changes);
+  onChange: (box) => {
+    if (box !== null) scene.update(box);
     overlay.stale();
     handlers.onChange();
     refreshSoon();

@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { WebSocket } from 'ws';
-import { ask, onPage, pagePort, start, stop, until, visit } from './stage.mjs';
+import { ask, drawnShare, onPage, pagePort, says, start, stop, until, visit } from './stage.mjs';
 
 let folder;
 
@@ -20,14 +20,12 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-const says = (page, text, id = 'message') => page.waitForFunction((t, i) => document.getElementById(i).textContent.startsWith(t), {}, text, id);
-
 test('without a token, or with a wrong one, the page says what is missing, and does not try again', async () => {
   for (const [address, text] of [['', 'authenticate first'], ['#token=other', 'no such token']]) {
     const page = await visit(address);
-    await says(page, text);
+    await says(page, 'message', text);
     await new Promise((resolve) => setTimeout(resolve, 3500));
-    await says(page, text);
+    await says(page, 'message', text);
     await page.close();
   }
 });
@@ -37,7 +35,7 @@ test('with a token for reading the page shows sets, and says that it may not edi
   await page.waitForFunction(() => window.app.mesh.triangles === 4);
   await page.click('#edit');
   await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
-  await says(page, 'your token is for reading only');
+  await says(page, 'message', 'your token is for reading only');
   assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
   await page.close();
 });
@@ -69,17 +67,11 @@ test('when the last set is dropped nothing is left of it, and no point can be ad
   await page.waitForFunction(() => window.app.mesh.triangles === 4);
   await page.click('#edit');
   await page.mouse.move(...(await onPage(page, 3, 2)));
-  const drawn = () =>
-    page.evaluate(() => {
-      const { width, height } = document.getElementById('mesh');
-      const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
-      for (const id of ['mesh', 'overlay']) context.drawImage(document.getElementById(id), 0, 0);
-      return context.getImageData(0, 0, width, height).data.some((value) => value > 0);
-    });
+  const drawn = async () => (await drawnShare(page, ['mesh', 'overlay'])) > 0;
   await page.waitForFunction(() => document.getElementById('pointer').textContent !== '');
   await until(drawn);
   await ask('AUTH writer', 'DROP set');
-  await says(page, 'The set set has been dropped. The daemon has no sets yet.', 'notice');
+  await says(page, 'notice', 'The set set has been dropped. The daemon has no sets yet.');
   await until(async () => {
     await new Promise((resolve) => setTimeout(resolve, 500)); // reading pictures back all the time would keep the page from drawing
     return !(await drawn());

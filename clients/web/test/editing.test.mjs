@@ -1,36 +1,33 @@
 // Tests of editing by hand, of undo and redo, and of what the page explains.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { ask, drag, killGateway, listen, makeSet, onPage, open, settled, start, stop, until, visit, waitFor } from './stage.mjs';
+import { ask, drag, isAt, killGateway, listen, makeSet, onPage, open, placeOf, press, says, settled, start, stop, until, visit, waitFor } from './stage.mjs';
 
 before(start);
 after(stop);
 
-const place = async (set, id) => (await ask(`GET ${set} ${id}`))[1]?.split(' ').slice(1).map(Number);
-const textOf = (page, id) => page.evaluate((i) => document.getElementById(i).innerText.replace(/\s+/g, ' '), id);
-const press = async (page, ...keys) => {
+const type = async (page, ...keys) => {
   for (const key of keys) await page.keyboard.down(key);
   for (const key of keys.reverse()) await page.keyboard.up(key);
 };
-const isAt = (set, id, [x, y]) => until(async () => ((p) => p !== undefined && Math.hypot(p[0] - x, p[1] - y) < 0.01)(await place(set, id)));
 
 test('a drag moves the map, and points only after E; undo and redo take the whole drag back and forth', async () => {
   await makeSet('pulled', 50);
   const page = await open('pulled');
-  const home = await place('pulled', 17);
+  const home = await placeOf('pulled', 17);
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.5));
-  assert.deepEqual(await place('pulled', 17), home);
+  assert.deepEqual(await placeOf('pulled', 17), home);
   await page.focus('#map');
-  await press(page, 'e');
+  await type(page, 'e');
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.5));
   await isAt('pulled', 17, [0.5, 0.5]);
-  await press(page, 'Control', 'z');
-  await until(async () => String(await place('pulled', 17)) === String(home));
-  await press(page, 'Control', 'Shift', 'z');
+  await type(page, 'Control', 'z');
+  await isAt('pulled', 17, home, 0);
+  await type(page, 'Control', 'Shift', 'z');
   await isAt('pulled', 17, [0.5, 0.5]);
   await page.waitForSelector('#undo:not([disabled])');
   await page.click('#undo');
-  await until(async () => String(await place('pulled', 17)) === String(home));
+  await isAt('pulled', 17, home, 0);
   await page.waitForSelector('#undo[disabled]');
   assert.deepEqual(page.faults, []);
   await page.close();
@@ -41,24 +38,24 @@ test('undo brings a deleted point back with its values, and what was done to it 
   await ask('FSET kept z 3 7.25', 'FSET kept w 3 -1');
   const page = await open('kept');
   await page.click('#edit');
-  const home = await place('kept', 3);
+  const home = await placeOf('kept', 3);
   await drag(page, await onPage(page, ...home), await onPage(page, 0.5, 0.52));
   await isAt('kept', 3, [0.5, 0.52]);
   await settled(page, 'kept');
   await page.focus('#map');
-  await press(page, 'Delete');
-  await until(async () => (await place('kept', 3)) === undefined);
+  await type(page, 'Delete');
+  await until(async () => (await placeOf('kept', 3)) === undefined);
   await page.waitForFunction(() => window.app.mesh.points === 39);
-  await press(page, 'Control', 'z');
+  await type(page, 'Control', 'z');
   await isAt('kept', 40, [0.5, 0.52]);
   assert.deepEqual([(await ask('FGET kept z 40'))[1], (await ask('FGET kept w 40'))[1]], ['40 7.25', '40 -1']);
-  await press(page, 'Control', 'z');
-  await until(async () => String(await place('kept', 40)) === String(home));
+  await type(page, 'Control', 'z');
+  await isAt('kept', 40, home, 0);
   await page.mouse.click(...(await onPage(page, 0.4, 0.6)), { count: 2 });
   await isAt('kept', 41, [0.4, 0.6]);
-  await press(page, 'Control', 'z');
-  await until(async () => (await place('kept', 41)) === undefined);
-  await press(page, 'Control', 'Shift', 'z');
+  await type(page, 'Control', 'z');
+  await until(async () => (await placeOf('kept', 41)) === undefined);
+  await type(page, 'Control', 'Shift', 'z');
   await isAt('kept', 42, [0.4, 0.6]);
   await page.close();
 });
@@ -67,17 +64,17 @@ test('an edit whose point another person has deleted is refused, and the one bef
   await makeSet('taken', 40);
   const page = await open('taken');
   await page.click('#edit');
-  const homes = [await place('taken', 5), await place('taken', 6)];
+  const homes = [await placeOf('taken', 5), await placeOf('taken', 6)];
   await drag(page, await onPage(page, ...homes[0]), await onPage(page, 0.5, 0.5));
   await isAt('taken', 5, [0.5, 0.5]);
   await settled(page, 'taken');
   await drag(page, await onPage(page, ...homes[1]), await onPage(page, 0.3, 0.5));
   await isAt('taken', 6, [0.3, 0.5]);
   await ask('DEL taken 6');
-  await press(page, 'Control', 'z');
-  await page.waitForFunction(() => /there is no point 6/.test(document.getElementById('message').textContent));
-  await press(page, 'Control', 'z');
-  await until(async () => String(await place('taken', 5)) === String(homes[0]));
+  await type(page, 'Control', 'z');
+  await says(page, 'message', 'there is no point 6');
+  await type(page, 'Control', 'z');
+  await isAt('taken', 5, homes[0], 0);
   await page.close();
 });
 
@@ -85,7 +82,7 @@ test('a connection lost in the middle of a drag leaves a set that undo puts righ
   await makeSet('cut', 40);
   const page = await open('cut');
   await page.click('#edit');
-  const home = await place('cut', 5);
+  const home = await placeOf('cut', 5);
   await page.mouse.move(...(await onPage(page, ...home)));
   await page.mouse.down();
   await page.mouse.move(...(await onPage(page, 0.5, 0.5)), { steps: 5 });
@@ -95,9 +92,9 @@ test('a connection lost in the middle of a drag leaves a set that undo puts righ
   await page.mouse.up();
   await listen();
   await settled(page, 'cut');
-  await page.waitForFunction(() => document.getElementById('message').textContent === '');
+  await says(page, 'message', '');
   await page.click('#undo');
-  await until(async () => String(await place('cut', 5)) === String(home));
+  await isAt('cut', 5, home, 0);
   assert.deepEqual(page.faults, []);
   await page.close();
 });
@@ -128,45 +125,41 @@ test('the card is about the point that is there now', async () => {
   await ask('ADD card 0 0  4 0  4 4  0 4  2 2  2.2 3', 'TRIANGULATE card', 'FSET card z 4 1.5');
   const page = await open('card');
   await page.mouse.move(...(await onPage(page, 2, 2.05)));
-  const says = async (id, at, rest) => {
+  const isCard = async (id, at, rest) => {
     const ring = (await ask(`LISTS card ${id}`))[1].split(' ').slice(1);
-    const text = `point ${id} x, y ${at} neighbours ${ring.length}${rest}`;
-    await waitFor(page, (t) => document.getElementById('pointer').innerText.replace(/\s+/g, ' ') === t, {}, text);
+    await says(page, 'pointer', `point ${id} x, y ${at} neighbours ${ring.length}${rest}`);
   };
-  await says(4, '2, 2', ' z 1.5');
+  await isCard(4, '2, 2', ' z 1.5');
   const ring = (await ask('LISTS card 4'))[1].split(' ').slice(1);
   await waitFor(page, (n) => document.getElementById('spoken').textContent === `point 4; x, y 2, 2; neighbours ${n}; z 1.5`, {}, ring.length);
   await ask('MOVE card 4 2 1.75', 'FSET card z 4 2.5');
-  await says(4, '2, 1.75', ' z 2.5');
+  await isCard(4, '2, 1.75', ' z 2.5');
   await ask('DEL card 4');
-  await says(5, '2.2, 3', '');
+  await isCard(5, '2.2, 3', '');
   await page.mouse.move(5, 5);
   await page.mouse.move(890, 300);
-  await until(async () => (await textOf(page, 'pointer')) === '');
+  await says(page, 'pointer', '');
   await page.close();
 });
 
 test('a set that is missing, dropped, empty or not triangulated is explained, and another one is never shown instead', async () => {
   await makeSet('there', 30);
   await ask('CREATE empty', 'ADD flat 0 0 1 0 0 1');
-  const notice = (page, pattern) => waitFor(page, (p) => new RegExp(p).test(document.getElementById('notice').innerText), {}, pattern);
-  const choose = (page, label) =>
-    page.evaluate((l) => [...document.querySelectorAll('#notice button')].find((b) => b.textContent === l).click(), label);
   const page = await visit('#set=nope');
-  await notice(page, 'The set nope does not exist. Choose another set:');
+  await says(page, 'notice', 'The set nope does not exist. Choose another set:');
   await new Promise((resolve) => setTimeout(resolve, 3500));
   assert.equal(await page.evaluate(() => window.app.follower.set), null);
-  await choose(page, 'there');
+  await press(page, 'there');
   await waitFor(page, () => window.app.mesh.points === 30 && document.getElementById('notice').hidden);
   await ask('DROP there');
-  await notice(page, 'The set there has been dropped. Choose another set:');
+  await says(page, 'notice', 'The set there has been dropped. Choose another set:');
   await makeSet('there', 20, 5);
   await waitFor(page, () => window.app.mesh.points === 20 && document.getElementById('notice').hidden);
   await page.select('#set', 'empty');
-  await notice(page, 'empty is empty');
+  await says(page, 'notice', 'empty is empty');
   await page.select('#set', 'flat');
-  await notice(page, 'flat has 3 points and is not triangulated.');
-  await choose(page, 'Triangulate');
+  await says(page, 'notice', 'flat has 3 points and is not triangulated.');
+  await press(page, 'Triangulate');
   await waitFor(page, () => window.app.mesh.triangles === 1 && document.getElementById('notice').hidden);
   await ask('ADD nope 0 0 1 1');
   assert.deepEqual(page.faults, []);

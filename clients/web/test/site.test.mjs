@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveFolder } from './folder.mjs';
-import { drag, onPage, start, stop, visit, waitFor } from './stage.mjs';
+import { drag, known, onPage, picture, says, start, stop, visit, waitFor } from './stage.mjs';
 
 const { SITE } = process.env; // what `make site` has built
 let server, at, folder;
@@ -22,47 +22,37 @@ after(async () => {
   rmSync(folder, { recursive: true }); // not earlier: a page reads a file some time after it was chosen
 });
 
-/** The mesh equals that of a new page with the same points: rings sent by edits say the same as a triangulation of everything. */
-const isWhole = (page) =>
-  page.evaluate(() => {
-    const { mesh } = window.app;
-    const at = [];
-    for (let n = 0; n < mesh.ids; n++) if (mesh.hasPoint(n)) at.push(n);
-    const live = window.delaunayd.LiveSet.from(at.flatMap((n) => [mesh.xy[2 * n], mesh.xy[2 * n + 1]]));
-    const keyOf = (c) => {
-      while (c[0] > c[1] || c[0] > c[2]) c.push(c.shift());
-      return c.join(' ');
-    };
-    const { triangles } = live.triangulation();
-    const expected = new Set();
-    for (let k = 0; k < triangles.length; k += 3) expected.add(keyOf([...triangles.subarray(k, k + 3)].map((i) => at[i])));
-    let known = 0;
-    for (let slot = 0; slot < mesh.slots; slot++) {
-      const c = [...mesh.corners.subarray(3 * slot, 3 * slot + 3)];
-      if (c[0] === c[1]) continue;
-      if (!expected.has(keyOf(c))) return `the mesh has ${c}`;
-      known++;
-    }
-    return known === expected.size && known === mesh.triangles ? 'equal' : `${known} of ${expected.size}`;
-  });
+/** The mesh has the triangles of all its points: rings sent by edits say the same as a triangulation of everything. */
+async function checkWhole(page) {
+  const { points, triangles } = await known(page);
+  const corners = await page.evaluate((xy) => [...window.delaunayd.LiveSet.from(xy).triangulation().triangles], points.flatMap(([, x, y]) => [x, y]));
+  const expected = [];
+  while (corners.length > 0) {
+    const c = corners.splice(-3).map((i) => points[i][0]);
+    while (c[0] > c[1] || c[0] > c[2]) c.push(c.shift());
+    expected.push(c.join(' '));
+  }
+  assert.deepEqual(triangles, expected.sort());
+  assert.deepEqual(await page.evaluate(() => [window.app.mesh.points, window.app.mesh.triangles]), [points.length, triangles.length]);
+}
 
 const placeOf = (page, id) => page.evaluate((n) => [...window.app.mesh.xy.subarray(2 * n, 2 * n + 2)], id);
 
 test('the first view has named towns, coloured cells and one hint; a drag on a town moves it, and undo takes it back', async () => {
   const page = await visit('', { at, size: { width: 1280, height: 800 } });
   await waitFor(page, () => window.app.mesh.points === 485 && window.app.overlay.labels.length > 40);
-  await waitFor(page, () => document.getElementById('notice').innerText.trim() === 'Drag a town.');
+  await says(page, 'notice', 'Drag a town.');
   const home = await placeOf(page, 2);
   await page.mouse.move(...(await onPage(page, ...home)));
-  await waitFor(page, () => /^Cork/.test(document.getElementById('pointer').innerText));
+  await says(page, 'pointer', 'Cork');
   const to = await onPage(page, 20, 0);
   await drag(page, await onPage(page, ...home), to);
   await waitFor(page, () => Math.hypot(window.app.mesh.xy[4] - 20, window.app.mesh.xy[5]) < 1);
   await waitFor(page, () => document.getElementById('notice').hidden && /^Cork/.test(document.getElementById('pointer').innerText));
-  assert.equal(await isWhole(page), 'equal');
+  await checkWhole(page);
   await page.click('#undo');
   await waitFor(page, (x) => window.app.mesh.xy[4] === x, {}, home[0]);
-  assert.equal(await isWhole(page), 'equal');
+  await checkWhole(page);
   await page.close();
 });
 
@@ -80,27 +70,23 @@ test('names do not overlap, and where two would, the larger town has its name', 
 test('the edges of the hull are whole lines, also where the layer of the hull is off', async () => {
   const page = await visit('#set=ireland&layers=triangles&view=-120,40,12', { at, size: { width: 1280, height: 800 } });
   await waitFor(page, () => window.app.mesh.points === 485 && window.app.overlay.lines.hull.length > 0);
-  const alphas = await page.evaluate(async () => {
-    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+  const { width, height, data } = await picture(page, 'mesh', 'overlay');
+  const hull = await page.evaluate(() => {
     const { overlay, view } = window.app;
-    const { width, height } = document.getElementById('mesh');
-    const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
-    for (const id of ['mesh', 'overlay']) context.drawImage(document.getElementById(id), 0, 0);
-    const { data } = context.getImageData(0, 0, width, height);
-    const near = [-1, 0, 1].flatMap((dy) => [-1, 0, 1].map((dx) => dy * width + dx));
     const [{ places }] = overlay.lines.hull;
-    const found = []; // near each pixel of the hull in view, the largest one
-    for (let k = 0; k < places.length; k += 2) {
-      const [from, to] = [k, (k + 2) % places.length].map((i) => view.toScreen(places[i], places[i + 1]));
-      const pixels = Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]));
-      for (let i = 0; i <= pixels; i++) {
-        const [x, y] = [0, 1].map((axis) => Math.round(from[axis] + (i / pixels) * (to[axis] - from[axis])));
-        if (x < 1 || y < 1 || x > width - 2 || y > height - 2) continue;
-        found.push(Math.max(...near.map((step) => data[4 * (y * width + x + step) + 3])));
-      }
-    }
-    return found;
+    return Array.from({ length: places.length / 2 }, (_, k) => view.toScreen(places[2 * k], places[2 * k + 1]));
   });
+  const near = [-1, 0, 1].flatMap((dy) => [-1, 0, 1].map((dx) => dy * width + dx));
+  const alphas = []; // near each pixel of the hull in view, the largest one
+  for (const [k, from] of hull.entries()) {
+    const to = hull[(k + 1) % hull.length];
+    const pixels = Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]));
+    for (let i = 0; i <= pixels; i++) {
+      const [x, y] = [0, 1].map((axis) => Math.round(from[axis] + (i / pixels) * (to[axis] - from[axis])));
+      if (x < 1 || y < 1 || x > width - 2 || y > height - 2) continue;
+      alphas.push(Math.max(...near.map((step) => data[4 * (y * width + x + step) + 3])));
+    }
+  }
   assert.ok(alphas.length > 500 && Math.min(...alphas) > 140, `${alphas.length} pixels, the faintest ${Math.min(...alphas)}`);
   assert.deepEqual(page.faults, []);
   await page.close();
@@ -121,13 +107,13 @@ test('random edits in process give the mesh of all points, also with points in o
       });
     }
   });
-  assert.equal(await isWhole(page), 'equal');
+  await checkWhole(page);
   await page.evaluate(async () => {
     const { connection, mesh } = window.app;
     for (let n = mesh.ids - 1; n >= 0; n--) if (mesh.hasPoint(n)) await connection().request(`DEL ireland ${n}`);
   });
   assert.deepEqual(await page.evaluate(() => [window.app.mesh.points, window.app.mesh.triangles]), [0, 0]);
-  await waitFor(page, () => /ireland is empty/.test(document.getElementById('notice').innerText));
+  await says(page, 'notice', 'ireland is empty');
   await page.evaluate(async () => {
     for (const place of ['0 0', '1 1', '2 2', '2 2', '3 3', '0 3']) await window.app.connection().request(`ADD ireland ${place}`);
   });
@@ -156,7 +142,7 @@ test('lines of a file become constraints, which a point cannot be dragged across
   writeFileSync(join(folder, 'fence.geojson'), JSON.stringify({ type: 'FeatureCollection', features }));
   await (await page.$('#file')).uploadFile(join(folder, 'fence.geojson'));
   await waitFor(page, () => window.app.mesh.points === 9 && window.app.overlay.lines.constraints.length === 3);
-  await waitFor(page, () => /no Voronoi cells/.test(document.getElementById('message').textContent));
+  await says(page, 'message', 'no Voronoi cells');
   const drag = async (from, to) => {
     await page.mouse.move(...(await onPage(page, ...from)));
     await page.mouse.down();
@@ -165,20 +151,17 @@ test('lines of a file become constraints, which a point cannot be dragged across
   const refused = (n) => waitFor(page, (k) => document.querySelectorAll('#marks polyline').length === k, {}, n);
   await drag([3, 1], [2, 3]);
   await refused(1);
-  await waitFor(page, () => /cross/.test(document.getElementById('message').textContent));
+  await says(page, 'message', 'cross');
   await page.mouse.up();
   await refused(0);
   assert.deepEqual(await placeOf(page, 8), [3, 1]);
   await drag([3, 1], [3.2, 1.6]);
   await page.mouse.up();
   await waitFor(page, () => Math.hypot(window.app.mesh.xy[16] - 3.2, window.app.mesh.xy[17] - 1.6) < 0.02);
-  const [known, stored] = await page.evaluate(async () => {
-    const sorted = (corners) => Array.from({ length: corners.length / 3 }, (_, k) => [...corners.subarray(3 * k, 3 * k + 3)].sort().join(' ')).sort();
-    const { mesh, connection } = window.app;
-    const { data } = await connection().request('TRIANGLES fence BINARY');
-    return [sorted(mesh.corners.subarray(0, 3 * mesh.slots)).filter((key) => key !== '0 0 0'), sorted(new Uint32Array(data.buffer))];
-  });
-  assert.deepEqual(known, stored);
+  const stored = await page.evaluate(async () => [...new Uint32Array((await window.app.connection().request('TRIANGLES fence BINARY')).data.buffer)]);
+  const sorted = (triangles) => triangles.map((ids) => ids.sort().join(' ')).sort();
+  const { triangles } = await known(page);
+  assert.deepEqual(sorted(triangles.map((ids) => ids.split(' ').map(Number))), sorted(Array.from({ length: stored.length / 3 }, (_, k) => stored.slice(3 * k, 3 * k + 3))));
   assert.deepEqual(page.faults, []);
   await page.close();
 });

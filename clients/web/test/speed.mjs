@@ -142,7 +142,7 @@ async function framesWhileDragging() {
   await page.close();
   const parts = after.part - before.part;
   const perSecond = (1000 * parts) / (after.at - before.at);
-  console.log(`a point among 1e5 is dragged: ${perSecond.toFixed(0)} pictures a second, ${((after.bytes - before.bytes) / parts).toFixed(0)} bytes each`);
+  console.log(`a point among 1e5 is dragged: ${perSecond.toFixed(0)} pictures a second, ${((after.triangles - before.triangles) / parts).toFixed(0)} triangles each`);
 }
 
 /** Measures from the reply to a MOVE of one page to the frame after the one that draws it on another page. */

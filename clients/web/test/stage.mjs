@@ -6,6 +6,7 @@ import { connect } from 'node:net';
 import { createInterface } from 'node:readline';
 import { setTimeout as sleep } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
+import { PNG } from 'pngjs';
 import puppeteer from 'puppeteer-core';
 
 const { DELAUNAYD, BROWSER = '/usr/bin/chromium' } = process.env;
@@ -134,6 +135,70 @@ async function stateOf(page) {
   });
   const late = sleep(10000, { state: 'the page does not answer' });
   return { ...(await Promise.race([read.catch((error) => ({ state: String(error) })), late])), faults: page.faults };
+}
+
+/** Waits until the text of an element contains a text; '': until it is empty. White space counts as one blank. */
+export const says = (page, id, text) =>
+  waitFor(
+    page,
+    (i, t) => {
+      const now = document.getElementById(i).innerText.replace(/\s+/g, ' ').trim();
+      return t === '' ? now === '' : now.includes(t);
+    },
+    {},
+    id,
+    text,
+  );
+
+/** Presses the button of the notice with this label. */
+export const press = (page, label) =>
+  page.evaluate((l) => [...document.querySelectorAll('#notice button')].find((b) => b.textContent === l).click(), label);
+
+/** The place of a point in the daemon; undefined: there is none. */
+export const placeOf = async (set, id) => (await ask(`GET ${set} ${id}`))[1]?.split(' ').slice(1).map(Number);
+
+/** Waits until a point is near a place in the daemon. */
+export const isAt = (set, id, [x, y], distance = 0.01) =>
+  until(async () => ((p) => p !== undefined && Math.hypot(p[0] - x, p[1] - y) <= distance)(await placeOf(set, id)));
+
+/** What the page has of the set. points: [id, x, y]; triangles: three ids as text, the smallest first, sorted. */
+export const known = (page) =>
+  page.evaluate(() => {
+    const { mesh } = window.app;
+    const points = [];
+    for (let n = 0; n < mesh.ids; n++) if (mesh.hasPoint(n)) points.push([mesh.idOf(n), mesh.xy[2 * n], mesh.xy[2 * n + 1]]);
+    const triangles = [];
+    for (let k = 0; k < 3 * mesh.triangles; k += 3) {
+      const c = [...mesh.corners.subarray(k, k + 3)].map((n) => mesh.idOf(n));
+      while (c[0] > c[1] || c[0] > c[2]) c.push(c.shift());
+      triangles.push(c.join(' '));
+    }
+    return { points, triangles: triangles.sort() };
+  });
+
+/** The pixels of canvases, one over the other, {width, height, data}, when what has changed is drawn. */
+export async function picture(page, ...ids) {
+  const text = await page.evaluate(async (names) => {
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    const { width, height } = document.getElementById('mesh');
+    const copy = Object.assign(document.createElement('canvas'), { width, height });
+    for (const name of names) copy.getContext('2d').drawImage(document.getElementById(name), 0, 0);
+    return copy.toDataURL();
+  }, ids);
+  return PNG.sync.read(Buffer.from(text.split(',')[1], 'base64'));
+}
+
+/** The share of the pixels of canvases between two opposite corners in the plane, by default everywhere, that are drawn. */
+export async function drawnShare(page, ids, from = null, to = null) {
+  const { width, height, data } = await picture(page, ...ids);
+  let [x0, y0, x1, y1] = [0, 0, width, height];
+  if (from !== null) {
+    const corners = await page.evaluate((...two) => two.map((place) => window.app.view.toScreen(...place)), from, to);
+    [x0, y1, x1, y0] = corners.flat().map(Math.round);
+  }
+  let drawn = 0;
+  for (let y = y0; y < y1; y++) for (let x = x0; x < x1; x++) if (data[4 * (y * width + x) + 3] > 0) drawn++;
+  return drawn / ((x1 - x0) * (y1 - y0));
 }
 
 /** Waits until the page has the set as it is now. */

@@ -5,9 +5,8 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { PNG } from 'pngjs';
 import { qualityOf } from '../page/angles.js';
-import { ask, drag, makeSet, onPage, open, start, stop, until, visit, waitFor } from './stage.mjs';
+import { ask, drag, isAt, makeSet, onPage, open, picture, placeOf, press, says, start, stop, until, visit, waitFor } from './stage.mjs';
 
 let folder;
 
@@ -86,13 +85,13 @@ test('on a phone the panel has at most a third of the screen, and can be closed'
   await page.tap('#sheet');
   assert.ok((await height()) < 80, String(await height()));
   await waitFor(page, () => document.getElementById('mesh').clientHeight > 760);
-  const home = (await ask('GET used 7'))[1].split(' ').slice(1).map(Number);
+  const home = await placeOf('used', 7);
   await page.tap('#edit');
   const [from, to] = [await onPage(page, ...home), await onPage(page, 0.5, 0.5)];
   await page.touchscreen.touchStart(...from);
   for (let k = 1; k <= 5; k++) await page.touchscreen.touchMove(from[0] + (k / 5) * (to[0] - from[0]), from[1] + (k / 5) * (to[1] - from[1]));
   await page.touchscreen.touchEnd();
-  await until(async () => Math.abs(Number((await ask('GET used 7'))[1].split(' ')[1]) - 0.5) < 0.02);
+  await isAt('used', 7, [0.5, 0.5], 0.02);
   await page.close();
 });
 
@@ -102,24 +101,23 @@ test('a file becomes a new set after a question; a bad one is refused with its l
     writeFileSync(join(folder, name), text);
     await (await page.$('#file')).uploadFile(join(folder, name));
   };
-  const press = (label) => page.evaluate((l) => [...document.querySelectorAll('#notice button')].find((b) => b.textContent === l).click(), label);
   await file('bad.csv', 'x,y\n1,2\n3,\n');
-  await waitFor(page, () => /bad.csv: line 3 has no two coordinates/.test(document.getElementById('message').textContent));
+  await says(page, 'message', 'bad.csv: line 3 has no two coordinates');
   await file('used.csv', 'name,lon,lat,height\n"A, or B",0,0,1.5\nC,4,0,2\nD,0,4,\n');
-  await waitFor(page, () => /Load 3 points of used.csv into the new set used_2 of the server/.test(document.getElementById('notice').textContent));
+  await says(page, 'notice', 'Load 3 points of used.csv into the new set used_2 of the server');
   assert.equal((await ask('SETS')).some((row) => /^used_2 /.test(row)), false);
-  await press('Load');
+  await press(page, 'Load');
   await waitFor(page, () => window.app.mesh.points === 3 && window.app.mesh.triangles === 1);
   assert.deepEqual((await ask('POINTS used_2 FIELDS height')).slice(1), ['0 0 0 1.5', '1 4 0 2', '2 0 4 nan']);
   assert.equal(await page.evaluate(() => window.app.overlay.names.get(0)), 'A, or B');
   const features = [[1, 2], [3, 4], [1, 5]].map((coordinates) => ({ type: 'Feature', properties: {}, geometry: { type: 'Point', coordinates } }));
   await file('places.geojson', JSON.stringify({ type: 'FeatureCollection', features }));
-  await waitFor(page, () => /new set places of/.test(document.getElementById('notice').textContent));
-  await press('Cancel');
+  await says(page, 'notice', 'new set places of');
+  await press(page, 'Cancel');
   assert.equal((await ask('SETS')).some((row) => /^places /.test(row)), false);
   await waitFor(page, () => document.getElementById('notice').hidden);
   await (await page.$('#file')).uploadFile(join(folder, 'places.geojson'));
-  await waitFor(page, () => /new set places of/.test(document.getElementById('notice').textContent));
+  await says(page, 'notice', 'new set places of');
   await page.close();
 });
 
@@ -168,13 +166,10 @@ test('a constraint is drawn bold, and a move that would cross it is shown as ref
   assert.ok((await bold(0, 1)) < 13, 'the hull is thinner');
   await page.click('#edit');
   await drag(page, await onPage(page, 0, 0), await onPage(page, 2, 4.15), 1);
-  await waitFor(page, () => /cross/i.test(document.getElementById('message').textContent));
+  await says(page, 'message', 'cross');
   assert.equal((await ask('GET fence 0'))[1], '0 0 0');
   await drag(page, await onPage(page, 0, 0), await onPage(page, 1, 1), 1);
-  await until(async () => {
-    const [, x, y] = (await ask('GET fence 0'))[1].split(' ').map(Number);
-    return Math.hypot(x - 1, y - 1) < 0.05;
-  });
+  await isAt('fence', 0, [1, 1], 0.05);
   await until(async () => (await bold(2.5, 0.5)) > 9);
   await page.close();
 });
@@ -193,9 +188,7 @@ test('a map that is moved shows what a page that begins there draws, and keys me
   const [id] = (await ask(`NEAREST used ${middle.join(' ')}`))[1].split(' ');
   assert.match(await page.evaluate(() => document.getElementById('pointer').innerText), new RegExp(`^point ${id}\\b`));
   const other = await open('used', undefined, new URL(page.url()).hash.replace('#set=used', ''));
-  const picture = (p) => p.evaluate(() => document.getElementById('mesh').toDataURL());
-  const decode = async (p) => PNG.sync.read(Buffer.from((await picture(p)).split(',')[1], 'base64')).data;
-  const [a, b] = [await decode(page), await decode(other)];
+  const [{ data: a }, { data: b }] = [await picture(page, 'mesh'), await picture(other, 'mesh')];
   const differ = a.filter((value, i) => Math.abs(value - b[i]) > 40).length;
   assert.ok(a.length === b.length && differ < 0.002 * a.length, `${differ} of ${a.length} bytes differ`);
   for (const p of [page, other]) await p.close();

@@ -1,23 +1,11 @@
 // Follows one set: the mesh is a copy of it, or of a part of it, and stays so. A set that is not too large is mirrored whole. Of a
-// larger one the mesh has the points in a box around the view and the triangles between them, if they are few enough; otherwise a
-// sample.
-import { contains, emptyBox, extend } from './box.js';
+// larger one the mesh has the points in a box around the view and the triangles between them, or a sample, as sample.js decides.
+import { contains } from './box.js';
 import { Gathered } from './rings.js';
-import { boxAround, sampleOf } from './sample.js';
+import { boxAround, boxToShow, sampleOf } from './sample.js';
 
-const MOST_IN_BOX = 200000; // triangles
-const MARGIN = 0.25; // of a box around the view, on each side
-const SPREAD = 2.5; // of a dot that stands for small triangles, in cells: they lie anywhere in them
 const AGAIN_MS = 1000; // between samples while the set is edited
-const NOWHERE = '1e50 1e50 1e50 1e50'; // a box without points: its events say that the set has changed
-const BYTES_OF_TRIANGLE = 12;
-
-/** The box around the points of a mesh. */
-function boxOf({ xy, ids }) {
-  const found = emptyBox();
-  for (let k = 0; k < 2 * ids; k += 2) extend(found, xy[k], xy[k + 1]);
-  return found[0] <= found[2] ? found : [0, 0, 1, 1];
-}
+const NOWHERE = Array(4).fill(2 ** 201).join(' '); // a box in the corner of the plane: its events say that the set has changed
 
 export class Follower {
   set = null; // its name
@@ -34,7 +22,7 @@ export class Follower {
   #following = 0; // how often another set was chosen
 
   /** connection() returns the open one, fetchAll(requests, most) the replies. Sets of at most `most` points are mirrored whole. Calls
-   * onShow(box, dots) for another mesh, and onDropped(set). Calls onChange(changes) as Mesh.apply says; null: the set has changed. */
+   * onShow(dots) for another mesh, and onDropped(set). Calls onChange(box) when the set has changed, with the box that Mesh.apply returns, or null. */
   constructor({ connection, fetchAll, mesh, view, most, onShow, onChange, onDropped }) {
     Object.assign(this, { connection, fetchAll, mesh, view, most, onShow, onChange, onDropped });
   }
@@ -76,13 +64,13 @@ export class Follower {
     if (turn !== this.#following) return;
     this.mesh.load(points.data, triangles.data, this.field !== null);
     this.mesh.version = Number(keys.version);
-    this.#show('whole', boxOf(this.mesh));
+    this.#show('whole');
     await this.#watch(` SINCE ${this.mesh.version}`);
   }
 
-  #show(kind, box, dots) {
+  #show(kind, dots) {
     this.kind = kind;
-    this.onShow(box, dots);
+    this.onShow(dots);
   }
 
   /** The connection is another one. */
@@ -102,11 +90,11 @@ export class Follower {
 
   /** The box around all points. */
   async around() {
-    return this.kind === 'whole' ? boxOf(this.mesh) : boxAround(this.fetchAll, this.set);
+    return this.kind === 'whole' ? this.mesh.box() : boxAround(this.fetchAll, this.set);
   }
 
-  /** Fits the mesh to the view, if it does not fit and the set is large. First it loads a sample, then a box around the view if the box
-   * has not too many triangles. Resolves to whether the mesh fits. A set that is being loaded is not examined. */
+  /** Fits the mesh to the view, if it does not fit and the set is large. First it loads a sample, then a box around the view if that is to
+   * be shown. Resolves to whether the mesh fits. A set that is being loaded is not examined. */
   async look() {
     if (this.set === null || !this.#isPart) return true;
     const seen = this.view.copy();
@@ -122,29 +110,15 @@ export class Follower {
     this.#seen = seen;
     this.#sampledAt = Date.now();
     this.#isStale = false;
-    const dots = Uint32Array.from(sample.small, (id) => this.mesh.numberOf(id));
-    this.#show('sample', boxOf(this.mesh), { points: dots, size: SPREAD * sample.cell });
-    if (sample.estimate <= this.#mostInBox) await this.#lookCloser(turn);
-    return true;
-  }
-
-  get #mostInBox() {
-    return Math.min(this.most, MOST_IN_BOX);
-  }
-
-  async #lookCloser(turn) {
-    const box = this.view.box(MARGIN);
-    try {
-      await this.fetchAll([`TRIANGLES ${this.set} WITHIN ${box.join(' ')} BINARY`], BYTES_OF_TRIANGLE * this.#mostInBox);
-    } catch (error) {
-      if (error.code !== 'LARGE') throw error;
-      return;
+    this.#show('sample', sample.dots);
+    const box = await boxToShow(this.fetchAll, this.set, seen, sample, this.most);
+    if (box !== null && turn === this.#following) {
+      await this.#watch(` WITHIN ${box.join(' ')}`, () => {
+        this.kind = 'box';
+        this.#box = box;
+      });
     }
-    if (turn !== this.#following) return;
-    await this.#watch(` WITHIN ${box.join(' ')}`, () => {
-      this.kind = 'box';
-      this.#box = box;
-    });
+    return true;
   }
 
   onEvent(event) {
@@ -169,7 +143,7 @@ export class Follower {
       return;
     }
     this.mesh.loadEvent(gathered, version, this.kind === 'box');
-    this.#show(this.kind, this.kind === 'box' ? this.#box : boxOf(this.mesh));
+    this.#show(this.kind);
   }
 
   /** The sample is not that of the set any more. */

@@ -1,56 +1,64 @@
-// A sample of the triangles in view, those at the places of a grid: it can be known at once for a set of any size. It has all triangles
-// that are larger than a cell of the grid; of smaller ones it has one for each cell.
+// What is shown of a set that is too large to be mirrored whole: everything in a box around the view, if that has few enough triangles, or
+// else a sample, the triangles at the places of a grid. A sample can be known at once for a set of any size. It has all triangles that
+// are larger than a cell of the grid; of smaller ones it has one for each cell.
 
 const PLACES = 40000; // of the grid
 const LEAST_CELL = 3; // pixels
+const SMALL = 8; // cells: smaller triangles are dots, too, so that there are no holes between those of the sample
+const MOST_IN_BOX = 200000; // triangles
+const MARGIN = 0.25; // of a box around the view, on each side
+const BYTES_OF_TRIANGLE = 12;
 const LINE = 4000; // ids in a line of GET
-const FAR = 1e50; // beyond all points
-
+const FAR = 2 ** 201; // the largest coordinate of a point
 const NOWHERE = 0xffffffff;
 
-/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, small, estimate, cell}. triangles: three ids each.
- * places: Map id -> [x, y, value] of their corners. small: an id of each triangle that is smaller than two cells. estimate: about how
- * many triangles are in view. cell: pixels. */
+/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, dots, estimate}. triangles: three ids each.
+ * places: Map id -> [x, y, value] of their corners. dots: {places, size}, x, y and value in the middle of each cell with a small
+ * triangle, and the side of a cell. estimate: about how many triangles are in view. */
 export async function sampleOf(fetchAll, set, view, field) {
-  const cell = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES));
-  const grid = gridOf(view, cell);
+  const size = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES)) / view.scale;
+  const grid = gridOf(view.box(), size);
   const [{ keys }, located] = await fetchAll([`STAT ${set}`, [`LOCATEB ${set} ${grid.length / 2}`, grid]]);
-  const found = distinct(new Uint32Array(located.data.buffer));
-  const places = await placesOf(fetchAll, set, new Set(found.flatMap(({ corners }) => corners)), field);
-  const known = [];
-  const small = [];
-  const cellArea = (cell / view.scale) ** 2;
+  const corners = new Uint32Array(located.data.buffer);
+  const ids = new Set(corners);
+  ids.delete(NOWHERE);
+  const places = await placesOf(fetchAll, set, ids, field);
+  const triangles = new Map();
+  const dots = [];
   let estimate = 0;
-  for (const { corners, hits } of found) {
-    if (!corners.every((id) => places.has(id))) continue; // deleted meanwhile
-    const area = areaOf(corners.map((id) => places.get(id)));
-    estimate += (hits * cellArea) / area;
-    known.push(...corners);
-    if (area < 2 * cellArea) small.push(corners[0]);
+  for (let k = 0; k < corners.length; k += 3) {
+    const triangle = [...corners.subarray(k, k + 3)];
+    if (!triangle.every((id) => places.has(id))) continue; // there is none, or it was deleted meanwhile
+    const cells = areaOf(triangle.map((id) => places.get(id))) / size ** 2;
+    estimate += 1 / cells;
+    triangles.set(triangle.join(' '), triangle);
+    if (cells < SMALL) dots.push(grid[(2 * k) / 3], grid[(2 * k) / 3 + 1], places.get(triangle[0])[2]);
   }
-  return { version: Number(keys.version), triangles: known, places, small, estimate, cell };
+  return { version: Number(keys.version), triangles: [...triangles.values()].flat(), places, dots: { places: dots, size }, estimate };
 }
 
-/** The middles of all cells in view, x and y. */
-function gridOf(view, cell) {
+/** Decides what is shown of a view with this sample. Resolves to the box around the view in which everything is to be shown; null: it
+ * has more than `most` triangles, or than a box may have, and the sample is shown. */
+export async function boxToShow(fetchAll, set, view, { estimate }, most) {
+  const limit = Math.min(most, MOST_IN_BOX);
+  if (estimate > limit) return null;
+  const box = view.box(MARGIN);
+  try {
+    await fetchAll([`TRIANGLES ${set} WITHIN ${box.join(' ')} BINARY`], BYTES_OF_TRIANGLE * limit);
+    return box;
+  } catch (error) {
+    if (error.code === 'LARGE') return null;
+    throw error;
+  }
+}
+
+/** The middles of cells of some size in a box, x and y. */
+function gridOf([x0, y0, x1, y1], size) {
   const places = [];
-  for (let py = cell / 2; py < view.height; py += cell) {
-    for (let px = cell / 2; px < view.width; px += cell) places.push(...view.toPlane(px, py));
+  for (let y = y1 - size / 2; y > y0; y -= size) {
+    for (let x = x0 + size / 2; x < x1; x += size) places.push(x, y);
   }
   return Float64Array.from(places);
-}
-
-/** The different triangles among those at places, {corners, hits}; hits: at how many places it is. */
-function distinct(located) {
-  const found = new Map();
-  for (let k = 0; k < located.length; k += 3) {
-    const corners = [...located.subarray(k, k + 3)];
-    if (corners[0] === NOWHERE) continue;
-    const key = corners.join(' ');
-    if (!found.has(key)) found.set(key, { corners, hits: 0 });
-    found.get(key).hits++;
-  }
-  return [...found.values()];
 }
 
 const areaOf = ([[ax, ay], [bx, by], [cx, cy]]) => Math.abs((bx - ax) * (cy - ay) - (cx - ax) * (by - ay)) / 2;

@@ -90,19 +90,19 @@ export class Overlay {
     }
   }
 
-  /** The edges of triangles too thin for the graphics memory's lines, which would be dashed. */
-  #drawThin(context, view, { slots, corners, xy }) {
-    if (slots > MOST_THIN) return;
+  /** The edges of triangles too thin for the lines of WebGL, which would be dashed. */
+  #drawThin(context, view, mesh) {
+    if (mesh.triangles > MOST_THIN) return;
+    const { xy } = mesh;
     context.strokeStyle = this.colours.thin;
     context.lineWidth = 1;
     context.beginPath();
-    for (let k = 0; k < 3 * slots; k += 3) {
-      const [a, b, c] = [2 * corners[k], 2 * corners[k + 1], 2 * corners[k + 2]];
-      const [ux, uy, vx, vy] = [xy[b] - xy[a], xy[b + 1] - xy[a + 1], xy[c] - xy[a], xy[c + 1] - xy[a + 1]];
-      const longest = view.scale * Math.max(Math.hypot(ux, uy), Math.hypot(vx, vy), Math.hypot(ux - vx, uy - vy));
-      const height = (view.scale ** 2 * Math.abs(ux * vy - uy * vx)) / longest;
-      if (height < THIN && longest > LONG) trace(context, view, [xy[a], xy[a + 1], xy[b], xy[b + 1], xy[c], xy[c + 1]], true);
-    }
+    mesh.eachTriangleIn(view.box(), (...corners) => {
+      const [ax, ay, bx, by, cx, cy] = corners.flatMap((n) => [xy[2 * n], xy[2 * n + 1]]);
+      const longest = view.scale * Math.max(Math.hypot(bx - ax, by - ay), Math.hypot(cx - ax, cy - ay), Math.hypot(cx - bx, cy - by));
+      const height = (view.scale ** 2 * Math.abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))) / longest;
+      if (height < THIN && longest > LONG) trace(context, view, [ax, ay, bx, by, cx, cy], true);
+    });
     context.stroke();
   }
 
@@ -159,7 +159,8 @@ export class Overlay {
   }
 }
 
-function trace(context, view, places, closed) {
+/** Adds a line through places x, y, ... to the path of a context. */
+export function trace(context, view, places, closed) {
   for (let k = 0; k + 1 < places.length; k += 2) {
     const [x, y] = view.toScreen(places[k], places[k + 1]);
     if (k === 0) context.moveTo(x, y);

@@ -1,27 +1,14 @@
-// The triangulation drawn by WebGL 2. Coordinates are in a texture with a texel for each id; a vertex is the id of a corner, as the
-// binary reply to TRIANGLES has it. So a point that moves is one texel, and a triangle that changes is twelve bytes.
-//
-// Changes since the last frame are drawn again in their part of the picture, from the tiles of triangles that meet them.
+// The triangulation drawn by WebGL 2. The corners of the triangles that are to be drawn are sent with each picture, at their places on the
+// screen, which are computed in double precision. Changes since the last frame are drawn again in their part of the picture, from the
+// triangles that meet it.
 
-import { emptyBox, meets, widen } from '../data/box.js';
-import { Tiles } from './tiles.js';
+import { emptyBox, widen } from '../data/box.js';
+import { grown } from '../data/mesh.js';
 
-const ROW = 4096; // texels in a row of the texture of points
+const NUMBERS = 3; // of a vertex: x and y in clip space, and its value
 
 const HEAD = `#version 300 es
-precision highp float; precision highp int; precision highp sampler2D;`;
-
-/** The place of a corner, and its value. */
-const PLACE = `
-in uint id;
-uniform sampler2D points, values;
-uniform vec4 centre;   // of the view: x, y, and what single precision leaves of them
-uniform vec2 scale;    // from units to clip space
-vec4 place(ivec2 at) {
-  vec4 p = texelFetch(points, at, 0);
-  return vec4(((p.xy - centre.xy) + (p.zw - centre.zw)) * scale, 0.0, 1.0);
-}
-ivec2 texel() { return ivec2(int(id) % ${ROW}, int(id) / ${ROW}); }`;
+precision highp float; precision highp int;`;
 
 /** The colour of the ground, mixed with the share `line` of a line on it. */
 const PAINT = `
@@ -45,14 +32,15 @@ vec4 paint(float value, float line, float light) {
   return vec4(edge.rgb * line + ground.rgb * ground.a * (1.0 - line), line + ground.a * (1.0 - line));
 }`;
 
-const MESH_VERTEX = `${HEAD}${PLACE}
+const MESH_VERTEX = `${HEAD}
+in vec3 vertex;
 out vec3 corner;
 out float value;
 void main() {
-  gl_Position = place(texel());
+  gl_Position = vec4(vertex.xy, 0.0, 1.0);
   int k = gl_VertexID % 3;
   corner = vec3(k == 0, k == 1, k == 2);
-  value = texelFetch(values, texel(), 0).r;
+  value = vertex.z;
 }`;
 
 const MESH_FRAGMENT = `${HEAD}${PAINT}
@@ -71,14 +59,15 @@ void main() {
   colour = paint(value, line * (1.0 - 0.78 * smoothstep(0.06, 0.4, max(width.x, max(width.y, width.z)))), light);
 }`;
 
-/** Dots stand for the small triangles of a sample. */
-const DOT_VERTEX = `${HEAD}${PLACE}${PAINT}
+/** Dots are the cells of a sample that show small triangles. */
+const DOT_VERTEX = `${HEAD}${PAINT}
+in vec3 vertex;
 uniform float size;
 flat out vec4 dot_colour;
 void main() {
   gl_PointSize = size;
-  gl_Position = place(texel());
-  dot_colour = paint(texelFetch(values, texel(), 0).r, 0.22, 1.0);
+  gl_Position = vec4(vertex.xy, 0.0, 1.0);
+  dot_colour = paint(vertex.z, 0.22, 1.0);
 }`;
 
 const DOT_FRAGMENT = `${HEAD}
@@ -98,7 +87,7 @@ function compile(gl, vertex, fragment) {
     gl.compileShader(shader);
     gl.attachShader(program, shader);
   }
-  gl.bindAttribLocation(program, 0, 'id');
+  gl.bindAttribLocation(program, 0, 'vertex');
   gl.linkProgram(program);
   return program;
 }
@@ -113,15 +102,13 @@ function use(gl, program) {
 }
 
 export class Scene {
-  /** Bytes that events have sent to the graphics memory, and pictures drawn whole and in part. */
-  counts = { bytes: 0, whole: 0, part: 0 };
+  /** Pictures drawn whole and in part, and triangles of the parts. */
+  counts = { whole: 0, part: 0, triangles: 0 };
   style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1], relief: 0, bands: 0 };
   #gl;
   #mesh = null;
-  #tiles = null;
   #dots = null;
-  #rows = 0; // of the texture of points
-  #room = 0; // slots in the buffer of corners
+  #vertices = new Float32Array(0); // that are being sent
   #view = null; // that the picture shows; null: there is no picture
   #changed = emptyBox(); // of the plane: what events have changed since the last frame
 
@@ -133,7 +120,6 @@ export class Scene {
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault()); // so that there will be another one
     canvas.addEventListener('webglcontextrestored', () => {
       this.#begin();
-      if (this.#mesh !== null) this.#sendAll();
       this.stale();
     });
     if (!this.isLost) this.#begin();
@@ -147,32 +133,18 @@ export class Scene {
   /** The context is a new one: nothing is in the graphics memory. */
   #begin() {
     const gl = this.#gl;
-    this.#view = null;
     this.meshProgram = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
     this.dotProgram = null;
-    this.points = this.#texture();
-    this.values = this.#texture();
-    this.corners = gl.createBuffer();
-    this.dots = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, NUMBERS, gl.FLOAT, false, 0, 0);
     gl.disable(gl.DEPTH_TEST);
   }
 
-  #texture() {
-    const gl = this.#gl;
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-    return texture;
-  }
-
-  /** Shows another mesh, whose slots it reorders, with all points in the box; below it dots of some size at some of its points. */
-  show(mesh, box, dots = null) {
+  /** Shows another mesh, and below it the dots of a Sample. */
+  show(mesh, dots = null) {
     this.#mesh = mesh;
     this.#dots = dots;
-    this.#tiles = new Tiles(mesh, box);
-    mesh.reorder(this.#tiles.corners);
-    this.#sendAll();
     this.stale();
   }
 
@@ -195,64 +167,8 @@ export class Scene {
     return this.#view === null;
   }
 
-  #sendAll() {
-    const gl = this.#gl;
-    const { xy, values, corners, ids } = this.#mesh;
-    this.#rows = Math.max(1, Math.ceil((ids * 1.25 + 1024) / ROW));
-    const used = Math.ceil(ids / ROW); // rows
-    const texels = new Float32Array(4 * ROW * used);
-    for (let id = 0; id < ids; id++) this.#texel(xy, id, texels, 4 * id);
-    const heights = new Float32Array(ROW * used);
-    heights.set(values.subarray(0, ids));
-    for (const [texture, inner, outer, numbers] of [
-      [this.points, gl.RGBA32F, gl.RGBA, texels],
-      [this.values, gl.R32F, gl.RED, heights],
-    ]) {
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texImage2D(gl.TEXTURE_2D, 0, inner, ROW, this.#rows, 0, outer, gl.FLOAT, null);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, used, outer, gl.FLOAT, numbers);
-    }
-    this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-    gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, corners);
-  }
-
-  /** The coordinates of a point as sums of two single-precision numbers. */
-  #texel(xy, id, to, at) {
-    for (let k = 0; k < 2; k++) {
-      const high = Math.fround(xy[2 * id + k]);
-      to[at + k] = high;
-      to[at + 2 + k] = xy[2 * id + k] - high;
-    }
-  }
-
-  /** Sends what an event has changed (the result of Mesh.apply), and draws that part of the picture again. */
-  update({ points, slots, box }) {
-    if (box !== null) this.#tiles.change(slots, box);
-    if (this.isLost) return; // everything will be sent again
-    const gl = this.#gl;
-    const mesh = this.#mesh;
-    if (mesh.ids > ROW * this.#rows || mesh.slots > this.#room) {
-      this.#sendAll();
-      this.stale();
-      return;
-    }
-    gl.bindTexture(gl.TEXTURE_2D, this.points);
-    const texel = new Float32Array(4);
-    for (const id of points) {
-      this.#texel(mesh.xy, id, texel, 0);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RGBA, gl.FLOAT, texel);
-    }
-    gl.bindTexture(gl.TEXTURE_2D, this.values);
-    for (const id of points) {
-      const value = mesh.values.subarray(id, id + 1);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RED, gl.FLOAT, value);
-    }
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-    for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
-    this.counts.bytes += 20 * points.length + 12 * slots.length;
-    if (box === null) return;
+  /** What is in a box of the plane has changed. */
+  update(box) {
     widen(this.#changed, box);
     this.onStale();
   }
@@ -269,7 +185,7 @@ export class Scene {
   #drawWhole(view) {
     const gl = this.#gl;
     this.#view = view;
-    this.#drawTiles(view.box(), null);
+    this.#drawBox(view.box(), null);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
     this.counts.whole++;
   }
@@ -286,7 +202,7 @@ export class Scene {
     const y1 = Math.min(height, Math.ceil(height - top * this.#ratio) + 2);
     if (x0 >= x1 || y0 >= y1) return;
     const placeOf = (px, py) => view.toPlane(px / this.#ratio, (height - py) / this.#ratio);
-    this.#drawTiles([...placeOf(x0, y0), ...placeOf(x1, y1)], [x0, y0, x1 - x0, y1 - y0]);
+    this.counts.triangles += this.#drawBox([...placeOf(x0, y0), ...placeOf(x1, y1)], [x0, y0, x1 - x0, y1 - y0]);
     this.counts.part++;
   }
 
@@ -295,68 +211,76 @@ export class Scene {
     return this.#gl.drawingBufferWidth / this.#view.width;
   }
 
-  /** Draws all tiles that meet a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. */
-  #drawTiles(box, pixels) {
+  /** Draws all that meets a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. Returns the number
+   * of triangles. */
+  #drawBox(box, pixels) {
     const gl = this.#gl;
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     if (pixels !== null) gl.scissor(...pixels);
     (pixels === null ? gl.disable : gl.enable).call(gl, gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, this.values);
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, this.points);
     if (this.#dots !== null) this.#drawDots(this.#dots);
+    return this.#drawTriangles(box);
+  }
+
+  #drawTriangles(box) {
+    const { xy, values, triangles } = this.#mesh;
+    const { x, y } = this.#view;
+    const [across, up] = this.#clipScale();
+    this.#vertices = grown(this.#vertices, 3 * NUMBERS * triangles);
+    const vertices = this.#vertices;
+    let n = 0;
+    const put = (corner) => {
+      vertices[n++] = (xy[2 * corner] - x) * across;
+      vertices[n++] = (xy[2 * corner + 1] - y) * up;
+      vertices[n++] = values[corner];
+    };
+    this.#mesh.eachTriangleIn(box, (a, b, c) => {
+      put(a);
+      put(b);
+      put(c);
+    });
     this.#setUniforms(this.meshProgram);
-    this.#bind(this.corners);
-    let [from, to] = [0, 0]; // slots of tiles one behind the other
-    for (const { first, count, box: around } of this.#tiles.list) {
-      if (!meets(around, box)) continue;
-      if (first !== to) {
-        gl.drawArrays(gl.TRIANGLES, 3 * from, 3 * (to - from));
-        from = first;
-      }
-      to = first + count;
-    }
-    gl.drawArrays(gl.TRIANGLES, 3 * from, 3 * (to - from));
+    this.#send(this.#gl.TRIANGLES, vertices.subarray(0, n));
+    return n / NUMBERS / 3;
+  }
+
+  /** {places: x, y, value ..., size: in units of the plane}. */
+  #drawDots({ places, size }) {
+    const { x, y, scale } = this.#view;
+    const [across, up] = this.#clipScale();
+    const vertices = Float32Array.from(places, (v, k) => [(v - x) * across, (v - y) * up, v][k % NUMBERS]);
+    this.dotProgram ??= compile(this.#gl, DOT_VERTEX, DOT_FRAGMENT);
+    const at = this.#setUniforms(this.dotProgram);
+    this.#gl.uniform1f(at('size'), size * scale * this.#ratio);
+    this.#send(this.#gl.POINTS, vertices);
+  }
+
+  /** Clip space in units of the plane, to the right and upwards. */
+  #clipScale() {
+    const { width, height, scale } = this.#view;
+    return [(2 * scale) / width, (2 * scale) / height];
+  }
+
+  #send(kind, vertices) {
+    const gl = this.#gl;
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
+    gl.drawArrays(kind, 0, vertices.length / NUMBERS);
   }
 
   /** Uses a program, and returns a function as use() does. */
   #setUniforms(program) {
     const gl = this.#gl;
     const at = use(gl, program);
-    const view = this.#view;
     const { fill, edge, coloured, edged, range, relief, bands } = this.style;
-    const [x, y] = [Math.fround(view.x), Math.fround(view.y)];
-    gl.uniform4f(at('centre'), x, y, view.x - x, view.y - y);
-    gl.uniform2f(at('scale'), (2 * view.scale) / view.width, (2 * view.scale) / view.height);
     gl.uniform4fv(at('fill'), fill);
     gl.uniform4fv(at('edge'), edge);
     gl.uniform2f(at('range'), range[0], 1 / Math.max(range[1] - range[0], Number.MIN_VALUE));
-    gl.uniform1f(at('relief'), relief * view.scale * this.#ratio);
+    gl.uniform1f(at('relief'), relief * this.#view.scale * this.#ratio);
     gl.uniform1f(at('bands'), bands);
     gl.uniform1i(at('coloured'), coloured);
     gl.uniform1i(at('edged'), edged);
-    gl.uniform1i(at('points'), 0);
-    gl.uniform1i(at('values'), 1);
     return at;
-  }
-
-  #drawDots({ points, size }) {
-    const gl = this.#gl;
-    this.dotProgram ??= compile(gl, DOT_VERTEX, DOT_FRAGMENT);
-    const at = this.#setUniforms(this.dotProgram);
-    gl.uniform1f(at('size'), size * this.#ratio);
-    this.#bind(this.dots);
-    gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
-    gl.drawArrays(gl.POINTS, 0, points.length);
-  }
-
-  /** Vertices are the ids in a buffer. */
-  #bind(buffer) {
-    const gl = this.#gl;
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
   }
 }

@@ -1,4 +1,5 @@
 // A picture as SVG: a context that what draws on a 2D canvas can draw on, too.
+import { trace } from './overlay.js';
 
 const escape = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('"', '&quot;');
 const round = (v) => Math.round(v * 10) / 10;
@@ -84,32 +85,24 @@ export class SvgContext {
 
 /** Draws the triangles of a mesh that are in view; colourOf(value) is a colour or null, edge the colour of lines or null. */
 export function drawTriangles(context, view, mesh, colourOf, edge) {
-  const [x0, y0, x1, y1] = view.box();
-  const lines = [];
-  for (let slot = 0; slot < mesh.slots; slot++) {
-    const [a, b, c] = mesh.corners.subarray(3 * slot, 3 * slot + 3);
-    const [xs, ys] = [0, 1].map((k) => [a, b, c].map((n) => mesh.xy[2 * n + k]));
-    if (a === b || Math.max(...xs) < x0 || Math.min(...xs) > x1 || Math.max(...ys) < y0 || Math.min(...ys) > y1) continue;
-    const corners = xs.map((x, k) => view.toScreen(x, ys[k]));
-    lines.push(corners);
-    const colour = colourOf((mesh.values[a] + mesh.values[b] + mesh.values[c]) / 3);
-    if (colour === null) continue;
+  const { xy, values } = mesh;
+  const seen = [];
+  mesh.eachTriangleIn(view.box(), (a, b, c) => {
+    const places = [a, b, c].flatMap((n) => [xy[2 * n], xy[2 * n + 1]]);
+    seen.push(places);
+    const colour = colourOf((values[a] + values[b] + values[c]) / 3);
+    if (colour === null) return;
     context.fillStyle = colour;
     context.beginPath();
-    trace(context, corners);
+    trace(context, view, places, true);
     context.fill();
-  }
+  });
   if (edge === null) return;
   context.strokeStyle = edge;
   context.lineWidth = 0.7;
   context.beginPath();
-  for (const corners of lines) trace(context, corners);
+  for (const places of seen) trace(context, view, places, true);
   context.stroke();
-}
-
-function trace(context, corners) {
-  corners.forEach(([x, y], k) => (k === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
-  context.closePath();
 }
 
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]]; // of matplotlib, at quarters
