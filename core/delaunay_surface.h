@@ -80,7 +80,6 @@ struct dt_surface {
     bool inside;     /* the surface ends at the border of the number, or at all borders: DT_NONE */
     uint32_t number;
     bool beyond; /* it goes on beyond the hull */
-    bool flat;   /* all values are 0, and there is no field: only where it is counts */
     enum dt_quantity quantity;
     /* borrows; NULL: none; the surface of another field, found in the same search: the same but for its pages */
     const struct dt_surface *next;
@@ -122,8 +121,8 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
 
 /* Finds the cells that have their centres inside the border of the number, or on its edge; inside any border if the number is
  * DT_NONE. Bit i % 8 of bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is
- * polled, and its pool is used. Cost: 1 MB and a byte for each 8 cells. If borders have few edges for the cells, a search for each
- * row that such an edge meets; otherwise the time of a raster. */
+ * polled. Cost: 1 MB and a byte for each 8 cells. If borders have few edges for the cells, a search for each row that such an edge
+ * meets; otherwise a dt_locate for each cell. */
 enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
                                 const struct dt_options *opt, uint8_t *bits);
 

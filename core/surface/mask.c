@@ -1,23 +1,25 @@
-/* mask.c - the cells of a raster that are inside, by the edges at which that changes.
+/* mask.c - the cells of a raster that are inside borders, by the edges at which that changes.
  *
  *       row ----(--------)-----(------      A row is outside in the west. It changes sides at each edge that it crosses: an edge
  *               a        b     c            contains its lower end, not its upper one. Cells on an edge are inside.
  *
  * Exact signs decide which cell of a row is the first one to the east of an edge, and which cells are on the edge. Edges are found
- * along the constraints that are borders, so triangles are not looked at. */
+ * along the constraints that are borders, so triangles are not looked at. If there are more edges than cells, each cell is looked up
+ * by itself. */
 #include "core/constraints/enforce.h"
+#include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
+#include "core/query/ahead.h"
+#include "core/query/locate.h"
 #include "core/query/query.h"
-#include "core/surface/raster_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    MOST = 1 << 16, /* edges; what they take is part of the workspace of dt_raster_inside */
-    CELLS_EACH = 4, /* of fewer cells for each edge single ones are looked up */
+    MOST = 1 << 18, /* edges: 1 MB */
     CELLS_POLLED = 4096
 };
 
@@ -25,8 +27,8 @@ struct mask {
     const struct dt *t;
     const struct dt_raster *r;
     struct dt_enclosure in;
-    uint32_t *half; /* owns MOST */
-    size_t n;
+    uint32_t *half; /* owns `most` */
+    size_t n, most;
     struct dt_stop stop;
     uint8_t *bits, *on; /* borrows; owns: cells on an edge */
 };
@@ -47,7 +49,7 @@ static bool list_edges(struct mask *k, const struct dt_constraint *c)
     uint32_t v = dt_points_vertex(&k->t->points, c->a), end = dt_points_vertex(&k->t->points, c->b);
     for (uint32_t half; v != end; v = dt_dest(m, half)) {
         half = dt_chain_next(m, xy, m->leaving[v], xy[end]);
-        if (half == DT_NONE || k->n == MOST)
+        if (half == DT_NONE || k->n == k->most)
             return false;
         uint32_t twin = dt_twin(m, half);
         if (encloses(k, half) != encloses(k, twin))
@@ -56,11 +58,12 @@ static bool list_edges(struct mask *k, const struct dt_constraint *c)
     return true;
 }
 
+/* Lists the edges of the border of the number, or of all: DT_NONE. False: there are too many. */
 static bool list_all(struct mask *k, uint32_t number)
 {
     const struct dt_declared *d = &k->t->constraints->declared;
-    bool few = true;
-    for (uint32_t i = 0; i < d->end && few; i++) {
+    bool few = d->borders <= k->most;
+    for (uint32_t i = 0; i < d->end && few && !dt_stopped(&k->stop); i++) {
         if (!dt_declared_is_live(d, i))
             continue;
         struct dt_constraint c = dt_declared_get(d, i);
@@ -187,29 +190,65 @@ static void fill_rows(struct mask *k)
         k->bits[i] |= k->on[i];
 }
 
-enum dt_status dt_mask_by_edges(const struct dt *t, uint32_t number, const struct dt_raster *r,
-                                const struct dt_options *opt, uint8_t *bits, bool *few)
+static void mark_by_edges(struct mask *k)
+{
+    for (size_t i = 0; i < k->n; i++)
+        cross_rows(k, k->half[i]);
+    fill_rows(k);
+}
+
+/* ---- single cells ---- */
+
+static bool is_inside(const struct mask *k, const struct dt_place *p)
+{
+    const struct dt_mesh *m = &k->t->mesh;
+    uint32_t half;
+    enum dt_where where = dt_find(k->t, p, &half);
+    bool inside = where != DT_OUTSIDE && encloses(k, half);
+    if (where == DT_ON_EDGE)
+        return inside || encloses(k, dt_twin(m, half));
+    for (uint32_t h = dt_turn_ccw(m, half); where == DT_ON_VERTEX && !inside && h != half;
+         h = dt_turn_ccw(m, h))
+        inside = encloses(k, h);
+    return inside;
+}
+
+static void mark_by_places(struct mask *k, uint64_t cells)
+{
+    struct dt_place place[DT_AHEAD];
+    for (uint64_t from = 0, n; from < cells && !dt_stopped(&k->stop); from += n) {
+        n = cells - from < DT_AHEAD ? cells - from : DT_AHEAD;
+        for (size_t i = 0; i < n; i++)
+            place[i].at = dt_raster_centre(k->r, from + i);
+        dt_walk_to_places(k->t, place, n, DT_PLACE_READ);
+        for (size_t i = 0; i < n; i++)
+            if (is_inside(k, &place[i]))
+                set(k->bits, from + i);
+    }
+}
+
+enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
+                                const struct dt_options *opt, uint8_t *bits)
 {
     const uint64_t n = (uint64_t)r->columns * r->rows;
     const size_t bytes = (size_t)((n + 7) / 8);
     struct mask k = {.t = t, .r = r, .bits = bits, .stop = dt_stop_of(opt)};
     enum dt_status status = dt_enclosure_of(t, number, &k.in);
-    *few = status == DT_OK && t->constraints->declared.borders <= MOST;
-    if (!*few)
+    if (status == DT_OK && !dt_has_closed_border(t))
+        status = DT_OPEN;
+    if (status != DT_OK)
         return status;
-    k.half = malloc(MOST * sizeof *k.half);
-    k.on = calloc(bytes + 1, 1);
-    status = k.half == NULL || k.on == NULL ? DT_NOMEM : DT_OK;
-    if (status == DT_OK)
-        *few = list_all(&k, number) && k.n * CELLS_EACH <= n;
-    if (status == DT_OK && *few) {
-        memset(bits, 0, bytes);
-        for (size_t i = 0; i < k.n; i++)
-            cross_rows(&k, k.half[i]);
-        fill_rows(&k);
-        status = dt_stop_status(&k.stop);
-    }
+    k.most = n < MOST ? (size_t)n : MOST;
+    k.half = malloc(k.most * sizeof *k.half);
+    k.on = calloc(bytes, 1);
+    memset(bits, 0, bytes);
+    if (k.half == NULL || k.on == NULL)
+        dt_stop_because(&k.stop, DT_NOMEM);
+    else if (list_all(&k, number))
+        mark_by_edges(&k);
+    else
+        mark_by_places(&k, n);
     free(k.half);
     free(k.on);
-    return status;
+    return dt_stop_status(&k.stop);
 }

@@ -1,12 +1,7 @@
 /* raster.c - values of a surface at many places, and at the cells of a raster, by rows (raster_rows.h). */
 #include "core/control/parallel.h"
-#include "core/delaunay_constraints.h"
 #include "core/query/ahead.h"
-#include "core/set/set.h"
 #include "core/surface/raster_rows.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 /* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */
 static enum dt_status next_values(struct dt_valuer *v, const struct dt_point *q, size_t n,
@@ -116,49 +111,4 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
     dt_run(opt->pool, k.slices, scan_slice, &k);
     *done = dt_stop_status(&k.stop) == DT_OK ? n : 0;
     return dt_stop_status(&k.stop);
-}
-
-/* ---- what is inside borders ---- */
-
-static void put_bits(const double *value, size_t n, uint8_t *bits)
-{
-    for (size_t i = 0; i < n; i += 8) {
-        uint8_t byte = 0;
-        for (size_t k = 0; k < 8 && i + k < n; k++)
-            byte |= (uint8_t)((value[i + k] == 0) << k);
-        bits[i / 8] = byte;
-    }
-}
-
-enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
-                                const struct dt_options *opt, uint8_t *bits)
-{
-    enum { PIECE = 1 << 16 }; /* cells, a multiple of 8 */
-    static const double zero[DT_FIELD_PAGE];
-    const double *page = zero;
-    struct dt_surface s = {.page = &page,
-                           .how = DT_LINEAR,
-                           .max_edge = HUGE_VAL,
-                           .inside = true,
-                           .number = number,
-                           .flat = true};
-    uint64_t n = (uint64_t)r->columns * r->rows;
-    enum dt_status status = dt_region_check(t, number);
-    if (status == DT_OK && !dt_has_closed_border(t))
-        status = DT_OPEN;
-    bool marked = false;
-    if (status == DT_OK)
-        status = dt_mask_by_edges(t, number, r, opt, bits, &marked);
-    if (status != DT_OK || marked)
-        return status;
-    double *value = malloc(PIECE * sizeof *value);
-    if (status == DT_OK && value == NULL)
-        status = DT_NOMEM;
-    for (uint64_t at = 0; status == DT_OK && at < n; at += PIECE) {
-        size_t piece = n - at < PIECE ? (size_t)(n - at) : PIECE, done;
-        status = dt_raster_values(t, &s, r, at, piece, opt, value, &done);
-        put_bits(value, piece, bits + at / 8);
-    }
-    free(value);
-    return status;
 }

@@ -17,7 +17,6 @@
 #include "core/surface/raster_rows.h"
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
-#include "core/mesh/hull.h"
 
 #include <string.h>
 
@@ -61,7 +60,6 @@ struct abreast {
     const uint32_t *half; /* of the mesh */
     const struct dt_point *xy;
     dt_lanes origin, scale; /* of columns; 0 and 1 for y */
-    bool skips;             /* cells outside are not looked up one by one */
     double sure;            /* half a column, less the error of a crossing */
     double west;            /* the chunk's side */
     uint32_t from, end;     /* the columns of the chunk */
@@ -126,27 +124,6 @@ static void note(const struct abreast *a, struct lane *l)
     l->crossed = 0;
 }
 
-/* The cell before l->at is outside of the edge of the ghost near it. The row's cells stay on that side of the edge's line up to
- * where the row crosses it: all of them, if the hull is not to the east of the line. They are skipped up to a column before the
- * crossing, which is rounded. */
-static void skip_outside(const struct abreast *a, struct lane *l)
-{
-    const struct dt_mesh *m = &a->v->t->mesh;
-    uint32_t g = dt_base(l->near);
-    struct dt_point p = a->xy[dt_hull_vertex(m, g)], q = a->xy[dt_hull_successor(m, g)];
-    double end = a->end;
-    if (q.y < p.y) {
-        double aside = (q.x - p.x) / (q.y - p.y) * (l->y - p.y);
-        double size = fabs(p.x) + fabs(aside) + fabs(a->origin[0]);
-        double at = (p.x + aside - a->origin[0]) * a->scale[0] - 2 - 32 * DT_U * size * a->scale[0];
-        end = at < end ? at : end; /* not if it is nan */
-    }
-    if (end <= l->at)
-        return;
-    l->half[l->at - a->from] = OUTSIDE;
-    l->at = (uint32_t)end;
-}
-
 /* Looks up n cells, and more until turns are possible. */
 static enum dt_status look_up(struct abreast *a, struct lane *l, uint32_t n)
 {
@@ -163,8 +140,6 @@ static enum dt_status look_up(struct abreast *a, struct lane *l, uint32_t n)
         s = dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->near,
                           &l->out[i * (size_t)a->v->numbers]);
         n -= n > 0;
-        if (a->skips && l->near != DT_NONE && dt_is_ghost(&a->v->t->mesh, l->near))
-            skip_outside(a, l);
         l->by_turns = n == 0 && leave_triangle(a, l);
     }
     if (l->at < a->end)
@@ -428,7 +403,6 @@ enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint
     a.xy = v->t->points.xy;
     a.origin = (dt_lanes){r->lo.x, 0};
     a.scale = (dt_lanes){per_x, 1};
-    a.skips = v->s->flat;
     a.sure = 0.5 - crossing_error(r, per_x);
     while (s == DT_OK && *done < n) {
         uint32_t row = (uint32_t)((from + *done) / columns),

@@ -22,10 +22,3 @@ bool dt_rows_suit(const struct dt_raster *r);
  * steps are left, or a cell takes long by itself. Cost: the number of cells and of triangles along their rows. */
 enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint64_t from, size_t n,
                             double *out, size_t *done);
-
-/* ---- what is inside borders, by their edges (mask.c) ---- */
-
-/* Bits of cells as those of dt_raster_inside. *few: the edges are few enough for that; otherwise nothing is done. Cost: a search
- * for each row that an edge meets, a byte for each 8 cells, and 256 KB. */
-enum dt_status dt_mask_by_edges(const struct dt *t, uint32_t number, const struct dt_raster *r,
-                                const struct dt_options *opt, uint8_t *bits, bool *few);

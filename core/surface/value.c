@@ -453,24 +453,6 @@ void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t
         fetch_beyond(v, triangle, left);
 }
 
-/* Zeros, and nan where there is no surface. Returns the cells that may be on an edge. */
-static uint64_t zeros_in_triangles(struct dt_valuer *v, const uint32_t *half, double y, uint32_t n,
-                                   double *out)
-{
-    const struct dt_point *xy = v->t->points.xy;
-    uint64_t doubtful = 0;
-    for (uint32_t i = 0, end; i < n; i = end) {
-        const uint32_t *corner = v->t->mesh.half + dt_base(half[i]);
-        bool level = is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y);
-        double value = dt_has_surface(v, half[i]) ? 0 : (double)NAN;
-        for (end = i; end < n && half[end] == half[i]; end++) {
-            out[end] = value;
-            doubtful |= (uint64_t)level << end;
-        }
-    }
-    return doubtful;
-}
-
 /* The values of cells in triangles that may have no surface. Returns the cells that may be on an edge. */
 static uint64_t values_in_triangles(struct dt_valuer *v, const uint32_t *half, const double *x,
                                     double y, uint32_t n, double *out, enum dt_status *s)
@@ -499,9 +481,8 @@ static enum dt_status one_in_row(struct dt_valuer *v, const uint32_t *half, cons
     uint32_t numbers = dt_surface_numbers(v->s);
     bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL && !v->s->inside &&
                   v->s->quantity == DT_HEIGHT;
-    uint64_t doubtful = planes       ? dt_plane_values(v, half, x, y, n, out)
-                        : v->s->flat ? zeros_in_triangles(v, half, y, n, out)
-                                     : values_in_triangles(v, half, x, y, n, out, &s);
+    uint64_t doubtful = planes ? dt_plane_values(v, half, x, y, n, out)
+                               : values_in_triangles(v, half, x, y, n, out, &s);
     for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)
         if (doubtful >> i & 1)
             s = find_value(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &where,

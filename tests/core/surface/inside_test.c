@@ -116,6 +116,11 @@ static void check_all_marks(const struct dt *t, uint32_t number)
     check_marks(t, number, (struct dt_raster){{3, 3}, {3, 3}, 5, 2});
     double x = test_uniform() * SIDE, y = test_uniform() * SIDE;
     check_marks(t, number, (struct dt_raster){{x - 1, y - 1}, {x + 1, y + 1}, 70, 9});
+    for (int i = 0; i < 20; i++) { /* fewer cells than edges */
+        x = below(2 * SIDE + 1) / 2.0;
+        y = below(2 * SIDE + 1) / 2.0;
+        check_marks(t, number, (struct dt_raster){{x - .75, y - .75}, {x + .75, y + .75}, 3, 3});
+    }
 }
 
 /* ---- contours ---- */
