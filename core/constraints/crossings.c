@@ -211,11 +211,6 @@ enum dt_status dt_crossings(const struct dt_segment *s, size_t n, struct dt_stop
     if (status == DT_OK)
         status = search(&f, &box, f.n);
     free(f.list);
-    size_t kept = 0;
-    dt_sort_keys(out->v, out->n);
-    for (size_t i = 0; i < out->n; i++)
-        if (kept == 0 || out->v[kept - 1] != out->v[i])
-            out->v[kept++] = out->v[i];
-    out->n = kept;
+    out->n = dt_sort_unique_keys(out->v, out->n);
     return status;
 }

@@ -103,13 +103,6 @@ static inline int dt_lanes_bits(dt_lanes_holds holds)
 typedef float dt_floats __attribute__((vector_size(16)));
 typedef int32_t dt_floats_holds __attribute__((vector_size(16))); /* -1 where it does */
 
-/* The four floats at p, which is aligned to 16. */
-static inline dt_floats dt_floats_load(const float *p)
-{
-    typedef float aligned __attribute__((vector_size(16), may_alias));
-    return *(const aligned *)p;
-}
-
 static inline dt_floats dt_floats_all(float v)
 {
     return (dt_floats){v, v, v, v};
@@ -125,17 +118,4 @@ static inline void dt_floats_store(float *p, dt_floats v)
 {
     typedef float aligned __attribute__((vector_size(16), may_alias));
     *(aligned *)p = v;
-}
-
-/* The greater ones; b where a is a NaN. */
-static inline dt_floats dt_floats_most(dt_floats a, dt_floats b)
-{
-#ifdef __SSE2__
-    return __builtin_ia32_maxps(a, b);
-#elif defined(__wasm_simd128__)
-    return __builtin_wasm_pmax_f32x4(b, a);
-#else
-    const dt_floats_holds more = a > b;
-    return (dt_floats)((more & (dt_floats_holds)a) | (~more & (dt_floats_holds)b));
-#endif
 }

@@ -82,13 +82,11 @@ static enum dt_status reserve_blocks(struct dt_shelf *s, struct dt_field *c, uin
 {
     if (blocks <= c->blocks)
         return DT_OK;
-    struct dt_block **block = dt_array_grow(c->block, c->blocks, blocks, sizeof(struct dt_block *));
-    if (block == NULL)
+    if (!dt_array_resize(NULL, &c->block, c->blocks, blocks, sizeof(struct dt_block *)))
         return DT_NOMEM;
     for (uint32_t i = c->blocks; i < blocks; i++)
-        block[i] = NULL;
+        c->block[i] = NULL;
     s->memory += (blocks - c->blocks) * sizeof(struct dt_block *);
-    c->block = block;
     c->blocks = blocks;
     return DT_OK;
 }

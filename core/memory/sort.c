@@ -126,6 +126,16 @@ void dt_sort_keys(uint64_t *key, size_t n)
     dt_array_free(other);
 }
 
+size_t dt_sort_unique_keys(uint64_t *key, size_t n)
+{
+    size_t kept = 0;
+    dt_sort_keys(key, n);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || key[kept - 1] != key[i])
+            key[kept++] = key[i];
+    return kept;
+}
+
 /* ---- items ---- */
 
 struct items {

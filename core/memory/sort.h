@@ -13,6 +13,9 @@ size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt
 /* Sorts n keys. Cost: O(n), and 8 bytes for each meanwhile; without that memory O(n log n). */
 void dt_sort_keys(uint64_t *key, size_t n);
 
+/* The same, and leaves each key once. Returns how many are left. */
+size_t dt_sort_unique_keys(uint64_t *key, size_t n);
+
 /* Sorts n items of `size` bytes, as qsort does; equal ones are in any order. If it is stopped, some may be missing; stop may be
  * NULL. Cost: O(n log n), and the bytes of all items meanwhile; without that memory, or for few items, no poll. */
 void dt_sort_items(void *items, size_t n, size_t size, int (*compare)(const void *, const void *),

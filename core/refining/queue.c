@@ -22,10 +22,8 @@ enum dt_status dt_queue_reserve(struct dt_queue *q, uint32_t n)
     if (n <= q->cap - q->n)
         return DT_OK;
     size_t cap = dt_array_room(q->cap, (size_t)q->n + n, DT_NONE - 1);
-    struct dt_waiting *item = dt_array_grow(q->item, q->end, cap, sizeof *item);
-    if (item == NULL)
+    if (!dt_array_resize(NULL, &q->item, q->end, cap, sizeof *q->item))
         return DT_NOMEM;
-    q->item = item;
     q->cap = (uint32_t)cap;
     return DT_OK;
 }

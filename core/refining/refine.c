@@ -138,15 +138,6 @@ static enum dt_status copy_points(struct plan *s)
     return status;
 }
 
-static bool is_any_closed(const struct dt *t)
-{
-    const struct dt_regions *g = &t->constraints->regions;
-    for (uint32_t i = 0; i < g->n; i++)
-        if (g->region[i].closed)
-            return true;
-    return false;
-}
-
 static enum dt_status begin(struct plan *s)
 {
     struct dt_options opt = {.cancel = s->work->cancel};
@@ -159,7 +150,7 @@ static enum dt_status begin(struct plan *s)
         status = dt_points_index(&s->r.t->points, s->work);
     if (status == DT_OK)
         status = dt_enclosure_of(s->r.t, s->quality->number, &s->r.in);
-    if (status == DT_OK && !is_any_closed(s->r.t))
+    if (status == DT_OK && !dt_has_closed_border(s->r.t))
         status = DT_OPEN;
     s->r.given = s->r.t == NULL ? 0 : s->r.t->points.end;
     s->r.most =
@@ -267,8 +258,7 @@ static void settle_with(const struct plan *s, struct dt_split *out)
     for (size_t i = 0; i < n; i++) {
         struct dt_constraint c = out->added[i];
         bool there = d != NULL && d->rows > 0 && dt_declared_find(d, &c) != DT_NONE &&
-                     (released == 0 || bsearch(&c, out->released, released, sizeof c,
-                                               dt_constraint_compare) == NULL);
+                     !dt_constraint_among(out->released, released, &c);
         if (there && c.border) {
             out->released[out->n_released++] = c;
             c.border = false;

@@ -66,12 +66,10 @@ static bool are_on_shell(const struct dt_refiner *r, uint32_t p, uint32_t q)
 
 /* ---- what is to be done ---- */
 
-static enum dt_status append_part(struct dt_part_list *l, struct dt_part part)
+static enum dt_status divide_later(struct dt_refiner *r, uint32_t h, uint32_t a, uint32_t b)
 {
-    enum dt_status status = dt_items_reserve(&l->v, l->n + 1, &l->cap, sizeof *l->v);
-    if (status == DT_OK)
-        l->v[l->n++] = part;
-    return status;
+    return dt_items_append(&r->encroached.v, &r->encroached.n, &r->encroached.cap,
+                           &(struct dt_part){h, a, b}, sizeof *r->encroached.v);
 }
 
 /* The level of a triangle. First come those with a small angle, or with a long edge and a much shorter one: the shorter the shortest
@@ -114,7 +112,7 @@ static enum dt_status examine_edge(struct dt_refiner *r, uint32_t h)
     uint32_t a = dt_origin(m, h), b = dt_dest(m, h);
     bool divides =
         dt_encroaches(xy[a], xy[b], xy[dt_apex_of(m, h)]) || dt_is_long(&r->wanted, xy[a], xy[b]);
-    return divides ? append_part(&r->encroached, (struct dt_part){h, a, b}) : DT_OK;
+    return divides ? divide_later(r, h, a, b) : DT_OK;
 }
 
 /* Lists the triangle with base half edge h and its fixed edges if something is to be done there. */
@@ -442,7 +440,7 @@ static enum dt_status list_encroached(struct dt_refiner *r, struct dt_point q)
     for (uint32_t i = 0; i < c->rims && status == DT_OK; i++) {
         uint32_t h = dt_twin(m, c->rim[i].beyond), a = dt_origin(m, h), b = dt_dest(m, h);
         if (dt_is_fixed(m, h) && dt_encroaches(places(r)[a], places(r)[b], q))
-            status = append_part(&r->encroached, (struct dt_part){h, a, b});
+            status = divide_later(r, h, a, b);
     }
     return status;
 }

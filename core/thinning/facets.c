@@ -28,13 +28,9 @@ static enum dt_status reserve_vertices(struct dt_facets *f, uint32_t n)
     if (n <= f->vertex_cap)
         return DT_OK;
     size_t cap = dt_array_room(f->vertex_cap, n, UINT32_MAX);
-    struct dt_point *xy = dt_array_grow(f->xy, f->vertices, cap, sizeof *xy);
-    f->xy = xy != NULL ? xy : f->xy;
-    double *z = dt_array_grow(f->z, f->vertices, cap, sizeof *z);
-    f->z = z != NULL ? z : f->z;
-    uint32_t *sample = dt_array_grow(f->sample, f->vertices, cap, sizeof *sample);
-    f->sample = sample != NULL ? sample : f->sample;
-    if (xy == NULL || z == NULL || sample == NULL)
+    if (!dt_array_resize(NULL, &f->xy, f->vertices, cap, sizeof *f->xy) ||
+        !dt_array_resize(NULL, &f->z, f->vertices, cap, sizeof *f->z) ||
+        !dt_array_resize(NULL, &f->sample, f->vertices, cap, sizeof *f->sample))
         return DT_NOMEM;
     f->vertex_cap = (uint32_t)cap;
     return DT_OK;
@@ -44,12 +40,11 @@ static enum dt_status reserve_facets(struct dt_facets *f, uint32_t cap)
 {
     if (cap <= f->facet_cap)
         return DT_OK;
-    struct dt_facet *facet = dt_array_grow(f->facet, f->facet_cap, cap, sizeof *facet);
-    f->facet = facet != NULL ? facet : f->facet;
-    if (facet == NULL || dt_heap_reserve(&f->heap, DT_HEAP_FACTOR * (size_t)cap) != DT_OK)
+    if (!dt_array_resize(NULL, &f->facet, f->facet_cap, cap, sizeof *f->facet) ||
+        dt_heap_reserve(&f->heap, DT_HEAP_FACTOR * (size_t)cap) != DT_OK)
         return DT_NOMEM;
     for (; f->facet_cap < cap; f->facet_cap++)
-        facet[f->facet_cap] = facet_empty;
+        f->facet[f->facet_cap] = facet_empty;
     return DT_OK;
 }
 

@@ -9,10 +9,8 @@
 
 enum dt_status dt_heap_reserve(struct dt_heap *h, size_t cap)
 {
-    struct dt_heaped *v = dt_array_grow(h->v, h->n, cap, sizeof *v);
-    if (v == NULL)
+    if (!dt_array_resize(NULL, &h->v, h->n, cap, sizeof *h->v))
         return DT_NOMEM;
-    h->v = v;
     h->cap = cap;
     return DT_OK;
 }

@@ -47,13 +47,9 @@ static enum dt_status reserve_points(struct dt_share *h, size_t n)
     if (n <= h->point_cap)
         return DT_OK;
     size_t cap = dt_array_room(h->point_cap, n, UINT32_MAX);
-    struct dt_rounded *point = dt_array_grow(h->point, h->points, cap, sizeof *point);
-    h->point = point != NULL ? point : h->point;
-    uint32_t *of = dt_array_grow(h->of, 0, cap, sizeof *of);
-    h->of = of != NULL ? of : h->of;
-    float *off = dt_array_grow(h->off, 0, cap, sizeof *off);
-    h->off = off != NULL ? off : h->off;
-    if (point == NULL || of == NULL || off == NULL)
+    if (!dt_array_resize(NULL, &h->point, h->points, cap, sizeof *h->point) ||
+        !dt_array_resize(NULL, &h->of, 0, cap, sizeof *h->of) ||
+        !dt_array_resize(NULL, &h->off, 0, cap, sizeof *h->off))
         return DT_NOMEM;
     h->point_cap = cap;
     return DT_OK;
@@ -64,10 +60,8 @@ static enum dt_status reserve_blocks(struct dt_share *h, size_t n)
     if (n <= h->block_cap)
         return DT_OK;
     size_t cap = dt_array_room(h->block_cap, n, UINT32_MAX);
-    struct dt_shared *block = dt_array_grow(h->block, h->blocks, cap, sizeof *block);
-    if (block == NULL)
+    if (!dt_array_resize(NULL, &h->block, h->blocks, cap, sizeof *h->block))
         return DT_NOMEM;
-    h->block = block;
     h->block_cap = cap;
     return DT_OK;
 }

@@ -14,12 +14,7 @@ void dt_pairs_clear(struct dt_pairs *p)
 
 void dt_pairs_sort(struct dt_pairs *p)
 {
-    size_t kept = 0;
-    dt_sort_keys(p->v, p->n);
-    for (size_t i = 0; i < p->n; i++)
-        if (kept == 0 || p->v[kept - 1] != p->v[i])
-            p->v[kept++] = p->v[i];
-    p->n = kept;
+    p->n = dt_sort_unique_keys(p->v, p->n);
 }
 
 /* Makes room for n pairs. */
@@ -27,10 +22,8 @@ static enum dt_status reserve(struct dt_pairs *p, size_t n)
 {
     if (n <= p->cap)
         return DT_OK;
-    uint64_t *v = dt_array_grow(p->v, p->n, n, sizeof *v);
-    if (v == NULL)
+    if (!dt_array_resize(NULL, &p->v, p->n, n, sizeof *p->v))
         return DT_NOMEM;
-    p->v = v;
     p->cap = n;
     return DT_OK;
 }

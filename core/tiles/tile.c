@@ -44,10 +44,8 @@ static enum dt_status reserve_ids(struct dt_tile *tile, size_t n)
         return DT_OK;
     if (n > DT_MAX_POINTS)
         return DT_TOOBIG;
-    uint64_t *id = dt_array_grow(tile->id, tile->points, room, sizeof *id);
-    if (id == NULL)
+    if (!dt_array_resize(NULL, &tile->id, tile->points, room, sizeof *tile->id))
         return DT_NOMEM;
-    tile->id = id;
     tile->room = room;
     return DT_OK;
 }
