@@ -15,7 +15,7 @@ struct work {
     const char *set, *wish; /* the radius, or auto */
     char radius[PROTO_NUMBER_MAX + 1];
     struct shapes_file file; /* owns */
-    struct rings rings;      /* owns */
+    struct paths rings;      /* owns; fetched: their corners are places of the model */
 };
 
 /* ---- fetching ---- */
@@ -38,20 +38,16 @@ static bool take_row(void *ctx, const struct delaunay_part *part)
         return command_show_comment(NULL, part);
     if (part->kind == DELAUNAY_PART_OK)
         take_radius(w, part);
-    return part->kind != DELAUNAY_PART_ROW || rings_take(&w->rings, part->text, part->len);
+    return part->kind != DELAUNAY_PART_ROW ||
+           rings_take(&w->rings, part->text, part->len, &w->file.shapes.fault);
 }
 
-/* Fills in the places of the corners. *torn: a corner is not among the points, so the set was edited meanwhile. */
+/* Replaces the ids of the corners by places. *torn: a corner is not among the points, so the set was edited meanwhile. */
 static void find_corners(struct work *w, bool *torn)
 {
-    const struct model *m = &w->file.model;
-    uint32_t place;
     *torn = false;
-    for (size_t i = 0; i < w->rings.corners && !*torn; i++) {
-        *torn = !model_find(m, w->rings.id[i], &place);
-        if (!*torn)
-            memcpy(w->rings.xy + 2 * i, m->xy + 2 * (size_t)place, 2 * sizeof m->xy[0]);
-    }
+    for (size_t i = 0; i < w->rings.corners; i++)
+        *torn |= !model_find(&w->file.model, w->rings.corner[i], &w->rings.corner[i]);
 }
 
 /* The loops and the points; *torn: not of one state of the set. */
@@ -59,7 +55,7 @@ static enum delaunay_result fetch_once(struct delaunay_client *c, struct work *w
 {
     uint64_t before = 0, after = 0;
     char line[300];
-    rings_free(&w->rings);
+    paths_free(&w->rings);
     model_free(&w->file.model);
     snprintf(line, sizeof line, "ALPHA %.100s %.100s", w->set, w->wish);
     enum delaunay_result r = model_fetch_version(c, w->set, &before);
@@ -83,12 +79,11 @@ static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
     for (int i = 0; i < MOST_TRIES && torn && r == DELAUNAY_OK; i++)
         r = fetch_once(c, w, &torn);
     if (r == DELAUNAY_OK && torn)
-        w->rings.fault = "the set is edited while it is read; try again";
+        w->file.shapes.fault = "the set is edited while it is read; try again";
     (void)proto_read_double(w->radius, strlen(w->radius), &radius);
     if (r == DELAUNAY_OK &&
-        (torn || !rings_place(&w->rings) || !rings_to_shapes(&w->rings, radius, &w->file.shapes)))
+        (torn || !rings_to_shapes(&w->rings, w->file.model.xy, radius, &w->file.shapes)))
         r = DELAUNAY_STOPPED;
-    w->file.shapes.fault = w->rings.fault;
     return r;
 }
 
@@ -135,6 +130,6 @@ int command_alpha(struct delaunay_client *c, int argc, char **argv)
     if (status != EXIT_DONE)
         return status;
     status = shapes_file_finish(c, &w.file, fetch(c, &w), draw, &w);
-    rings_free(&w.rings);
+    paths_free(&w.rings);
     return status;
 }

@@ -1,9 +1,10 @@
 /* model_paths.c - see model_paths.h. A graph of the constraints of one kind and number is walked so that each is passed once. */
 #include "clients/meshes/model_paths.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "clients/points/nesting.h"
 
 /* A constraint as seen from one of its ends. */
 struct arc {
@@ -125,95 +126,6 @@ static void walk_all(struct walk *w, bool border, uint32_t number)
         }
 }
 
-/* ---- rings of a number ---- */
-
-static const double *corner(const struct walk *w, const struct path *path, size_t i)
-{
-    return w->m->xy + 2 * (size_t)w->p->corner[path->first + i % path->n];
-}
-
-static double ring_area(const struct walk *w, const struct path *path)
-{
-    const double *o = corner(w, path, 0);
-    double sum = 0;
-    for (size_t i = 0; i < path->n; i++) {
-        const double *p = corner(w, path, i), *q = corner(w, path, i + 1);
-        sum += (p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]);
-    }
-    return fabs(sum);
-}
-
-/* Whether the ring is around the middle of the other one's widest side, which is on no other ring. */
-static bool is_around(const struct walk *w, const struct path *ring, const struct path *other)
-{
-    double m[2] = {0, 0}, widest = -1;
-    bool odd = false;
-    for (size_t i = 0; i < other->n; i++) {
-        const double *p = corner(w, other, i), *q = corner(w, other, i + 1);
-        if (fabs(q[0] - p[0]) <= widest)
-            continue;
-        widest = fabs(q[0] - p[0]);
-        m[0] = p[0] / 2 + q[0] / 2;
-        m[1] = p[1] / 2 + q[1] / 2;
-    }
-    for (size_t i = 0; i < ring->n; i++) {
-        const double *p = corner(w, ring, i), *q = corner(w, ring, i + 1);
-        if ((p[0] <= m[0]) == (q[0] <= m[0]))
-            continue;
-        double left = (q[0] - p[0]) * (m[1] - p[1]) - (m[0] - p[0]) * (q[1] - p[1]);
-        odd ^= q[0] > p[0] ? left > 0 : left < 0;
-    }
-    return odd;
-}
-
-struct nested {
-    struct path path;
-    double area;
-    size_t outer; /* of a hole: the ring that it is in */
-    size_t place; /* as it was found */
-};
-
-static int compare_nested(const void *a, const void *b)
-{
-    const struct nested *r = a, *s = b;
-    if (r->outer != s->outer)
-        return r->outer < s->outer ? -1 : 1;
-    if (r->path.hole != s->path.hole)
-        return r->path.hole ? 1 : -1;
-    return r->place < s->place ? -1 : r->place > s->place;
-}
-
-/* A ring within an odd number of others is a hole, in the smallest of these. */
-static bool nest(struct walk *w, size_t from)
-{
-    size_t n = w->p->n - from;
-    struct nested *ring = malloc((n + 1) * sizeof ring[0]);
-    if (ring == NULL)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        ring[i] = (struct nested){w->p->path[from + i], ring_area(w, &w->p->path[from + i]), i, i};
-    for (size_t i = 0; i < n; i++) {
-        double least = HUGE_VAL;
-        size_t outer = i;
-        for (size_t k = 0; k < n; k++) {
-            if (k == i || !ring[k].path.closed || !ring[i].path.closed ||
-                ring[k].area <= ring[i].area || !is_around(w, &ring[k].path, &ring[i].path))
-                continue;
-            ring[i].path.hole ^= true;
-            if (ring[k].area < least) {
-                least = ring[k].area;
-                outer = k;
-            }
-        }
-        ring[i].outer = ring[i].path.hole ? outer : i;
-    }
-    qsort(ring, n, sizeof ring[0], compare_nested);
-    for (size_t i = 0; i < n; i++)
-        w->p->path[from + i] = ring[i].path;
-    free(ring);
-    return true;
-}
-
 /* ---- groups ---- */
 
 static bool walk_group(struct walk *w, const uint32_t *row, size_t n)
@@ -231,7 +143,7 @@ static bool walk_group(struct walk *w, const uint32_t *row, size_t n)
     for (size_t i = 0; i < w->arcs; i++)
         w->arc[i].twin = (uint32_t)find_arc(w, w->arc[i].to, w->arc[i].from);
     walk_all(w, border, row[2] / 2);
-    return w->ok && (!border || nest(w, before));
+    return w->ok && (!border || paths_nest(w->p, before, false, w->m->xy) == NESTING_DONE);
 }
 
 /* By kind and number, then as CONSTRAINTS sorts them. */

@@ -93,11 +93,13 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     return true;
 }
 
-bool shapes_add(struct shapes *s, const struct shape *shape, const double *xy)
+bool shapes_add(struct shapes *s, const struct shape *shape, const uint32_t *corner,
+                const double *xy)
 {
     if (!reserve(s, shape->n))
         return false;
-    memcpy(s->xy + 2 * s->corners, xy, shape->n * 2 * sizeof xy[0]);
+    for (size_t i = 0; i < shape->n; i++)
+        memcpy(s->xy + 2 * (s->corners + i), xy + 2 * (size_t)corner[i], 2 * sizeof xy[0]);
     s->shape[s->n] = *shape;
     s->shape[s->n++].first = s->corners;
     s->corners += shape->n;

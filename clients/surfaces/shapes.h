@@ -33,8 +33,9 @@ struct shapes {
     const char *fault;     /* why shapes_take returned false: a static sentence */
 };
 
-/* Appends a shape with a copy of its corners xy[2 shape->n]; shape->first is ignored. False: see s->fault. */
-bool shapes_add(struct shapes *s, const struct shape *shape, const double *xy);
+/* Appends a shape whose corners are the places corner[shape->n] in xy, which are copied; shape->first is ignored. False: see s->fault. */
+bool shapes_add(struct shapes *s, const struct shape *shape, const uint32_t *corner,
+                const double *xy);
 
 /* Takes a row; one without corners is left out. *s must be zeroed, except its kind. */
 bool shapes_take(struct shapes *s, const char *row, size_t len);
