@@ -201,8 +201,3 @@ char *line_editor_read(const char *text)
 }
 
 #endif
-
-void line_editor_free(char *line)
-{
-    free(line);
-}

@@ -9,7 +9,6 @@
 void line_editor_begin(struct delaunay_client *c);
 void line_editor_end(void);
 
-/* The next line without its end, which the caller frees with line_editor_free; NULL at the end of the input. ^C discards
+/* The next line without its end, which the caller frees; NULL at the end of the input. ^C discards
  * what was typed and returns an empty line. */
 char *line_editor_read(const char *prompt);
-void line_editor_free(char *line);

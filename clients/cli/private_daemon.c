@@ -4,12 +4,12 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
+
+#include "clients/reading/program.h"
 
 static bool fail(char *why, size_t room, const char *what, int error)
 {
@@ -38,30 +38,6 @@ static void find_program(char *path, size_t room)
     }
 }
 
-/* Starts it with those ends of pipes as its standard input and output, in a process group of its own, so that ^C at the prompt does
- * not end it. Returns an errno. */
-static int spawn(pid_t *pid, const char *program, int in, int out)
-{
-    char *words[] = {(char[]){"delaunayd"}, (char[]){"--private"}, (char[]){"--log-level"},
-                     (char[]){"error"}, NULL};
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error != 0)
-        return error;
-    if ((error = posix_spawnattr_init(&attributes)) != 0) {
-        posix_spawn_file_actions_destroy(&actions);
-        return error;
-    }
-    if ((error = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP)) == 0 &&
-        (error = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO)) == 0 &&
-        (error = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO)) == 0)
-        error = posix_spawnp(pid, program, &actions, &attributes, words, environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
-}
-
 /* Reads the line with the path of its socket, and connects to it. */
 static bool connect_to(struct private_daemon *d, int out, const char *program, char *why,
                        size_t room)
@@ -87,27 +63,20 @@ static bool connect_to(struct private_daemon *d, int out, const char *program, c
 bool private_daemon_start(struct private_daemon *d, char *why, size_t room)
 {
     char program[4096];
-    int in[2], out[2];
+    const char *words[] = {program, "--private", "--log-level", "error", NULL};
+    int in[2], out;
     *d = (struct private_daemon){.owner = -1};
     find_program(program, sizeof program);
     if (pipe2(in, O_CLOEXEC) != 0)
         return fail(why, room, program, errno);
     d->owner = in[1];
-    if (pipe2(out, O_CLOEXEC) != 0) {
-        fail(why, room, program, errno);
-        close(in[0]);
-        private_daemon_end(d);
-        return false;
-    }
-    int error = spawn(&d->pid, program, in[0], out[1]);
+    int error = program_start(&d->pid, words, in[0], &out, true);
     close(in[0]);
-    close(out[1]);
+    if (error == 0 && connect_to(d, out, program, why, room))
+        return true;
     if (error != 0) {
         d->pid = 0;
-        close(out[0]);
         fail(why, room, program, error);
-    } else if (connect_to(d, out[0], program, why, room)) {
-        return true;
     }
     private_daemon_end(d);
     return false;
@@ -117,8 +86,6 @@ void private_daemon_end(struct private_daemon *d)
 {
     delaunay_close(d->client);
     close(d->owner);
-    if (d->pid <= 0)
-        return;
-    while (waitpid(d->pid, NULL, 0) < 0 && errno == EINTR)
-        continue;
+    if (d->pid > 0)
+        program_end(d->pid);
 }

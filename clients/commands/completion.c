@@ -149,7 +149,7 @@ static void offer_sets(struct line *l)
     int from;
     l->where[l->where_n] = "sets";
     l->where[l->where_n + 1] = NULL;
-    if (program_start(&pid, l->where, -1, &from) != 0)
+    if (program_start(&pid, l->where, -1, &from, false) != 0)
         return;
     FILE *rows = fdopen(from, "r");
     for (size_t i = 0; rows != NULL && fgets(row, sizeof row, rows) != NULL; i++)

@@ -115,7 +115,7 @@ int command_prompt(struct delaunay_client *c)
             status = outcome != EXIT_DONE ? outcome : status;
             ended |= outcome == EXIT_NO_CONNECTION && !terminal;
         }
-        line_editor_free(line);
+        free(line);
         fflush(stdout);
     }
     if (terminal) {

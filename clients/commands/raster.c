@@ -95,7 +95,7 @@ static int write_system(void *ctx, FILE *out)
     pid_t pid;
     int from;
     name_system(w, name, sizeof name);
-    if (program_start(&pid, word, -1, &from) != 0)
+    if (program_start(&pid, word, -1, &from, false) != 0)
         return output_fault(w->path, "--crs needs gdalsrsinfo (Debian: gdal-bin)");
     while (n < sizeof text && (got = read(from, text + n, sizeof text - n)) > 0)
         n += (size_t)got;

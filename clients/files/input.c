@@ -54,7 +54,7 @@ static size_t peek(int fd, char *to)
 /* Starts the program with fd as its input, and replaces fd by its output. */
 static bool convert(struct input *in, const char *const *argument)
 {
-    int out, failed = program_start(&in->child, argument, in->fd, &out);
+    int out, failed = program_start(&in->child, argument, in->fd, &out, false);
     if (failed != 0) {
         in->child = 0;
         errno = failed;

@@ -8,26 +8,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/lib/bytes.h"
+
 enum { FORMATS = 11, SHORTEST_HEADER = 227, BLOCK = 1 << 18, MOST_DIGITS = 12 };
 
 /* Bytes of a point of each format. */
 static const uint16_t shortest[FORMATS] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-
-static uint64_t integer(const unsigned char *at, size_t n)
-{
-    uint64_t v = 0;
-    while (n-- > 0)
-        v = v << 8 | at[n];
-    return v;
-}
-
-static double number(const unsigned char *at)
-{
-    uint64_t bits = integer(at, 8);
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
 
 /* The k for which v is the double nearest to 10^-k; -1: there is none. */
 static int decimal_places(double v)
@@ -46,22 +32,22 @@ const char *las_read_header(struct las_header *h, const unsigned char *bytes, si
         return "not LAS: the header is not complete";
     h->major = bytes[24];
     h->minor = bytes[25];
-    h->data = (uint32_t)integer(bytes + 96, 4);
+    h->data = bytes_u32(bytes + 96);
     h->format = bytes[104] & 0x3F;
     h->compressed = (bytes[104] & 0xC0) != 0;
-    h->record = (uint16_t)integer(bytes + 105, 2);
-    h->points = integer(bytes + 107, 4);
+    h->record = bytes_u16(bytes + 105);
+    h->points = bytes_u32(bytes + 107);
     if (h->major != 1 || h->minor > 4)
         return "a version of LAS that is not known";
     if (h->minor == 4 && n >= 255)
-        h->points = integer(bytes + 247, 8);
+        h->points = bytes_integer(bytes + 247, 8);
     if (h->format >= FORMATS)
         return "a format of LAS points that is not known";
     if (h->record < shortest[h->format] || h->data < SHORTEST_HEADER)
         return "not LAS: the header contradicts itself";
     for (int i = 0; i < 3; i++) {
-        h->scale[i] = number(bytes + 131 + 8 * i);
-        h->offset[i] = number(bytes + 155 + 8 * i);
+        h->scale[i] = bytes_double(bytes + 131 + 8 * i);
+        h->offset[i] = bytes_double(bytes + 155 + 8 * i);
         if (!isfinite(h->scale[i]) || h->scale[i] == 0 || !isfinite(h->offset[i]))
             return "not LAS: a scale or an offset is not a number";
         int places = decimal_places(h->scale[i]);
@@ -73,7 +59,7 @@ const char *las_read_header(struct las_header *h, const unsigned char *bytes, si
 /* x = scale * v + offset. With scale = 10^-k and an offset of at most k decimal places, (v + offset * 10^k) / 10^k is rounded once. */
 static double coordinate(const struct las_header *h, int axis, const unsigned char *at)
 {
-    double v = (double)(int32_t)(uint32_t)integer(at, 4);
+    double v = (double)(int32_t)bytes_u32(at);
     int places = decimal_places(h->scale[axis]);
     double power = places >= 0 ? pow(10, places) : 0, shift = rint(h->offset[axis] * power);
     if (places >= 0 && fabs(shift) < 0x1p52 && shift / power == h->offset[axis])
@@ -102,8 +88,7 @@ static bool add_point(struct points_file *f, const struct las_header *h, const u
                       struct las_notes *notes)
 {
     bool wide = h->format >= 6;
-    double row[3] = {coordinate(h, 2, p + 8), (double)integer(p + 12, 2),
-                     wide ? p[16] : p[15] & 31};
+    double row[3] = {coordinate(h, 2, p + 8), (double)bytes_u16(p + 12), wide ? p[16] : p[15] & 31};
     notes->withheld += wide ? p[15] >> 2 & 1 : p[15] >> 7;
     notes->noise += row[2] == 7 || (wide && row[2] == 18);
     f->row = row;
@@ -153,7 +138,7 @@ static bool look_behind(struct points_file *f, int fd, const struct las_header *
 static bool start(struct points_file *f, int fd, struct las_header *h, unsigned char *block)
 {
     ssize_t n = read_whole(fd, block, SHORTEST_HEADER), more = 0;
-    size_t size = n == SHORTEST_HEADER ? (size_t)integer(block + 94, 2) : 0;
+    size_t size = n == SHORTEST_HEADER ? bytes_u16(block + 94) : 0;
     if (size > SHORTEST_HEADER)
         more = read_whole(fd, block + n, (size < LAS_HEADER ? size : LAS_HEADER) - SHORTEST_HEADER);
     if (n < 0 || more < 0)

@@ -36,10 +36,10 @@ static int start_any(const char *path, const struct las_header *h, pid_t *pid, i
     const char *las2txt[] = {"las2txt", "-i",   in,      "-stdout", "-parse",
                              "xyz",     "-sep", "comma", NULL};
     *name = "pdal";
-    int failed = program_start(pid, pdal, -1, out);
+    int failed = program_start(pid, pdal, -1, out, false);
     if (failed == ENOENT) {
         *name = "las2txt";
-        failed = program_start(pid, las2txt, -1, out);
+        failed = program_start(pid, las2txt, -1, out, false);
     }
     return failed;
 }

@@ -22,7 +22,7 @@ bool ogr_start(const char *path, pid_t *pid, int *out, char *why, size_t room)
     snprintf(name, sizeof name, "%s%s", path[0] == '-' ? "./" : "", path);
     const char *word[] = {ogr_program,   "-f", "GeoJSON", "-lco", "SIGNIFICANT_FIGURES=17",
                           "/vsistdout/", name, NULL};
-    int failed = program_start(pid, word, -1, out);
+    int failed = program_start(pid, word, -1, out, false);
     if (failed == 0)
         return true;
     *pid = 0;

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/lib/bytes.h"
 #include "clients/reading/word_list.h"
 
 enum {
@@ -32,14 +33,6 @@ static bool fail(char *why, size_t room, const char *what)
 {
     snprintf(why, room, "%s", what);
     return false;
-}
-
-static uint32_t integer(const unsigned char *at, size_t n)
-{
-    uint32_t v = 0;
-    while (n-- > 0)
-        v = v << 8 | at[n];
-    return v;
 }
 
 static bool read_at(int fd, void *to, size_t n, uint64_t at)
@@ -124,9 +117,9 @@ static unsigned char *read_directory(int fd, size_t *bytes, size_t *entries)
         const unsigned char *p = tail + i;
         if (n - i < END || memcmp(p, "PK\5\6", 4) != 0)
             continue;
-        *entries = integer(p + 10, 2);
-        *bytes = integer(p + 12, 4);
-        uint32_t at = integer(p + 16, 4);
+        *entries = bytes_u16(p + 10);
+        *bytes = bytes_u32(p + 12);
+        uint32_t at = bytes_u32(p + 16);
         if (*bytes > DIRECTORY_MOST || (directory = malloc(*bytes + 1)) == NULL)
             break;
         if (!read_at(fd, directory, *bytes, at)) {
@@ -145,14 +138,14 @@ static bool next_entry(const unsigned char *directory, size_t bytes, size_t *at,
     if (bytes - *at < ENTRY || memcmp(p, "PK\1\2", 4) != 0)
         return false;
     *e = (struct entry){.name = p + ENTRY,
-                        .name_len = integer(p + 28, 2),
-                        .flags = integer(p + 8, 2),
-                        .method = integer(p + 10, 2),
-                        .crc = integer(p + 16, 4),
-                        .packed = integer(p + 20, 4),
-                        .size = integer(p + 24, 4),
-                        .at = integer(p + 42, 4)};
-    size_t length = ENTRY + e->name_len + integer(p + 30, 2) + integer(p + 32, 2);
+                        .name_len = bytes_u16(p + 28),
+                        .flags = bytes_u16(p + 8),
+                        .method = bytes_u16(p + 10),
+                        .crc = bytes_u32(p + 16),
+                        .packed = bytes_u32(p + 20),
+                        .size = bytes_u32(p + 24),
+                        .at = bytes_u32(p + 42)};
+    size_t length = ENTRY + e->name_len + bytes_u16(p + 30) + bytes_u16(p + 32);
     if (length > bytes - *at)
         return false;
     *at += length;
@@ -208,16 +201,6 @@ static bool choose(const unsigned char *directory, size_t bytes, size_t entries,
 
 /* ---- the file ---- */
 
-static uint32_t add_crc(uint32_t crc, const unsigned char *s, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        crc ^= s[i];
-        for (int k = 0; k < 8; k++)
-            crc = crc & 1 ? 0xEDB88320u ^ (crc >> 1) : crc >> 1;
-    }
-    return crc;
-}
-
 static bool has_crc(int fd, uint64_t at, uint64_t n, uint32_t want)
 {
     unsigned char block[4096];
@@ -226,7 +209,7 @@ static bool has_crc(int fd, uint64_t at, uint64_t n, uint32_t want)
         size_t some = n < sizeof block ? (size_t)n : sizeof block;
         if (!read_at(fd, block, some, at))
             return false;
-        crc = add_crc(crc, block, some);
+        crc = bytes_crc(crc, block, some);
         at += some;
         n -= some;
     }
@@ -240,7 +223,7 @@ static bool extract(int fd, const struct entry *e, struct zip_member *m)
     unsigned char local[LOCAL], tail[8];
     if (!read_at(fd, local, sizeof local, e->at) || memcmp(local, "PK\3\4", 4) != 0)
         return false;
-    uint64_t at = (uint64_t)e->at + LOCAL + integer(local + 26, 2) + integer(local + 28, 2);
+    uint64_t at = (uint64_t)e->at + LOCAL + bytes_u16(local + 26) + bytes_u16(local + 28);
     if (!m->deflated)
         return e->packed == e->size && has_crc(fd, at, e->size, e->crc) &&
                copy(fd, at, e->size, m->fd) && lseek(m->fd, 0, SEEK_SET) == 0;

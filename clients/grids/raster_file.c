@@ -24,7 +24,7 @@ bool raster_begins(const char *head, size_t n)
 
 static bool start(struct points_file *f, const char *const *word, pid_t *pid, int *out)
 {
-    int failed = program_start(pid, word, -1, out);
+    int failed = program_start(pid, word, -1, out, false);
     return failed == 0 ||
            points_file_stop(
                f, "to read this raster the program gdal_translate is needed (Debian: gdal-bin): %s",

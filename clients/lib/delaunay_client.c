@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "clients/lib/bytes.h"
 #include "clients/lib/connect.h"
 #include "proto/buf.h"
 #include "proto/reply_read.h"
@@ -515,10 +516,8 @@ static enum delaunay_result receive_words(struct delaunay_client *c, enum delaun
         r = delaunay_receive_bytes(c, &bytes, &got);
     if (r == DELAUNAY_OK && got != n * sizeof *words)
         r = DELAUNAY_BROKEN;
-    for (size_t i = 0; r == DELAUNAY_OK && i < n; i++) {
-        const unsigned char *b = (const unsigned char *)bytes + i * sizeof *words;
-        words[i] = b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-    }
+    for (size_t i = 0; r == DELAUNAY_OK && i < n; i++)
+        words[i] = bytes_u32((const char *)bytes + i * sizeof *words);
     free(bytes);
     return r;
 }

@@ -1,6 +1,7 @@
 /* model.c - see model.h. */
 #include "clients/meshes/model.h"
 
+#include "clients/lib/bytes.h"
 #include "clients/lib/words.h"
 #include "proto/number.h"
 
@@ -18,20 +19,6 @@ static bool fault(struct model *m, const char *what)
 {
     m->fault = what;
     return false;
-}
-
-static uint32_t word(const char *at)
-{
-    const unsigned char *b = (const unsigned char *)at;
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-static double number(const char *at)
-{
-    uint64_t bits = (uint64_t)word(at + 4) << 32 | word(at);
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
 }
 
 /* Receives a binary reply whose rows have `size` bytes. The caller frees *bytes if DELAUNAY_OK is returned. */
@@ -64,11 +51,11 @@ static bool take_points(struct model *m, const char *bytes)
         return false;
     for (size_t i = 0; i < m->n; i++) {
         const char *row = bytes + width * i;
-        m->id[i] = word(row);
-        m->xy[2 * i] = number(row + 4);
-        m->xy[2 * i + 1] = number(row + 12);
+        m->id[i] = bytes_u32(row);
+        m->xy[2 * i] = bytes_double(row + 4);
+        m->xy[2 * i + 1] = bytes_double(row + 12);
         for (size_t k = 0; k < m->fields; k++)
-            m->value[m->fields * i + k] = number(row + 20 + 8 * k);
+            m->value[m->fields * i + k] = bytes_double(row + 20 + 8 * k);
     }
     return true;
 }
@@ -204,7 +191,7 @@ static void paint(struct model *m, const char *rows, size_t n, uint32_t number)
     for (size_t i = 0; i < n && !m->torn; i++) {
         uint32_t v[3];
         for (size_t k = 0; k < 3; k++)
-            m->torn |= !model_find(m, word(rows + 12 * i + 4 * k), &v[k]);
+            m->torn |= !model_find(m, bytes_u32(rows + 12 * i + 4 * k), &v[k]);
         while (!m->torn && t < m->triangles && memcmp(m->triangle + 3 * t, v, sizeof v) != 0)
             t++;
         m->torn |= t == m->triangles;
@@ -320,7 +307,7 @@ static enum delaunay_result receive_words(struct delaunay_client *c, struct mode
         return r;
     *v = malloc((*n * width + 1) * sizeof **v);
     for (size_t i = 0; *v != NULL && i < *n * width; i++) {
-        (*v)[i] = word(bytes + 4 * i);
+        (*v)[i] = bytes_u32(bytes + 4 * i);
         if (i % width < ids && !model_find(m, (*v)[i], &(*v)[i]))
             m->torn = true;
     }

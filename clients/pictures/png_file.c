@@ -6,24 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/bytes.h"
 #include "clients/pictures/deflate.h"
 
 enum { FILTERS = 5, PIXEL = 4 /* bytes */ };
-
-struct png {
-    FILE *out;
-    uint32_t crc[256];
-};
-
-/* The table of the CRC [RFC 2083, section 15]. */
-static void make_table(struct png *p)
-{
-    for (uint32_t i = 0; i < 256; i++) {
-        p->crc[i] = i;
-        for (int k = 0; k < 8; k++)
-            p->crc[i] = p->crc[i] & 1 ? 0xEDB88320u ^ (p->crc[i] >> 1) : p->crc[i] >> 1;
-    }
-}
 
 static void put_u32(unsigned char *to, uint32_t v)
 {
@@ -31,24 +17,16 @@ static void put_u32(unsigned char *to, uint32_t v)
         to[i] = (unsigned char)(v >> (24 - 8 * i));
 }
 
-static uint32_t add_crc(const struct png *p, uint32_t crc, const void *data, size_t n)
-{
-    const unsigned char *s = data;
-    for (size_t i = 0; i < n; i++)
-        crc = p->crc[(crc ^ s[i]) & 255] ^ (crc >> 8);
-    return crc;
-}
-
-static void put_chunk(struct png *p, const char *name, const unsigned char *data, size_t n)
+static void put_chunk(FILE *out, const char *name, const unsigned char *data, size_t n)
 {
     unsigned char word[4];
     put_u32(word, (uint32_t)n);
-    fwrite(word, 1, 4, p->out);
-    fwrite(name, 1, 4, p->out);
+    fwrite(word, 1, 4, out);
+    fwrite(name, 1, 4, out);
     if (n > 0)
-        fwrite(data, 1, n, p->out);
-    put_u32(word, ~add_crc(p, add_crc(p, ~0u, name, 4), data, n));
-    fwrite(word, 1, 4, p->out);
+        fwrite(data, 1, n, out);
+    put_u32(word, ~bytes_crc(bytes_crc(~0u, name, 4), data, n));
+    fwrite(word, 1, 4, out);
 }
 
 static void put_data(void *ctx, const unsigned char *bytes, size_t n)
@@ -82,23 +60,21 @@ static uint64_t filter_row(unsigned char *to, unsigned char kind, const unsigned
 
 bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)
 {
-    struct png p = {.out = out};
     unsigned char head[13];
     size_t n = PIXEL * (size_t)width;
     unsigned char *rows = malloc(2 * (n + 1));
-    struct deflate *d = deflate_new(put_data, &p);
+    struct deflate *d = deflate_new(put_data, out);
     if (rows == NULL || d == NULL) {
         free(rows);
         free(d);
         return false;
     }
     unsigned char *best = rows, *other = rows + n + 1;
-    make_table(&p);
     fwrite("\x89PNG\r\n\x1a\n", 1, 8, out);
     put_u32(head, width);
     put_u32(head + 4, height);
     memcpy(head + 8, "\x08\x06\0\0", 5); /* 8 bits each of red, green, blue and opacity */
-    put_chunk(&p, "IHDR", head, sizeof head);
+    put_chunk(out, "IHDR", head, sizeof head);
     for (uint32_t y = 0; y < height; y++) {
         const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
         uint64_t least = filter_row(best, 0, row, above, n);
@@ -114,7 +90,7 @@ bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t he
         deflate_put(d, best, n + 1);
     }
     deflate_end(d);
-    put_chunk(&p, "IEND", NULL, 0);
+    put_chunk(out, "IEND", NULL, 0);
     free(rows);
     return true;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/lib/bytes.h"
 #include "clients/lib/words.h"
 #include "proto/number.h"
 
@@ -90,17 +91,6 @@ static enum delaunay_result send_request(struct delaunay_client *c, const char *
     return n < sizeof line ? delaunay_send(c, line, n) : DELAUNAY_BADREQUEST;
 }
 
-/* Little-endian doubles, in place. */
-static void decode(unsigned char *bytes, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        uint64_t bits = 0;
-        for (int k = 7; k >= 0; k--)
-            bits = bits << 8 | bytes[8 * i + (size_t)k];
-        memcpy(bytes + 8 * i, &bits, sizeof bits);
-    }
-}
-
 static enum delaunay_result stop(const char **fault, const char *what)
 {
     *fault = what;
@@ -150,8 +140,9 @@ enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, co
         free(bytes);
         return stop(fault, "a raster of another size");
     }
-    decode(bytes, n / 8);
     g->value = bytes;
+    for (size_t i = 0; i < n / 8; i++)
+        g->value[i] = bytes_double(&g->value[i]);
     return DELAUNAY_OK;
 }
 
