@@ -325,9 +325,8 @@ size_t delaunay_mirror_ring(const struct delaunay_mirror *m, uint32_t id, const 
 enum delaunay_result delaunay_mirror_constraints(struct delaunay_mirror *m,
                                                  const struct delaunay_segment **rows, size_t *n)
 {
-    if (!constraints_sort(&m->copy.constraints))
-        return DELAUNAY_NOMEM;
-    *rows = m->copy.constraints.sorted.at;
-    *n = m->copy.constraints.sorted.n;
+    constraints_sort(&m->copy.constraints);
+    *rows = m->copy.constraints.rows.at;
+    *n = m->copy.constraints.rows.n;
     return DELAUNAY_OK;
 }

@@ -65,7 +65,7 @@ size_t delaunay_mirror_ring(const struct delaunay_mirror *m, uint32_t id, const 
                             bool *interior);
 
 /* All constraints, in the order of CONSTRAINTS, in *rows, valid until the next call of delaunay_mirror_next; of a mirror of a box those
- * that meet it. DELAUNAY_NOMEM. Cost: O(m log m) for m constraints if they have changed since the last call, else constant. */
+ * that meet it. DELAUNAY_OK. Cost: O(m log m) for m constraints if they have changed since the last call, else constant. */
 enum delaunay_result delaunay_mirror_constraints(struct delaunay_mirror *m,
                                                  const struct delaunay_segment **rows, size_t *n);
 

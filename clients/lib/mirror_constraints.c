@@ -27,7 +27,6 @@ void constraints_free(struct constraints *s)
 {
     free(s->rows.at);
     free(s->slot);
-    free(s->sorted.at);
     free(s->said);
     free(s->added.at);
     free(s->released.at);
@@ -85,22 +84,6 @@ static void sort_said(struct constraints *s)
     s->n_said = n;
 }
 
-bool constraints_sort(struct constraints *s)
-{
-    if (s->is_sorted)
-        return true;
-    s->sorted.n = 0;
-    if (!make_room(&s->sorted, s->rows.n))
-        return false;
-    if (s->rows.n > 0) {
-        memcpy(s->sorted.at, s->rows.at, s->rows.n * sizeof *s->rows.at);
-        qsort(s->sorted.at, s->rows.n, sizeof *s->rows.at, compare);
-    }
-    s->sorted.n = s->rows.n;
-    s->is_sorted = true;
-    return true;
-}
-
 /* ---- the table ---- */
 
 static size_t home_of(const struct constraints *s, const struct delaunay_segment *c)
@@ -126,6 +109,13 @@ static struct delaunay_segment *find(const struct constraints *s, const struct d
     return s->slots == 0 || s->slot[i] == 0 ? NULL : &s->rows.at[s->slot[i] - 1];
 }
 
+/* Enters all rows into the table, which is empty. */
+static void fill_slots(struct constraints *s)
+{
+    for (size_t i = 0; i < s->rows.n; i++)
+        s->slot[slot_of(s, &s->rows.at[i])] = (uint32_t)i + 1;
+}
+
 /* Makes room for n more. */
 static bool reserve(struct constraints *s, size_t n)
 {
@@ -134,17 +124,24 @@ static bool reserve(struct constraints *s, size_t n)
         slots *= 2;
     if (!make_room(&s->rows, n) || s->rows.n + n >= UINT32_MAX)
         return false;
-    if (slots == s->slots)
-        return true;
-    uint32_t *slot = calloc(slots, sizeof *slot);
-    if (slot == NULL)
-        return false;
+    uint32_t *slot = slots > s->slots ? calloc(slots, sizeof *slot) : s->slot;
+    if (slot == NULL || slot == s->slot)
+        return slot != NULL;
     free(s->slot);
     s->slot = slot;
     s->slots = slots;
-    for (size_t i = 0; i < s->rows.n; i++)
-        s->slot[slot_of(s, &s->rows.at[i])] = (uint32_t)i + 1;
+    fill_slots(s);
     return true;
+}
+
+void constraints_sort(struct constraints *s)
+{
+    if (s->is_sorted || s->rows.n == 0)
+        return;
+    qsort(s->rows.at, s->rows.n, sizeof *s->rows.at, compare);
+    memset(s->slot, 0, s->slots * sizeof *s->slot);
+    fill_slots(s);
+    s->is_sorted = true;
 }
 
 static void enter(struct constraints *s, const struct delaunay_segment *c)
@@ -200,19 +197,15 @@ static bool compare_one(struct constraints *s, const struct constraint_said *sai
     return same || add(&s->added, &said->what);
 }
 
-/* Releases the constraints that are not declared any more, though no row said so. */
+/* Releases the constraints that no row names, in their order. */
 static bool release_others(struct constraints *s)
 {
-    if (!constraints_sort(s))
-        return false;
-    size_t k = 0;
-    for (size_t i = 0; i < s->sorted.n; i++) {
-        while (k < s->n_said && compare(&s->said[k].what, &s->sorted.at[i]) < 0)
-            k++;
-        bool named = k < s->n_said && compare(&s->said[k].what, &s->sorted.at[i]) == 0;
-        if (!named && !add(&s->released, &s->sorted.at[i]))
+    constraints_sort(s);
+    for (size_t i = 0; i < s->rows.n; i++)
+        if ((s->n_said == 0 ||
+             bsearch(&s->rows.at[i], s->said, s->n_said, sizeof *s->said, compare) == NULL) &&
+            !add(&s->released, &s->rows.at[i]))
             return false;
-    }
     return true;
 }
 

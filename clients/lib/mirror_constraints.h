@@ -5,7 +5,7 @@
  *     constraints_apply(&s)
  *
  * Rows are gathered aside, and their changes are found before they are applied. A hash table finds a constraint by its ends, kind and
- * number; `sorted` is made when it is asked for. */
+ * number. The rows are sorted when that is asked for. */
 #pragma once
 
 #include "clients/lib/delaunay_client.h"
@@ -25,11 +25,10 @@ struct constraint_said {
 
 /* All zero: none. */
 struct constraints {
-    struct constraint_list rows; /* in no order */
-    uint32_t *slot;              /* owns: 1 + the place in rows; 0: free; linear probing */
-    size_t slots;                /* a power of two, or 0 */
-    struct constraint_list sorted;
-    bool is_sorted;
+    struct constraint_list rows;
+    bool is_sorted; /* in the order of CONSTRAINTS, else in any order */
+    uint32_t *slot; /* owns: 1 + the place in rows; 0: free; linear probing */
+    size_t slots;   /* a power of two, or 0 */
     /* The event that is being gathered: */
     struct constraint_said *said; /* owns */
     size_t n_said, said_room;
@@ -52,5 +51,5 @@ bool constraints_compare(struct constraints *s, bool reset);
 /* Applies that. Cost: linear. */
 void constraints_apply(struct constraints *s);
 
-/* Makes `sorted`: all, in the order of CONSTRAINTS. False: out of memory. */
-bool constraints_sort(struct constraints *s);
+/* Sorts the rows, in the order of CONSTRAINTS. Cost: constant if nothing has changed since, else O(n log n). */
+void constraints_sort(struct constraints *s);

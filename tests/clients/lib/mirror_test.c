@@ -531,8 +531,8 @@ TEST(mirror_of_a_box_has_the_constraints_that_meet_it_with_the_places_of_their_e
           copy_commit(&c, &change) == DELAUNAY_OK);
     CHECK(change.n_constraints_added == 1 && change.constraints_added[0].places[3] == 9);
     CHECK(change.n_constraints_released == 1 && change.constraints_released[0].b == 2);
-    CHECK(constraints_sort(&c.constraints) && c.constraints.sorted.n == 1);
-    CHECK(c.constraints.sorted.at[0].number == 4 && c.constraints.sorted.at[0].places[3] == 9);
+    CHECK(c.constraints.rows.n == 1);
+    CHECK(c.constraints.rows.at[0].number == 4 && c.constraints.rows.at[0].places[3] == 9);
     copy_reset(&c);
     CHECK(gather(&c, "constraint 7 8 line 0 0 0 1 1\n") == DELAUNAY_OK &&
           copy_commit(&c, &change) == DELAUNAY_OK);
