@@ -39,9 +39,9 @@ static int write_png(const struct grid *g, enum relief_style style, FILE *out)
         return output_fault("", "out of memory");
     relief_fit(&r, g);
     relief_paint(&r, g, rgba);
-    bool written = png_write(out, rgba, g->columns, g->rows);
+    const char *fault = png_write(out, rgba, g->columns, g->rows);
     free(rgba);
-    return written ? EXIT_DONE : output_fault("", "out of memory");
+    return fault == NULL ? EXIT_DONE : output_fault("", fault);
 }
 
 static int write_grid(void *ctx, FILE *out)

@@ -1,15 +1,21 @@
-/* png_file.c - PNG [RFC 2083]: each row with the filter that makes the smallest differences, compressed by deflate.c; a piece of its
- * output is a chunk. */
+/* png_file.c - PNG [RFC 2083]: each row with the filter that makes the smallest differences. The rows are compressed by gzip: what
+ * it writes between its header and its trailer is what a PNG has between the header and the checksum of zlib [RFC 1950, RFC 1952]. */
 #include "clients/pictures/png_file.h"
 
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "clients/lib/bytes.h"
-#include "clients/pictures/deflate.h"
+#include "clients/reading/program.h"
 
-enum { FILTERS = 5, PIXEL = 4 /* bytes */ };
+enum {
+    FILTERS = 5,
+    PIXEL = 4, /* bytes */
+    GZIP_HEADER = 10,
+    GZIP_TRAILER = 8,
+    STORED_MOST = 65535 /* bytes of a block that is not compressed */
+};
 
 static void put_u32(unsigned char *to, uint32_t v)
 {
@@ -17,7 +23,7 @@ static void put_u32(unsigned char *to, uint32_t v)
         to[i] = (unsigned char)(v >> (24 - 8 * i));
 }
 
-static void put_chunk(FILE *out, const char *name, const unsigned char *data, size_t n)
+static void put_chunk(FILE *out, const char *name, const void *data, size_t n)
 {
     unsigned char word[4];
     put_u32(word, (uint32_t)n);
@@ -27,11 +33,6 @@ static void put_chunk(FILE *out, const char *name, const unsigned char *data, si
         fwrite(data, 1, n, out);
     put_u32(word, ~bytes_crc(bytes_crc(~0u, name, 4), data, n));
     fwrite(word, 1, 4, out);
-}
-
-static void put_data(void *ctx, const unsigned char *bytes, size_t n)
-{
-    put_chunk(ctx, "IDAT", bytes, n);
 }
 
 /* ---- filters [RFC 2083, section 6] ---- */
@@ -58,39 +59,113 @@ static uint64_t filter_row(unsigned char *to, unsigned char kind, const unsigned
     return sum;
 }
 
-bool png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)
+/* Adler's checksum, of which `sum` has both halves [RFC 1950, section 9]. */
+static uint32_t add_sum(uint32_t sum, const unsigned char *s, size_t n)
 {
-    unsigned char head[13];
-    size_t n = PIXEL * (size_t)width;
-    unsigned char *rows = malloc(2 * (n + 1));
-    struct deflate *d = deflate_new(put_data, out);
-    if (rows == NULL || d == NULL) {
-        free(rows);
-        free(d);
-        return false;
+    uint32_t a = sum & 0xFFFF, b = sum >> 16;
+    for (size_t i = 0; i < n; i++) {
+        a = (a + s[i]) % 65521;
+        b = (b + a) % 65521;
     }
-    unsigned char *best = rows, *other = rows + n + 1;
+    return b << 16 | a;
+}
+
+/* Writes the filtered rows, and computes their checksum. False when out of memory. */
+static bool write_rows(FILE *to, const unsigned char *rgba, size_t n, uint32_t height,
+                       uint32_t *sum)
+{
+    unsigned char *rows = malloc(2 * (n + 1)), *best = rows, *other = rows + n + 1;
+    *sum = 1;
+    for (uint32_t y = 0; rows != NULL && y < height; y++) {
+        const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
+        uint64_t least = filter_row(best, 0, row, above, n);
+        for (int kind = 1; kind < FILTERS; kind++) {
+            uint64_t other_sum = filter_row(other, (unsigned char)kind, row, above, n);
+            if (other_sum < least) {
+                unsigned char *swap = best;
+                best = other;
+                other = swap;
+                least = other_sum;
+            }
+        }
+        *sum = add_sum(*sum, best, n + 1);
+        fwrite(best, 1, n + 1, to);
+    }
+    free(rows);
+    return rows != NULL;
+}
+
+/* ---- compression ---- */
+
+/* Blocks that are not compressed [RFC 1951, section 3.2.4]. */
+static void put_stored(FILE *out, FILE *rows)
+{
+    static unsigned char block[5 + STORED_MOST];
+    for (int last = 0; !last;) {
+        size_t n = fread(block + 5, 1, STORED_MOST, rows);
+        last = n < STORED_MOST;
+        const unsigned char head[5] = {(unsigned char)last, n & 255, (unsigned char)(n >> 8),
+                                       ~n & 255, (unsigned char)(~n >> 8 & 255)};
+        memcpy(block, head, 5);
+        put_chunk(out, "IDAT", block, 5 + n);
+    }
+}
+
+/* Copies what gzip writes, without its header and trailer. */
+static bool put_compressed(FILE *out, int from)
+{
+    static unsigned char block[GZIP_TRAILER + 65536];
+    size_t have = 0, skip = GZIP_HEADER;
+    ssize_t got;
+    while ((got = read(from, block + have, sizeof block - have)) > 0) {
+        have += (size_t)got;
+        if (have < skip + GZIP_TRAILER)
+            continue;
+        put_chunk(out, "IDAT", block + skip, have - skip - GZIP_TRAILER);
+        memmove(block, block + have - GZIP_TRAILER, GZIP_TRAILER);
+        have = GZIP_TRAILER;
+        skip = 0;
+    }
+    return got == 0 && skip == 0;
+}
+
+static const char *compress(FILE *out, FILE *rows)
+{
+    const char *words[] = {"gzip", "-c4n", NULL}; /* -n: the header has no name */
+    pid_t pid;
+    int from;
+    if (fflush(rows) != 0)
+        return "there is no room for a temporary file";
+    rewind(rows);
+    int failed = program_start(&pid, words, fileno(rows), &from, false);
+    if (failed != 0) {
+        put_stored(out, rows);
+        return NULL;
+    }
+    bool whole = put_compressed(out, from);
+    close(from);
+    return program_end(pid) == 0 && whole ? NULL : "gzip has failed";
+}
+
+const char *png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)
+{
+    unsigned char head[13], tail[4];
+    uint32_t sum;
+    FILE *rows = tmpfile();
+    if (rows == NULL)
+        return "there is no room for a temporary file";
     fwrite("\x89PNG\r\n\x1a\n", 1, 8, out);
     put_u32(head, width);
     put_u32(head + 4, height);
     memcpy(head + 8, "\x08\x06\0\0", 5); /* 8 bits each of red, green, blue and opacity */
     put_chunk(out, "IHDR", head, sizeof head);
-    for (uint32_t y = 0; y < height; y++) {
-        const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
-        uint64_t least = filter_row(best, 0, row, above, n);
-        for (int kind = 1; kind < FILTERS; kind++) {
-            uint64_t sum = filter_row(other, (unsigned char)kind, row, above, n);
-            if (sum < least) {
-                unsigned char *swap = best;
-                best = other;
-                other = swap;
-                least = sum;
-            }
-        }
-        deflate_put(d, best, n + 1);
-    }
-    deflate_end(d);
+    put_chunk(out, "IDAT", "\x78\x9C", 2); /* a window of 32 KiB */
+    const char *fault = write_rows(rows, rgba, PIXEL * (size_t)width, height, &sum)
+                            ? compress(out, rows)
+                            : "out of memory";
+    fclose(rows);
+    put_u32(tail, sum);
+    put_chunk(out, "IDAT", tail, sizeof tail);
     put_chunk(out, "IEND", NULL, 0);
-    free(rows);
-    return true;
+    return fault;
 }

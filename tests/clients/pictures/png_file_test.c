@@ -127,27 +127,61 @@ static size_t read_block(struct bits *b, const struct code *literal, const struc
     return have;
 }
 
-/* Unpacks z[n] into raw[room]; returns the number of bytes. */
-static size_t inflate(const unsigned char *z, size_t n, unsigned char *raw, size_t room)
+/* The codes that precede a block. */
+static void read_codes(struct bits *b, struct code *literal, struct code *distance)
 {
     static const unsigned char order[] = {16, 17, 18, 0, 8,  7, 9,  6, 10, 5,
                                           11, 4,  12, 3, 13, 2, 14, 1, 15};
+    struct code lengths = {.n = 19};
+    unsigned char both[320];
+    *literal = (struct code){.n = 257 + next_bits(b, 5)};
+    *distance = (struct code){.n = 1 + next_bits(b, 5)};
+    unsigned some = 4 + next_bits(b, 4);
+    for (unsigned i = 0; i < some; i++)
+        lengths.length[order[i]] = (unsigned char)next_bits(b, 3);
+    sort_code(&lengths);
+    read_lengths(b, &lengths, both, literal->n + distance->n);
+    memcpy(literal->length, both, literal->n);
+    memcpy(distance->length, both + literal->n, distance->n);
+}
+
+/* The codes of blocks without their own. */
+static void fix_codes(struct code *literal, struct code *distance)
+{
+    *literal = (struct code){.n = 288};
+    *distance = (struct code){.n = 30};
+    for (size_t i = 0; i < 288; i++)
+        literal->length[i] = i < 144 ? 8 : i < 256 ? 9 : i < 280 ? 7 : 8;
+    memset(distance->length, 5, distance->n);
+}
+
+/* A block that is not compressed. */
+static size_t read_stored(struct bits *b, unsigned char *raw, size_t have, size_t room)
+{
+    next_bits(b, (8 - b->at) % 8);
+    size_t n = next_bits(b, 16);
+    CHECK((next_bits(b, 16) ^ n) == 0xFFFF && n <= room - have && n <= (size_t)(b->end - b->p));
+    memcpy(raw + have, b->p, n);
+    b->p += n;
+    return have + n;
+}
+
+/* Unpacks z[n] into raw[room]; returns the number of bytes. */
+static size_t inflate(const unsigned char *z, size_t n, unsigned char *raw, size_t room)
+{
     struct bits b = {z + 2, z + n - 4, 0};
+    struct code literal, distance;
     size_t have = 0;
     CHECK(n >= 6 && (z[0] & 15) == 8 && (z[0] * 256 + z[1]) % 31 == 0);
     for (bool last = false; !last;) {
         last = next_bits(&b, 1);
-        CHECK(next_bits(&b, 2) == 2);
-        struct code lengths = {.n = 19}, literal = {.n = 257 + next_bits(&b, 5)},
-                    distance = {.n = 1 + next_bits(&b, 5)};
-        unsigned some = 4 + next_bits(&b, 4);
-        for (unsigned i = 0; i < some; i++)
-            lengths.length[order[i]] = (unsigned char)next_bits(&b, 3);
-        unsigned char both[320];
-        sort_code(&lengths);
-        read_lengths(&b, &lengths, both, literal.n + distance.n);
-        memcpy(literal.length, both, literal.n);
-        memcpy(distance.length, both + literal.n, distance.n);
+        const unsigned type = next_bits(&b, 2);
+        CHECK(type < 3);
+        if (type == 0) {
+            have = read_stored(&b, raw, have, room);
+            continue;
+        }
+        type == 1 ? fix_codes(&literal, &distance) : read_codes(&b, &literal, &distance);
         sort_code(&literal);
         sort_code(&distance);
         have = read_block(&b, &literal, &distance, raw, have, room);
@@ -197,7 +231,7 @@ static size_t check_picture(enum kind kind, uint32_t width, uint32_t height)
     CHECK(out != NULL && rgba != NULL && raw != NULL);
     for (size_t i = 0; i < bytes; i++)
         rgba[i] = sample(kind, i / 4 % width, i / 4 / width, i % 4);
-    CHECK(png_write(out, rgba, width, height));
+    CHECK(png_write(out, rgba, width, height) == NULL);
     CHECK(fclose(out) == 0);
     const unsigned char *p = (const unsigned char *)file, *end = p + size, *data;
     CHECK(size > 8 && memcmp(p, "\x89PNG\r\n\x1a\n", 8) == 0);
@@ -240,4 +274,13 @@ TEST(png_of_a_relief_is_a_fraction_of_its_pixels_and_noise_hardly_grows)
     CHECK(check_picture(RELIEF, 400, 400) < pixels / 10);
     CHECK(check_picture(STRIPES, 400, 400) < pixels / 100);
     CHECK(check_picture(NOISE, 400, 400) < pixels + pixels / 100);
+}
+
+TEST(png_is_not_compressed_where_there_is_no_gzip)
+{
+    CHECK(setenv("PATH", "/nowhere", 1) == 0);
+    CHECK(check_picture(RELIEF, 400, 400) > 4 * (size_t)400 * 400);
+    check_picture(NOISE, 1, 1);
+    check_picture(NOISE, 16383, 1); /* blocks and their rest */
+    check_picture(NOISE, 4095, 4);
 }
