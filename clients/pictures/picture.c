@@ -60,13 +60,16 @@ static unsigned char *shades(const struct model *m, enum picture_colour colour)
 /* Outside pale, so that it is below; then each colour by itself, since a path has one. */
 static void draw_regions(struct svg *s, const struct model *m)
 {
-    for (int64_t colour = MODEL_OUTSIDE; colour < 8; colour++)
+    char look[3] = "r0";
+    for (int64_t colour = MODEL_OUTSIDE; colour < 8; colour++) {
+        look[1] = (char)('0' + colour);
         for (size_t t = 0; t < m->triangles; t++) {
             const uint32_t *v = m->triangle + 3 * t;
             int64_t region = m->region[t];
             if (region == MODEL_OUTSIDE ? colour == MODEL_OUTSIDE : region % 8 == colour)
-                svg_region_triangle(s, region, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+                svg_triangle(s, colour == MODEL_OUTSIDE ? "o" : look, false, m->xy, v);
         }
+    }
 }
 
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
@@ -81,20 +84,16 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
     if (e->colour != COLOUR_NONE && shade == NULL)
         return false;
     for (unsigned pass = 0; pass < shades_of(e->colour); pass++) {
-        for (size_t t = 0; t < m->triangles; t++) {
-            const uint32_t *v = m->triangle + 3 * t;
-            if (shade != NULL && shade[t] != pass)
-                continue;
-            if (model_is_outside(m, t))
-                svg_region_triangle(s, SVG_OUTSIDE, point(m, v[0]), point(m, v[1]), point(m, v[2]));
-            else if (e->colour == COLOUR_ANGLE)
-                svg_coloured_triangle(s, legend_angle_colour(pass), true, point(m, v[0]),
-                                      point(m, v[1]), point(m, v[2]));
-            else if (shade != NULL)
-                svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
-            else
-                svg_triangle(s, point(m, v[0]), point(m, v[1]), point(m, v[2]));
-        }
+        const bool coloured = e->colour == COLOUR_ANGLE;
+        char look[8] = "t";
+        if (coloured)
+            svg_colour_look(look, legend_angle_colour(pass));
+        else if (shade != NULL)
+            snprintf(look, sizeof look, "q%u", pass % SVG_SHADES);
+        for (size_t t = 0; t < m->triangles; t++)
+            if (shade == NULL || shade[t] == pass)
+                svg_triangle(s, model_is_outside(m, t) ? "o" : look, coloured, m->xy,
+                             m->triangle + 3 * t);
     }
     free(shade);
     return true;
@@ -141,14 +140,6 @@ static bool choose_legend(struct picture *e, const struct model *m, struct legen
     return true;
 }
 
-static void draw_hull(struct svg *s, const struct model *m)
-{
-    svg_hull_begin(s);
-    for (size_t i = 0; i < m->hull_n; i++)
-        svg_hull_point(s, point(m, m->hull[i]));
-    svg_hull_end(s);
-}
-
 bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
 {
     char title[200], part[40] = "";
@@ -175,7 +166,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     legend_free(&legend);
     if (!ok)
         return false;
-    draw_hull(&s, m);
+    svg_hull(&s, m->xy, m->hull, m->hull_n);
     surface_draw_constraints(&s, m);
     if (e->has_box)
         surface_cut_points(m, e->box);

@@ -88,7 +88,7 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, const 
     for (size_t t = 0; t < m->triangles; t++) {
         double dx, dy, z = 0;
         if (model_is_outside(m, t))
-            svg_region_triangle(s, SVG_OUTSIDE, corner(m, t, 0), corner(m, t, 1), corner(m, t, 2));
+            svg_triangle(s, "o", false, m->xy, m->triangle + 3 * t);
         if (model_is_outside(m, t) || !find_slope(m, field, t, &dx, &dy))
             continue;
         for (size_t k = 0; k < 3; k++)
@@ -97,9 +97,9 @@ bool surface_draw_ground(struct svg *s, const struct model *m, int field, const 
     }
     qsort(p, n, sizeof p[0], by_colour);
     for (size_t i = 0; i < n; i++) {
-        size_t t = p[i].triangle;
-        svg_coloured_triangle(s, p[i].rgb, false, corner(m, t, 0), corner(m, t, 1),
-                              corner(m, t, 2));
+        char look[8];
+        svg_triangle(s, svg_colour_look(look, p[i].rgb), false, m->xy,
+                     m->triangle + 3 * (size_t)p[i].triangle);
     }
     free(p);
     return true;
@@ -235,15 +235,19 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
 
 /* ---- bands ---- */
 
-static void draw_bands(struct svg *s, const struct relief *r, const struct shapes *bands)
+/* Bands, or without colours the rings of an alpha shape. */
+static void draw_polygons(struct svg *s, const struct relief *colours, const struct shapes *shapes)
 {
-    for (size_t i = 0; i < bands->n; i++) {
-        const struct shape *band = &bands->shape[i];
-        const double *xy = bands->xy + 2 * band->first;
-        if (band->hole)
-            svg_hole(s, xy, band->n);
+    for (size_t i = 0; i < shapes->n; i++) {
+        const struct shape *shape = &shapes->shape[i];
+        const double *xy = shapes->xy + 2 * shape->first;
+        if (shape->hole)
+            svg_hole(s, xy, shape->n);
         else
-            svg_polygon(s, relief_colour(r, legend_band_height(band), 0, 0), xy, band->n);
+            svg_polygon(s,
+                        colours != NULL ? relief_colour(colours, legend_band_height(shape), 0, 0)
+                                        : SVG_NO_COLOUR,
+                        xy, shape->n);
     }
 }
 
@@ -265,7 +269,7 @@ bool surface_write_bands(FILE *out, const char *title, const struct shapes *band
     bounds_of(bands->xy, bands->corners, around);
     svg_begin(&s, out, title, box != NULL ? box : around, bands->n, box != NULL,
               legend_shown(&legend), unit);
-    draw_bands(&s, &r, bands);
+    draw_polygons(&s, &r, bands);
     surface_draw_constraints(&s, m);
     svg_points(&s, NULL, NULL, 0);
     svg_end(&s);
@@ -329,13 +333,7 @@ bool surface_write_rings(FILE *out, const char *title, const struct shapes *ring
     if (box != NULL)
         memcpy(around, box, sizeof around);
     svg_begin(&s, out, title, around, m->n, box != NULL, NULL, unit);
-    for (size_t i = 0; i < rings->n; i++) {
-        const struct shape *ring = &rings->shape[i];
-        if (ring->hole)
-            svg_hole(&s, rings->xy + 2 * ring->first, ring->n);
-        else
-            svg_polygon(&s, SVG_NO_COLOUR, rings->xy + 2 * ring->first, ring->n);
-    }
+    draw_polygons(&s, NULL, rings);
     svg_points(&s, m->xy, m->id, surface_cut_points(m, around));
     svg_end(&s);
     return true;

@@ -113,9 +113,10 @@ static void draw_scale(const struct svg *s, const char *unit)
             unit[0] != '\0' ? " " : "", unit);
 }
 
-static void write_colour(char *class, uint32_t rgb)
+const char *svg_colour_look(char look[8], uint32_t rgb)
 {
-    snprintf(class, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
+    snprintf(look, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
+    return look;
 }
 
 /* The width of the bar; the height of the legend with its texts. */
@@ -174,7 +175,7 @@ static void draw_legend(const struct svg *s, const struct svg_legend *legend)
     for (size_t i = 0; i < n; i++) {
         char class[8] = {'q', (char)('0' + i % SVG_SHADES), 0};
         if (legend->colour != NULL)
-            write_colour(class, legend->colour[i]);
+            svg_colour_look(class, legend->colour[i]);
         open_path(s, class, !legend->seamless, 12);
         fprintf(s->out, "M%.0f %.0fH%.0fv-%.0fH%.0fz\"/>\n", x + (double)i * wide, y + 30,
                 x + (double)(i + 1) * wide, SWATCH, x + (double)i * wide);
@@ -267,14 +268,14 @@ static void path_end(struct svg *s)
 }
 
 /* Opens a path of the given class unless one is open, and ends it every few hundred items. */
-static void path_item(struct svg *s, const char *class, double width)
+static void path_item(struct svg *s, const char *class, bool white_edges, double width)
 {
     if (s->in_path == PATH_MAX_ITEMS || strcmp(s->class, class) != 0)
         path_end(s);
     snprintf(s->class, sizeof s->class, "%s", class);
     if (s->in_path++ > 0)
         return;
-    open_path(s, class, s->edges, width);
+    open_path(s, class, white_edges, width);
 }
 
 /* ---- cutting off: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17(1), 1974 ---- */
@@ -314,14 +315,15 @@ static size_t cut_polygon(const struct svg *s, double (*polygon)[2], size_t n)
     return cut(polygon, other, n, 1, s->clip[3] + wide, -1);
 }
 
-static void draw_triangle(struct svg *s, const char *class, const double *a, const double *b,
-                          const double *c)
+void svg_triangle(struct svg *s, const char *look, bool white_edges, const double *xy,
+                  const uint32_t v[3])
 {
+    const double *a = xy + 2 * (size_t)v[0], *b = xy + 2 * (size_t)v[1], *c = xy + 2 * (size_t)v[2];
     double polygon[MOST_CORNERS][2] = {{a[0], a[1]}, {b[0], b[1]}, {c[0], c[1]}};
     size_t n = s->clip != NULL ? cut_polygon(s, polygon, 3) : 3;
     if (n == 0)
         return;
-    path_item(s, class, s->line);
+    path_item(s, look, white_edges, s->line);
     long x = place_x(s, polygon[0]), y = place_y(s, polygon[0]);
     fprintf(s->out, "M%ld %ld", x, y);
     for (size_t i = 1; i < n; i++) {
@@ -332,34 +334,6 @@ static void draw_triangle(struct svg *s, const char *class, const double *a, con
     }
     fputs("z", s->out);
     s->triangles++;
-}
-
-void svg_triangle(struct svg *s, const double *a, const double *b, const double *c)
-{
-    draw_triangle(s, "t", a, b, c);
-}
-
-void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
-                         const double *c)
-{
-    draw_triangle(s, (const char[]){'q', (char)('0' + shade % SVG_SHADES), 0}, a, b, c);
-}
-
-void svg_region_triangle(struct svg *s, int64_t region, const double *a, const double *b,
-                         const double *c)
-{
-    const char class[] = {region < 0 ? 'o' : 'r', (char)(region < 0 ? 0 : '0' + region % 8), 0};
-    draw_triangle(s, class, a, b, c);
-}
-
-void svg_coloured_triangle(struct svg *s, uint32_t rgb, bool edges, const double *a,
-                           const double *b, const double *c)
-{
-    char class[8];
-    write_colour(class, rgb);
-    s->edges = edges;
-    draw_triangle(s, class, a, b, c);
-    s->edges = false;
 }
 
 /* From the first place to the others, in whole units; those at the same place are left out. */
@@ -381,10 +355,8 @@ void svg_polygon(struct svg *s, uint32_t rgb, const double *xy, size_t n)
 {
     char class[8] = "t";
     if (rgb != SVG_NO_COLOUR)
-        write_colour(class, rgb);
-    s->edges = true;
-    path_item(s, class, s->line);
-    s->edges = false;
+        svg_colour_look(class, rgb);
+    path_item(s, class, true, s->line);
     draw_places(s, xy, n);
     fputs("z", s->out);
 }
@@ -397,7 +369,7 @@ void svg_hole(struct svg *s, const double *xy, size_t n)
 
 void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed)
 {
-    path_item(s, heavy ? "l" : "k", heavy ? 30 : 14);
+    path_item(s, heavy ? "l" : "k", false, heavy ? 30 : 14);
     draw_places(s, xy, n);
     if (closed)
         fputs("z", s->out);
@@ -438,11 +410,6 @@ void svg_numbers_end(struct svg *s)
     fputs("</g>\n", s->out);
 }
 
-void svg_hull_begin(struct svg *s)
-{
-    path_end(s);
-}
-
 /* A segment, only the part near the box. */
 static void draw_segment(struct svg *s, const char *class, double width, const double *p,
                          const double *q)
@@ -450,14 +417,9 @@ static void draw_segment(struct svg *s, const char *class, double width, const d
     double line[MOST_CORNERS][2] = {{p[0], p[1]}, {q[0], q[1]}};
     if (s->clip != NULL && cut_polygon(s, line, 2) < 2)
         return;
-    path_item(s, class, width);
+    path_item(s, class, false, width);
     fprintf(s->out, "M%ld %ldL%ld %ld", place_x(s, line[0]), place_y(s, line[0]),
             place_x(s, line[1]), place_y(s, line[1]));
-}
-
-static void draw_hull_edge(struct svg *s, const double *p, const double *q)
-{
-    draw_segment(s, "h", clamp(3 * s->line, 14, 60), p, q);
 }
 
 /* Borders are wider than lines. */
@@ -467,35 +429,26 @@ void svg_constraint(struct svg *s, bool border, const double *p, const double *q
                  q);
 }
 
-void svg_hull_point(struct svg *s, const double *p)
-{
-    if (s->clip != NULL) {
-        if (s->hull++ > 0)
-            draw_hull_edge(s, s->hull_last, p);
-        else
-            memcpy(s->hull_first, p, sizeof s->hull_first);
-        memcpy(s->hull_last, p, sizeof s->hull_last);
-        return;
-    }
-    if (s->hull == 0) {
-        open_path(s, "h", false, clamp(3 * s->line, 14, 60));
-        putc('M', s->out);
-    }
-    fprintf(s->out, "%s%ld %ld",
-            s->hull == 0        ? ""
-            : s->hull % 12 == 0 ? "\n"
-                                : " ",
-            place_x(s, p), place_y(s, p));
-    s->hull++;
-}
-
 /* A hull without a triangle runs along a line and is not closed. */
-void svg_hull_end(struct svg *s)
+void svg_hull(struct svg *s, const double *xy, const uint32_t *place, size_t n)
 {
-    if (s->hull > 2 && s->clip != NULL)
-        draw_hull_edge(s, s->hull_last, s->hull_first);
-    if (s->hull > 0 && s->clip == NULL)
+    const double width = clamp(3 * s->line, 14, 60);
+    path_end(s);
+    for (size_t i = n > 2 ? 0 : 1; s->clip != NULL && i < n; i++)
+        draw_segment(s, "h", width, xy + 2 * (size_t)place[i > 0 ? i - 1 : n - 1],
+                     xy + 2 * (size_t)place[i]);
+    if (s->clip == NULL && n > 0) {
+        open_path(s, "h", false, width);
+        for (size_t i = 0; i < n; i++) {
+            const double *p = xy + 2 * (size_t)place[i];
+            fprintf(s->out, "%s%ld %ld",
+                    i == 0        ? "M"
+                    : i % 12 == 0 ? "\n"
+                                  : " ",
+                    place_x(s, p), place_y(s, p));
+        }
         fputs(s->triangles > 0 ? "z\"/>\n" : "\"/>\n", s->out);
+    }
     path_end(s);
 }
 
@@ -536,7 +489,7 @@ void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n)
 {
     path_end(s);
     for (size_t i = 0; i < n; i++) {
-        path_item(s, "p", s->dot); /* a line of no length with round caps is a dot */
+        path_item(s, "p", false, s->dot); /* a line of no length with round caps is a dot */
         fprintf(s->out, "M%ld %ldh0", place_x(s, xy + 2 * i), place_y(s, xy + 2 * i));
     }
     path_end(s);

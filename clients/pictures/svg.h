@@ -1,8 +1,7 @@
 /* svg.h - draws a triangulation: triangles, hull, points, and ids while there are few; below it a scale and, if
  * wanted, what the colours mean. Nothing lies outside of the frame.
  *
- * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
- * each hull point in order, svg_hull_end, svg_constraint for each constraint, svg_points, svg_end. Polygons and lines may be among them before
+ * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull, svg_constraint for each constraint, svg_points, svg_end. Polygons and lines may be among them before
  * svg_points. Everything is written directly to the file; ferror() reports failed writes. */
 #pragma once
 
@@ -20,10 +19,7 @@ struct svg {
     const double *clip;   /* borrows the box that is shown; NULL: all of the plane */
     double line, dot;     /* width of a line and diameter of a point, in drawing units */
     size_t in_path, triangles;
-    char class[8]; /* of the path that is open, or its colour #rrggbb */
-    uint64_t hull;
-    double hull_first[2], hull_last[2];
-    bool edges;        /* the path that is opened has white edges */
+    char class[8];     /* of the path that is open, or its colour #rrggbb */
     bool numbers;      /* ids are always drawn */
     size_t unlabelled; /* points for whose ids there was no room */
 };
@@ -52,20 +48,13 @@ struct svg_legend {
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
                const struct svg_legend *legend, const char *unit);
 
-/* A triangle in shade 0 (dark) .. SVG_SHADES - 1 (light). */
-void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
-                         const double *c);
+/* A triangle of the places v in xy. `look`: "t", a plain one; "o", outside of borders; "r0" to "r7", in regions; "q0" (dark) to "q9", in
+ * shades; or a colour "#rrggbb", with white edges or without edges of its own. */
+void svg_triangle(struct svg *s, const char *look, bool white_edges, const double *xy,
+                  const uint32_t v[3]);
 
-void svg_triangle(struct svg *s, const double *a, const double *b, const double *c);
-
-/* A triangle of a region, coloured by its number; SVG_OUTSIDE: pale. */
-enum { SVG_OUTSIDE = -1 };
-void svg_region_triangle(struct svg *s, int64_t region, const double *a, const double *b,
-                         const double *c);
-
-/* The same in the colour 0xRRGGBB, with white edges or without edges of its own. */
-void svg_coloured_triangle(struct svg *s, uint32_t rgb, bool edges, const double *a,
-                           const double *b, const double *c);
+/* Writes the look of a colour 0xRRGGBB, and returns it. */
+const char *svg_colour_look(char look[8], uint32_t rgb);
 
 /* A polygon of n corners within the frame, in that colour and with white edges; with SVG_NO_COLOUR as triangles are. */
 enum { SVG_NO_COLOUR = 1 << 24 };
@@ -77,9 +66,8 @@ void svg_hole(struct svg *s, const double *xy, size_t n);
 /* A line through n places, which is cut off at the frame if there is a clip; back to its start if it is closed. */
 void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed);
 
-void svg_hull_begin(struct svg *s);
-void svg_hull_point(struct svg *s, const double *p);
-void svg_hull_end(struct svg *s);
+/* The hull through n places in xy, in their order. */
+void svg_hull(struct svg *s, const double *xy, const uint32_t *place, size_t n);
 
 /* A constraint, bold; only the part near the box if there is a clip. Begins where the hull has ended. */
 void svg_constraint(struct svg *s, bool border, const double *p, const double *q);

@@ -32,11 +32,8 @@ static char *drawing(const double *xy, size_t n, const uint32_t *tri, size_t tri
         id[i] = i;
     svg_begin(&s, out, "title", box, n, false, NULL, "");
     for (size_t i = 0; i < triangles; i++)
-        svg_triangle(&s, xy + 2 * tri[3 * i], xy + 2 * tri[3 * i + 1], xy + 2 * tri[3 * i + 2]);
-    svg_hull_begin(&s);
-    for (size_t i = 0; i < n; i++)
-        svg_hull_point(&s, xy + 2 * i);
-    svg_hull_end(&s);
+        svg_triangle(&s, "t", false, xy, tri + 3 * i);
+    svg_hull(&s, xy, id, n);
     svg_points(&s, xy, id, n);
     svg_end(&s);
     CHECK(s.triangles == triangles && !ferror(out));
@@ -211,11 +208,8 @@ TEST(svg_draws_what_meets_the_box_and_cuts_it_off)
         const double *xy = triangles[i];
         FILE *out = open_memstream(&text, &size);
         svg_begin(&s, out, "title", box, 1, true, NULL, "");
-        svg_triangle(&s, xy, xy + 2, xy + 4);
-        svg_hull_begin(&s);
-        for (int k = 0; k < 3; k++)
-            svg_hull_point(&s, xy + 2 * k);
-        svg_hull_end(&s);
+        svg_triangle(&s, "t", false, xy, (const uint32_t[]){0, 1, 2});
+        svg_hull(&s, xy, (const uint32_t[]){0, 1, 2}, 3);
         svg_points(&s, xy, NULL, 0);
         svg_end(&s);
         fclose(out);
