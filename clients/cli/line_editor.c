@@ -179,25 +179,32 @@ static void interrupt(int signal)
 char *line_editor_read(const char *text)
 {
     struct sigaction mine = {.sa_handler = interrupt}, before;
-    char *line = NULL;
-    size_t room = 0;
     fputs(text, stdout);
     fflush(stdout);
     sigemptyset(&mine.sa_mask);
     sigaction(SIGINT, &mine, &before);
     errno = 0;
-    ssize_t n = getline(&line, &room, stdin);
-    bool interrupted = n < 0 && errno == EINTR;
+    char *line = line_editor_next();
+    bool interrupted = line == NULL && errno == EINTR;
     sigaction(SIGINT, &before, NULL);
-    if (n < 0) {
-        free(line);
-        clearerr(stdin);
-        if (interrupted)
-            putchar('\n');
-        return interrupted ? strdup("") : NULL;
-    }
-    line[strcspn(line, "\r\n")] = '\0';
-    return line;
+    clearerr(stdin);
+    if (interrupted)
+        putchar('\n');
+    return interrupted ? strdup("") : line;
 }
 
 #endif
+
+char *line_editor_next(void)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t n = getline(&line, &room, stdin);
+    if (n < 0) {
+        free(line);
+        return NULL;
+    }
+    while (n > 0 && (line[n - 1] == '\n' || line[n - 1] == '\r'))
+        line[--n] = '\0';
+    return line;
+}

@@ -12,3 +12,6 @@ void line_editor_end(void);
 /* The next line without its end, which the caller frees; NULL at the end of the input. ^C discards
  * what was typed and returns an empty line. */
 char *line_editor_read(const char *prompt);
+
+/* The same for the next line of a file or pipe. */
+char *line_editor_next(void);

@@ -84,21 +84,6 @@ static int carry_out(struct delaunay_client *c, char *line)
     return dispatch(c, words, word, NULL);
 }
 
-/* The next line of a file or pipe. */
-static char *read_line(void)
-{
-    char *line = NULL;
-    size_t room = 0;
-    ssize_t n = getline(&line, &room, stdin);
-    if (n < 0) {
-        free(line);
-        return NULL;
-    }
-    while (n > 0 && (line[n - 1] == '\n' || line[n - 1] == '\r'))
-        line[--n] = '\0';
-    return line;
-}
-
 int command_prompt(struct delaunay_client *c)
 {
     bool terminal = isatty(STDIN_FILENO), ended = false;
@@ -106,7 +91,8 @@ int command_prompt(struct delaunay_client *c)
     char *line;
     if (terminal)
         line_editor_begin(c);
-    while (!ended && (line = terminal ? line_editor_read("delaunay> ") : read_line()) != NULL) {
+    while (!ended &&
+           (line = terminal ? line_editor_read("delaunay> ") : line_editor_next()) != NULL) {
         char *first = line + strspn(line, " \t");
         bool leaves = is_first_word(first, "exit"); /* QUIT is a request, too */
         ended = leaves || is_first_word(first, "quit");

@@ -73,16 +73,19 @@ static bool write_all(int fd, const void *bytes, size_t n)
     return true;
 }
 
-static bool copy(int from, uint64_t at, uint64_t n, int to)
+/* Copies n bytes, and returns their checksum in *crc. */
+static bool copy(int from, uint64_t at, uint64_t n, int to, uint32_t *crc)
 {
     char block[65536];
-    while (n > 0) {
+    for (*crc = ~0u; n > 0;) {
         size_t some = n < sizeof block ? (size_t)n : sizeof block;
         if (!read_at(from, block, some, at) || !write_all(to, block, some))
             return false;
+        *crc = bytes_crc(*crc, block, some);
         at += some;
         n -= some;
     }
+    *crc = ~*crc;
     return true;
 }
 
@@ -201,37 +204,23 @@ static bool choose(const unsigned char *directory, size_t bytes, size_t entries,
 
 /* ---- the file ---- */
 
-static bool has_crc(int fd, uint64_t at, uint64_t n, uint32_t want)
-{
-    unsigned char block[4096];
-    uint32_t crc = ~0u;
-    while (n > 0) {
-        size_t some = n < sizeof block ? (size_t)n : sizeof block;
-        if (!read_at(fd, block, some, at))
-            return false;
-        crc = bytes_crc(crc, block, some);
-        at += some;
-        n -= some;
-    }
-    return ~crc == want;
-}
-
 /* Copies the bytes to m->fd. */
 static bool extract(int fd, const struct entry *e, struct zip_member *m)
 {
     static const unsigned char head[10] = {0x1F, 0x8B, 8, 0, 0, 0, 0, 0, 0, 255};
     unsigned char local[LOCAL], tail[8];
+    uint32_t crc;
     if (!read_at(fd, local, sizeof local, e->at) || memcmp(local, "PK\3\4", 4) != 0)
         return false;
     uint64_t at = (uint64_t)e->at + LOCAL + bytes_u16(local + 26) + bytes_u16(local + 28);
     if (!m->deflated)
-        return e->packed == e->size && has_crc(fd, at, e->size, e->crc) &&
-               copy(fd, at, e->size, m->fd) && lseek(m->fd, 0, SEEK_SET) == 0;
+        return e->packed == e->size && copy(fd, at, e->size, m->fd, &crc) && crc == e->crc &&
+               lseek(m->fd, 0, SEEK_SET) == 0;
     for (int i = 0; i < 4; i++) {
         tail[i] = (unsigned char)(e->crc >> (8 * i));
         tail[4 + i] = (unsigned char)(e->size >> (8 * i));
     }
-    return write_all(m->fd, head, sizeof head) && copy(fd, at, e->packed, m->fd) &&
+    return write_all(m->fd, head, sizeof head) && copy(fd, at, e->packed, m->fd, &crc) &&
            write_all(m->fd, tail, sizeof tail) && lseek(m->fd, 0, SEEK_SET) == 0;
 }
 

@@ -254,12 +254,13 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
     return drain(c, SEND_AT);
 }
 
-/* The bytes after a request line: the points, and k values for each of them; then constraints, each as long as a point. */
+/* The bytes after a request line: the points, and k values for each of them; then constraints, each as long as a point. Or pairs of ids. */
 struct body {
     const double *xy, *value; /* borrow 2 n, k n */
     size_t n, k;
     const uint32_t *constraint; /* borrows 4 m */
     size_t m;
+    const uint32_t *pair; /* borrows 2 n */
 };
 
 static void queue_rows(struct delaunay_client *c, const struct body *b, size_t from, size_t n)
@@ -285,7 +286,12 @@ static void queue_constraints(struct delaunay_client *c, const struct body *b, s
     }
 }
 
-/* Rows of a body that follow each other: points, or constraints. */
+static void queue_pairs(struct delaunay_client *c, const struct body *b, size_t from, size_t n)
+{
+    queue_ids(c, b->pair + 2 * from, 2 * n);
+}
+
+/* Rows of a body that follow each other: points, constraints, or pairs. */
 typedef void queue_rows_fn(struct delaunay_client *c, const struct body *b, size_t from, size_t n);
 
 /* A request or reply of which only a part has passed cannot be continued: the connection ends. */
@@ -399,12 +405,8 @@ enum delaunay_result delaunay_send_constraints(struct delaunay_client *c, const 
                        what->border ? " BORDER" : "", (unsigned)what->number,
                        what->split ? " SPLIT" : "", n);
     enum delaunay_result r = delaunay_send(c, head, (size_t)len);
-    for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
-        size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
-        queue_ids(c, pair + 2 * done, 2 * some);
-        r = drain(c, SEND_AT);
-        done += some;
-    }
+    if (r == DELAUNAY_OK)
+        r = send_rows(c, &(struct body){.pair = pair}, queue_pairs, n, NULL, NULL);
     return r == DELAUNAY_OK ? r : give_up(c, r);
 }
 
