@@ -13,7 +13,6 @@
 #include "clients/files/progress.h"
 #include "clients/meshes/faces.h"
 #include "clients/points/join.h"
-#include "proto/number.h"
 
 enum { NOT_INSIDE = -1, AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
 

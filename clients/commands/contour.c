@@ -1,6 +1,5 @@
 /* contour.c - `delaunay contour SET FIELD FILE`: contour lines as GeoJSON, WKT or a picture on shaded relief; or the bands
  * between levels as polygons or a filled picture. */
-#include <math.h>
 #include <string.h>
 
 #include "clients/cli/command.h"

@@ -3,7 +3,6 @@
 #include "clients/files/laz_file.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

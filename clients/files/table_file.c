@@ -165,7 +165,7 @@ static bool read_coordinate(struct reader *r, int axis, size_t column, double *x
                        comma ? "not a number without doubt, because of its comma" : "not a number");
 }
 
-static void read_fields(struct reader *r, size_t n, const double *point, int values)
+static void read_fields(struct reader *r, size_t n)
 {
     struct table_file *t = r->t;
     const struct plan *p = &t->plan;
@@ -174,13 +174,13 @@ static void read_fields(struct reader *r, size_t n, const double *point, int val
         struct value v = column < n ? r->value[column] : (struct value){"", 0}, number = v;
         double x;
         if (p->geometry && column == p->x)
-            t->row[k] = values > 2 ? point[2] : (double)NAN;
-        else if (number_read(&p->number, v, &x) ||
-                 (has_unit(p, column, &number) && number_read(&p->number, number, &x)))
+            continue; /* the geometry has it */
+        if (number_read(&p->number, v, &x) ||
+            (has_unit(p, column, &number) && number_read(&p->number, number, &x)))
             t->row[k] = isfinite(x) ? x : (double)NAN;
         else
             t->row[k] = (double)NAN;
-        if (isnan(t->row[k]) && !(p->geometry && column == p->x))
+        if (isnan(t->row[k]))
             table_fields_note_odd(&t->fields, k, r->f->line, v.text, v.len);
     }
 }
@@ -229,13 +229,9 @@ static bool check_system(struct reader *r, struct value point)
 }
 
 /* The place of the row that was split. */
-static bool read_place(struct reader *r, double *point, int *values)
+static bool read_place(struct reader *r, double *point)
 {
     const struct plan *p = &r->t->plan;
-    if (p->geometry)
-        return wkt_read_point(r->value[p->x], point, values)
-                   ? check_system(r, r->value[p->x])
-                   : fault_value(r->f, p, p->x, r->value[p->x], "not a point");
     const struct value x = r->value[p->x], y = r->value[p->y];
     if (r->plain && proto_read_double(x.text, x.len, &point[0]) &&
         proto_read_double(y.text, y.len, &point[1]))
@@ -273,13 +269,14 @@ static bool append(struct reader *r, const double *point)
            (!r->in_path || points_file_corner(r->f));
 }
 
-/* A geometry that is no point. Its corners have the values of its row. */
+/* A geometry, whose points have the values of its row. */
 static bool read_geometry(struct reader *r, size_t n)
 {
     const struct plan *p = &r->t->plan;
     const struct table_fields *t = &r->t->fields;
     struct wkt_name name = {.named = false};
     double *z = NULL;
+    bool solid;
     if (!check_system(r, r->value[p->x]))
         return false;
     if (r->kind < n && r->number < n) {
@@ -292,11 +289,11 @@ static bool read_geometry(struct reader *r, size_t n)
     for (size_t k = 0; k < t->n; k++)
         if (t->column[k] == p->x)
             z = &r->t->row[k];
-    if (t->n > 0)
-        read_fields(r, n, NULL, 0);
+    read_fields(r, n);
     const size_t before = r->f->n;
     if (!wkt_lines_read(r->f, r->value[p->x], &name, z))
-        return false;
+        return !wkt_is_geometry(r->value[p->x], &solid) &&
+               fault_value(r->f, p, p->x, r->value[p->x], "not a point");
     if (r->f->n == before)
         count(&r->t->nowhere, r->f->line);
     return true;
@@ -305,8 +302,7 @@ static bool read_geometry(struct reader *r, size_t n)
 static bool read_values(struct reader *r, const char *s, const char *end)
 {
     const struct plan *p = &r->t->plan;
-    double point[3] = {0, 0, 0};
-    int values = 2;
+    double point[2];
     if (r->in_order && read_in_order(r, s, end, point))
         return append(r, point);
     size_t n = row_split(&p->row, s, end, r->value, PLAN_COLUMNS);
@@ -316,14 +312,11 @@ static bool read_values(struct reader *r, const char *s, const char *end)
     }
     if (n != r->usual && !check_length(r, n))
         return false;
-    bool solid;
-    if (p->geometry && !wkt_read_point(r->value[p->x], point, &values) &&
-        wkt_is_geometry(r->value[p->x], &solid))
+    if (p->geometry)
         return read_geometry(r, n);
-    if (!read_place(r, point, &values))
+    if (!read_place(r, point))
         return false;
-    if (r->t->fields.n > 0)
-        read_fields(r, n, point, values);
+    read_fields(r, n);
     return append(r, point);
 }
 

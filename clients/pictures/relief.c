@@ -2,7 +2,6 @@
 #include "clients/pictures/relief.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 /* Colours from the lowest to the highest ground, evenly spaced. */

@@ -2,7 +2,6 @@
 #include "clients/reading/report.h"
 
 #include <stdarg.h>
-#include <stdbool.h>
 #include <string.h>
 
 /* The length of the UTF-8 character at s[0 .. len), 0 if it is none. */

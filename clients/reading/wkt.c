@@ -80,28 +80,3 @@ bool wkt_is_geometry(struct value v, bool *solid)
     }
     return false;
 }
-
-bool wkt_read_point(struct value v, double xyz[3], int *values)
-{
-    bool flat;
-    v = wkt_without_srid(v);
-    if (!wkt_take_kind(&v, "POINT", &flat) || !wkt_take_word(&v, "(") || v.len == 0 ||
-        v.text[v.len - 1] != ')')
-        return false;
-    v.len--;
-    int n = 0;
-    while (v.len > 0) {
-        double x;
-        size_t len = 0;
-        while (len < v.len && !value_is_blank(v.text[len]))
-            len++;
-        if (n == 4 || !proto_read_double(v.text, len, &x))
-            return false;
-        if (n < 3)
-            xyz[n] = x;
-        n++;
-        v = value_trim(v.text + len, v.text + v.len);
-    }
-    *values = flat || n < 3 ? 2 : 3; /* the third value of POINT M is no height */
-    return n >= 2;
-}

@@ -1,4 +1,4 @@
-/* wkt.h - geometries in well-known text: their kinds, and points. */
+/* wkt.h - geometries in well-known text: their kinds. lines/wkt_lines.h reads them. */
 #pragma once
 
 #include "clients/reading/row.h"
@@ -20,6 +20,3 @@ const char *wkt_curved_kind(struct value v);
 
 /* Whether it begins as a geometry of any kind, and whether its first position has a height; false for curves. */
 bool wkt_is_geometry(struct value v, bool *solid);
-
-/* Reads the geometry POINT (x y [z ...]). Sets *values to 2 or 3. False if it is another one, or empty. */
-bool wkt_read_point(struct value v, double xyz[3], int *values);
