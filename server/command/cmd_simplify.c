@@ -324,12 +324,10 @@ static void make_set(struct server *s, struct simplify_job *j, struct answer *a)
     bool made = make_change(j, &x->change);
     if (!made)
         answer_out_of_memory(a);
-    if (made && reserve_change(s, a, x)) {
-        j->job.continues = true;
+    if (made && reserve_change(s, a, x))
         submit(s, a, NULL, x);
-    } else {
+    else
         job_free(s, &x->job);
-    }
 }
 
 /* Whether there is no set of that name; else the ERR line has been written. */

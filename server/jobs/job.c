@@ -474,23 +474,16 @@ static void publish(struct server *s, struct job *j, struct dataset *set)
         server_limit_pages(s);
 }
 
-/* Sets the changes that the reply acknowledges or shows. A writer without a record, such as an update of the
- * triangulation before a query, only shows changes of others. */
-static void note_changes(const struct job *j, struct answer *a)
+/* The reply shows what the job has read, and acknowledges nothing yet. */
+static void note_shown(const struct job *j, struct answer *a)
 {
-    if (j->continues)
-        return;
     a->lsn = 0;
-    if (j->base == NULL || j->status == DT_CANCELLED)
-        return;
-    if (j->acknowledges)
-        a->lsn = j->set->current->lsn;
-    else if (j->base->lsn > a->shown)
+    if (j->base != NULL && j->status != DT_CANCELLED && !j->acknowledges && j->base->lsn > a->shown)
         a->shown = j->base->lsn; /* at least that of what it has read */
 }
 
 /* The set counts its own memory once the result is published, so that of the job is released before. The end of the job
- * logs and answers what is current, and may begin another job of the set; it comes before the requests that wait. */
+ * logs and answers what is current, and may begin another job, which answers instead; it comes before the requests that wait. */
 void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = leave_set(j);
@@ -499,8 +492,10 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     reservation_set(&j->memory, 0);
     if (set != NULL)
         publish(s, j, set);
+    note_shown(j, a);
     j->end(s, j, a);
-    note_changes(j, a);
+    if (j->acknowledges && j->status != DT_CANCELLED)
+        a->lsn = j->set->current->lsn;
     release(s, j);
     if (reserved)
         server_memory_freed(s);

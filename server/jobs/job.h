@@ -36,7 +36,6 @@ struct job {
         waiting; /* borrows; of requests that wait for its end, beside those that wait for the set; NULL: none */
     bool changes;          /* it was submitted by job_change */
     bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
-    bool continues;        /* its end has submitted another job, which answers */
     struct change *change; /* borrows; for the log if the job succeeds; NULL: none */
     /* Borrows; gets the change of a job that edits in place a set that is born; NULL: none. The change that creates a set is
      * logged when the set is born, because a snapshot has born sets only. */

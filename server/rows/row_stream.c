@@ -28,8 +28,7 @@ struct row_stream {
     struct piece
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used, most;
-    bool passed; /* a piece needs the copy, which is made when no piece is in work; none is begun */
-    struct job *copying;                         /* borrows; not NULL: a worker makes it */
+    struct job *copying;                         /* borrows; not NULL: a worker makes the copy */
     const struct dt_field *field[DT_MAX_FIELDS]; /* of the rows of a surface */
     struct past past;                            /* owns: the copy, if there is one */
     size_t past_bytes;                           /* of the copy */
@@ -151,7 +150,6 @@ static void end_making(struct server *s, struct job *j, struct answer *a)
     m->piece->job = NULL;
     m->piece->uncut = false;
     settle(st, m->piece);
-    st->passed = st->passed || m->piece->part.surface.passed;
     end_work(s, st);
 }
 
@@ -165,7 +163,6 @@ static void begin(struct server *s, struct row_stream *st, struct piece *p)
         gate_end_visit(&st->rows.version->gate);
         settle(st, p);
         p->uncut = false;
-        st->passed = st->passed || p->part.surface.passed;
         return;
     }
     m->stream = st;
@@ -208,7 +205,6 @@ static void end_copying(struct server *s, struct job *j, struct answer *a)
     struct row_stream *st = c->stream;
     (void)a;
     st->copying = NULL;
-    st->passed = false;
     st->rows.status = j->status;
     if (j->status == DT_OK) {
         st->past = c->past;
@@ -230,10 +226,21 @@ static void end_copying(struct server *s, struct job *j, struct answer *a)
     end_work(s, st);
 }
 
-/* Begins the copy when no piece is in work. */
+/* Whether rows continue on a copy, which is made when no piece is in work; until then none is begun. */
+static bool needs_copy(const struct row_stream *st)
+{
+    bool needs = st->rows.surface.passed;
+    for (unsigned i = 0; i < st->used; i++) {
+        const struct piece *p = &st->piece[(st->head + i) % st->most];
+        needs = needs || (p->job == NULL && p->part.surface.passed);
+    }
+    return needs;
+}
+
+/* Begins the copy if it is needed. */
 static enum dt_status copy_past(struct server *s, struct row_stream *st)
 {
-    if (!st->passed || st->stream.jobs > 0)
+    if (st->rows.status != DT_OK || st->stream.jobs > 0 || !needs_copy(st))
         return st->rows.status;
     struct copying *c = job_new(sizeof *c, run_copying, end_copying);
     if (c == NULL)
@@ -284,7 +291,7 @@ static enum dt_status send_made(struct server *s, struct row_stream *st, struct 
         if (p->text.cap > piece_room(st))
             buf_free(&p->text);
         settle(st, p);
-        if (!p->part.done && st->passed) {
+        if (!p->part.done && needs_copy(st)) {
             p->part.surface.passed = true; /* continues on the copy */
         } else if (!p->part.done) {
             begin(s, st, p);
@@ -312,7 +319,7 @@ static bool cut_next(struct row_stream *st, struct piece *p)
 
 static void begin_next(struct server *s, struct row_stream *st)
 {
-    while (st->used < st->most && !st->passed && !(st->used > 0 && st->piece[st->head].uncut)) {
+    while (st->used < st->most && !needs_copy(st) && !(st->used > 0 && st->piece[st->head].uncut)) {
         struct piece *p = &st->piece[(st->head + st->used) % st->most];
         if (!cut_next(st, p))
             return;
@@ -364,7 +371,6 @@ static bool refill(struct server *s, struct stream *stream, struct answer *a)
     st->converted = a->out == &a->reactor->lines;
     if (may_fill(st)) {
         fill(s, st, a->out);
-        st->passed = st->rows.surface.passed;
         status = copy_past(s, st); /* there are no workers: at once */
         done = st->rows.done;
     } else {

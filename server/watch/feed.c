@@ -157,13 +157,14 @@ static bool sweep_box(struct event *e, struct feed *f, struct position *p)
 static void put_points(struct event *e, struct feed *f, struct position *p)
 {
     const struct watched *k = f->of;
-    if (p->goal == 0) {
-        bool all = put_change(e, f, p);
+    if (p->goal == 0 && put_change(e, f, p)) {
         p->ids = k->ids;
-        p->tick = all ? feed_tick(k) : p->tick;
-        p->goal = all ? 0 : feed_tick(k);
-        if (all)
-            return;
+        p->tick = feed_tick(k);
+        return;
+    }
+    if (p->goal == 0) {
+        p->ids = k->ids;
+        p->goal = feed_tick(k);
     }
     if (!sweep_box(e, f, p))
         for (; p->sweep < p->ids && !event_is_full(e); p->sweep++)
@@ -246,8 +247,8 @@ static void put_rows(struct event *e, struct feed *f, struct position *p)
     }
     e->reset = p->reset;
     p->reset = false;
-    if (p->goal != 0 || !p->lists ||
-        p->tick == 0) /* once the points are complete, a list of constraints goes first */
+    bool complete = p->goal == 0 && p->tick != 0;
+    if (!complete || !p->lists) /* then the list of constraints goes first */
         put_points(e, f, p);
     if (constraints && p->goal == 0)
         put_constraints(e, f, p);
