@@ -37,7 +37,7 @@ def files(commands):
     methods = python.generate(commands, by_hand, SAYS)
     yield package + "_table.py", methods
     yield package + "aio.pyi", python.generate_aio(read(package + "_commands.py"), read(package + "_constraints.py"), methods, SAYS)
-    by_hand = names(r"^  (?:async )?([A-Za-z]+)\(", "clients/js/lib/client.js", "clients/js/lib/constraints.js")
+    by_hand = names(r"^  (?:async )?([A-Za-z]+)\(", "clients/js/lib/client.js", "clients/js/lib/commands.js", "clients/js/lib/constraints.js")
     yield "clients/js/lib/table.js", node.generate(commands, by_hand, SAYS)
     yield "clients/js/table.d.ts", node.generate_types(commands, by_hand, SAYS)
 

@@ -6,9 +6,10 @@ HEAD = """// The commands whose methods follow from the table of commands.
 // %s
 'use strict';
 
-const { checkField, checkSet, line, nothing, number, numbers, option, table, text, truth, typedKeys } = require('./framing.js');
+const { nothing, number, table, text, truth, typedKeys } = require('./framing.js');
+const { checkField, checkSet, flag, list, option, real, whole, word } = require('./values.js');
 
-/** The commands that need no more than their words. Each takes the options of request(). */
+/** The commands that need no more than their words. As the last argument each takes the options of request(). */
 class Table {
 """
 TAIL = """}
@@ -22,8 +23,7 @@ import { RequestOptions } from './index';
 /** The commands that need no more than their words. */
 export interface Table {
 """
-WRITTEN = {"set": "checkSet(%s)", "field": "checkField(%s)", "integer": "Number(%s)", "double": "Number(%s)", "text": "%s"}
-MANY = {"set": "[...%s].map(checkSet)", "field": "[...%s].map(checkField)", "integer": "numbers(%s)", "double": "numbers(%s)", "text": "[...%s]"}
+TAKES = {"set": "checkSet", "field": "checkField", "integer": "whole", "double": "real", "text": "word"}
 TYPES = {"set": "string", "field": "string", "integer": "number", "double": "number", "text": "string"}
 READS = {"i": "number", "d": "number", "b": "truth", "s": "text"}
 FACTS = {"i": "number", "d": "number", "b": "boolean", "s": "string"}
@@ -44,9 +44,13 @@ def option_names(method):
 def words(method):
     yield "'%s'" % method.command.name
     for v in method.values:
-        yield (MANY if v.many else WRITTEN)[v.kind()] % name_of(v) if not v.optional else "option(null, %s)" % name_of(v)
+        take = TAKES[v.kind()]
+        yield ("list(%s, %s)" % (name_of(v), take) if v.many else "option([], %s, %s)" % (name_of(v), take) if v.optional else "%s(%s)" % (take, name_of(v)))
     for o, name in zip(method.options, option_names(method)):
-        yield "option('%s', %s)" % (o.keyword, name)
+        if not o.values and not o.choices:
+            yield "flag('%s', %s)" % (o.keyword, name)
+        else:
+            yield "option('%s', %s, %s)" % (o.keyword, name, TAKES[o.kind()] if len(o.values) < 2 else "(all) => list(all, %s)" % TAKES[o.kind()])
 
 
 def read(command):
@@ -63,7 +67,7 @@ def code(method):
     options = "{ %s, ...options } = {}" % ", ".join(option_names(method)) if method.options else "options"
     parameters = ", ".join([name_of(v) for v in method.values] + [options])
     text = "  /** %s */\n  async %s(%s) {\n" % (method.doc("Resolves with"), camel(method.words), parameters)
-    return text + "    return %s(await this.request(line(%s), options));\n  }\n" % (read(method.command), ", ".join(words(method)))
+    return text + "    return %s(await this._ask([%s], options));\n  }\n" % (read(method.command), ", ".join(words(method)))
 
 
 def result_type(command):

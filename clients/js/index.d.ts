@@ -73,7 +73,7 @@ export interface FieldFacts {
 
 export type Box = readonly [x0: number, y0: number, x1: number, y1: number] | ArrayLike<number>;
 
-export interface SurfaceOptions {
+export interface SurfaceOptions extends RequestOptions {
   /** linear by default. */
   method?: 'linear' | 'natural' | 'laplace' | 'nearest' | 'smooth';
   /** No values in triangles with a longer edge. */
@@ -84,12 +84,23 @@ export interface SurfaceOptions {
   outside?: 'nan' | 'nearest';
   /** Points without a value: NaN around them, or as if they had been deleted; nan by default. */
   missing?: Missing;
-  timeout?: number;
 }
 
 export interface RasterOptions extends SurfaceOptions {
   /** The name of a set, inside whose borders alone there are values. */
   clip?: string;
+}
+
+/** Of linear surfaces inside the hull. */
+export type PlainOptions = Omit<SurfaceOptions, 'method' | 'outside'>;
+
+/** Either levels, or base, 0 by default, and all multiples of `every` from it. */
+export type LevelOptions = PlainOptions & { levels?: Iterable<number>; every?: number; base?: number };
+
+/** A loop of the boundary of a shape, with the shape on its left, so the loop of a hole is clockwise. */
+export interface Loop {
+  hole: boolean;
+  ids: Uint32Array;
 }
 
 export type Missing = 'nan' | 'skip';
@@ -188,10 +199,9 @@ export class Disconnected extends Error {
   code: string;
 }
 
-export interface LoadOptions {
+export interface LoadOptions extends RequestOptions {
   /** Values of all points by the name of the field; NaN where one is missing. */
   fields?: Record<string, ArrayLike<number>>;
-  timeout?: number;
 }
 
 /** Made by connect(). Requests may be made without waiting for one another. */
@@ -200,93 +210,75 @@ export class Client {
   private constructor();
   close(): void;
   request(line: string, options?: RequestOptions & { body?: Uint8Array }): Promise<Reply>;
-  sets(): Promise<string[]>;
-  create(set: string, tolerance?: number, options?: { temporary?: boolean }): Promise<void>;
+  sets(options?: RequestOptions): Promise<string[]>;
+  create(set: string, tolerance?: number, options?: RequestOptions & { temporary?: boolean }): Promise<void>;
   load(set: string, points: Points, options?: LoadOptions): Promise<number>;
   load<P>(set: string, points: Iterable<P>, options: Accessors<P> & LoadOptions): Promise<number>;
-  add(set: string, x: number, y: number): Promise<number>;
+  add(set: string, x: number, y: number, options?: RequestOptions): Promise<number>;
   /** Moves a point, which keeps its id. */
   move(set: string, id: number, x: number, y: number, options?: RequestOptions): Promise<void>;
-  get(set: string, ids: Iterable<number>): Promise<Point[]>;
-  points(set: string): Promise<{ ids: Uint32Array; coords: Float64Array }>;
+  get(set: string, ids: Iterable<number>, options?: RequestOptions): Promise<Point[]>;
+  points(set: string, options?: RequestOptions): Promise<{ ids: Uint32Array; coords: Float64Array }>;
   points(
     set: string,
-    options: { fields: Iterable<string> },
+    options: RequestOptions & { fields: Fields },
   ): Promise<{ ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> }>;
-  coincident(set: string): Promise<Map<number, number>>;
-  triangles(set: string, options?: { clockwise?: boolean; within?: Box; inside?: Inside }): Promise<Uint32Array>;
-  edges(set: string, options?: { constrained?: boolean; inside?: Inside }): Promise<Uint32Array>;
-  lists(set: string, options?: { within?: Box }): Promise<Map<number, Uint32Array>>;
-  hull(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
-  locate(set: string, x: number, y: number): Promise<Located>;
-  nearest(set: string, x: number, y: number, k?: number): Promise<Neighbour[]>;
-  locateAll(set: string, places: Points, options?: { timeout?: number }): Promise<Uint32Array>;
-  locateAll<P>(set: string, places: Iterable<P>, options: Accessors<P> & { timeout?: number }): Promise<Uint32Array>;
-  nearestAll(set: string, places: Points, k?: number, options?: { timeout?: number }): Promise<Uint32Array>;
-  nearestAll<P>(set: string, places: Iterable<P>, k: number, options: Accessors<P> & { timeout?: number }): Promise<Uint32Array>;
+  coincident(set: string, options?: RequestOptions): Promise<Map<number, number>>;
+  triangles(set: string, options?: RequestOptions & { clockwise?: boolean; within?: Box; inside?: Inside }): Promise<Uint32Array>;
+  edges(set: string, options?: RequestOptions & { constrained?: boolean; inside?: Inside }): Promise<Uint32Array>;
+  lists(set: string, options?: RequestOptions & { within?: Box }): Promise<Map<number, Uint32Array>>;
+  hull(set: string, options?: RequestOptions & { clockwise?: boolean }): Promise<Uint32Array>;
+  locate(set: string, x: number, y: number, options?: RequestOptions): Promise<Located>;
+  nearest(set: string, x: number, y: number, k?: number, options?: RequestOptions): Promise<Neighbour[]>;
+  locateAll(set: string, places: Points, options?: RequestOptions): Promise<Uint32Array>;
+  locateAll<P>(set: string, places: Iterable<P>, options: Accessors<P> & RequestOptions): Promise<Uint32Array>;
+  nearestAll(set: string, places: Points, k?: number, options?: RequestOptions): Promise<Uint32Array>;
+  nearestAll<P>(set: string, places: Iterable<P>, k: number, options: Accessors<P> & RequestOptions): Promise<Uint32Array>;
   within(set: string, x0: number, y0: number, x1: number, y1: number): Promise<number[]>;
   within(set: string, x: number, y: number, r: number): Promise<number[]>;
-  fields(set: string): Promise<Record<string, FieldFacts>>;
-  getField(set: string, field: string, ids: Iterable<number>): Promise<Float64Array>;
-  field(set: string, field: string): Promise<{ ids: Uint32Array; values: Float64Array }>;
-  setField(set: string, field: string, values: ArrayLike<number>, options?: { first?: number; timeout?: number }): Promise<void>;
+  fields(set: string, options?: RequestOptions): Promise<Record<string, FieldFacts>>;
+  getField(set: string, field: string, ids: Iterable<number>, options?: RequestOptions): Promise<Float64Array>;
+  field(set: string, field: string, options?: RequestOptions): Promise<{ ids: Uint32Array; values: Float64Array }>;
+  setField(set: string, field: string, values: ArrayLike<number>, options?: RequestOptions & { first?: number }): Promise<void>;
   weights(
     set: string,
     x: number,
     y: number,
-    options?: { method?: 'linear' | 'natural' | 'laplace'; timeout?: number },
+    options?: RequestOptions & { method?: 'linear' | 'natural' | 'laplace' },
   ): Promise<Map<number, number>>;
   interpolate(set: string, field: Fields, places: Points, options?: SurfaceOptions): Promise<Float64Array>;
   interpolate<P>(set: string, field: Fields, places: Iterable<P>, options: Accessors<P> & SurfaceOptions): Promise<Float64Array>;
-  gradient(set: string, field: Fields, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
-  gradient<P>(
-    set: string,
-    field: Fields,
-    places: Iterable<P>,
-    options: Accessors<P> & Omit<SurfaceOptions, 'method'>,
-  ): Promise<Float64Array>;
+  gradient(set: string, field: Fields, places: Points, options?: PlainOptions): Promise<Float64Array>;
+  gradient<P>(set: string, field: Fields, places: Iterable<P>, options: Accessors<P> & PlainOptions): Promise<Float64Array>;
   raster(
     set: string,
     field: Fields,
     box: Box,
     columns: number,
     rows: number,
-    options?: RasterOptions & RequestOptions & { quantity?: 'slope' | 'aspect' },
+    options?: RasterOptions & { quantity?: 'slope' | 'aspect' },
   ): Promise<Float64Array>;
-  contourLines(
-    set: string,
-    field: string,
-    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; missing?: Missing; timeout?: number },
-  ): Promise<ContourLine[]>;
-  bands(
-    set: string,
-    field: string,
-    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; inside?: Inside; missing?: Missing; timeout?: number },
-  ): Promise<BandPolygon[]>;
-  contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
-  profile(set: string, field: string, places: Points, options?: Omit<SurfaceOptions, 'method'>): Promise<Float64Array>;
-  profile<P>(
-    set: string,
-    field: string,
-    places: Iterable<P>,
-    options: Accessors<P> & Omit<SurfaceOptions, 'method'>,
-  ): Promise<Float64Array>;
+  contourLines(set: string, field: string, options: LevelOptions): Promise<ContourLine[]>;
+  bands(set: string, field: string, options: LevelOptions): Promise<BandPolygon[]>;
+  contours(set: string, field: string, levels: Iterable<number>, options?: RequestOptions): Promise<ContourPolygons[]>;
+  profile(set: string, field: string, places: Points, options?: PlainOptions): Promise<Float64Array>;
+  profile<P>(set: string, field: string, places: Iterable<P>, options: Accessors<P> & PlainOptions): Promise<Float64Array>;
   volume(
     set: string,
     field: string,
-    options?: { level?: number; minus?: string; inside?: Inside; missing?: Missing; box?: Box; timeout?: number },
+    options?: RequestOptions & { level?: number; minus?: string; inside?: Inside; missing?: Missing; box?: Box },
   ): Promise<{ above: number; below: number; area: number }>;
-  voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
-  alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
-  alphaAuto(set: string, options?: { timeout?: number }): Promise<{ radius: number; loops: { hole: boolean; ids: Uint32Array }[] }>;
+  voronoi(set: string, options?: RequestOptions & { ids?: Iterable<number>; box?: Box }): Promise<Cells>;
+  alpha(set: string, radius: number, options?: RequestOptions): Promise<Loop[]>;
+  alphaAuto(set: string, options?: RequestOptions): Promise<{ radius: number; loops: Loop[] }>;
   simplify(
     set: string,
     field: string,
     error: number,
     into: string,
-    options?: { points?: number; ids?: string; timeout?: number },
+    options?: RequestOptions & { points?: number; ids?: string },
   ): Promise<{ points: number; constraints: number; error: number }>;
-  areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
+  areas(set: string, options?: RequestOptions & { box?: Box }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   constrain(set: string, ends: Pairs, options?: ConstrainOptions): Promise<Constrained>;
   constrainPath(set: string, ids: Iterable<number>, options?: ConstrainOptions & { closed?: boolean }): Promise<Constrained>;
   refine(set: string, options?: RefineOptions): Promise<Refined>;
@@ -310,8 +302,8 @@ export class Client {
     paths: Iterable<Points>,
     options?: ConstrainOptions & { fields?: Record<string, ArrayLike<ArrayLike<number>>> },
   ): Promise<{ first: number; added: number; coincident: number; constraints: number; split?: number; deviation?: number }>;
-  mirror(set: string, options?: { within?: Box; fields?: Iterable<string> }): Promise<Mirror>;
-  info(): Promise<Record<string, string | number | boolean>>;
+  mirror(set: string, options?: { within?: Box; fields?: Fields }): Promise<Mirror>;
+  info(options?: RequestOptions): Promise<Record<string, string | number | boolean>>;
 }
 
 /** A constraint, a < b; a border or else a line. */

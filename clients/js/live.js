@@ -2,7 +2,8 @@
 'use strict';
 
 const { NOPOINT, RANGE, addPoints, findCore, refusal, withPlaces } = require('./lib/core.js');
-const { pairs } = require('./lib/points.js');
+const { column, pairs } = require('./lib/points.js');
+const { box, isTrue, list, only, real } = require('./lib/values.js');
 
 const TABLES = { points: 0, coincident: 1, edges: 4, hull: 5 }; // enum dt_table
 const METHODS = ['linear', 'natural', 'laplace', 'nearest', 'smooth']; // enum dt_interpolation
@@ -23,20 +24,33 @@ function idOf(id) {
   return id;
 }
 
+/** Values of points, which are finite or NaN. */
+function valuesOf(values) {
+  const known = column(values);
+  if (known.some((v) => Math.abs(v) === Infinity)) throw new RangeError('values are finite or NaN');
+  return known;
+}
+
+function isClockwise({ clockwise, ...others } = {}) {
+  only(others);
+  return isTrue('clockwise', clockwise);
+}
+
 class LiveSet {
   #core = findCore();
   #set; // null: freed
 
   /** points: flat (x, y, x, y ...), or pairs, or anything with getX and getY. */
-  static from(points, { getX, getY, values, tolerance } = {}) {
+  static from(points, { tolerance, ...options } = {}) {
     const live = new LiveSet({ tolerance });
-    live.add(points, { getX, getY, values });
+    live.add(points, options);
     return live;
   }
 
   /** Points within the tolerance of an earlier one coincide with it. */
-  constructor({ tolerance = 0 } = {}) {
-    if (!(tolerance === 0 || (tolerance >= 2 ** -142 && tolerance <= 2 ** 201))) throw refusal(RANGE);
+  constructor({ tolerance = 0, ...others } = {}) {
+    only(others);
+    if (!(real(tolerance) === 0 || (tolerance >= 2 ** -142 && tolerance <= 2 ** 201))) throw refusal(RANGE);
     this.#set = this.#core.newSet(tolerance);
     forgotten.register(this, { core: this.#core, set: this.#set }, this);
     this.#core.call('set_triangulate', this.#set);
@@ -72,48 +86,48 @@ class LiveSet {
   // ---- edits ----
 
   /** Adds points, all or none; returns the id of the first one, the others follow. */
-  add(points, { getX, getY, values } = {}) {
+  add(points, { getX, getY, values, ...others } = {}) {
+    only(others);
     const flat = pairs(points, getX, getY);
-    if (values !== undefined && 2 * values.length !== flat.length) {
-      throw new RangeError(`${values.length} values for ${flat.length / 2} points`);
-    }
-    if (values !== undefined) checkValues(values);
+    const known = values === undefined ? null : valuesOf(values);
+    if (known !== null && 2 * known.length !== flat.length) throw new RangeError(`${known.length} values for ${flat.length / 2} points`);
     addPoints(this.#core, this.#mine, flat);
     const first = this.#core.number(0);
-    if (values !== undefined) this.setValues(values, { first });
+    if (known !== null) this.setValues(known, { first });
     return first;
   }
 
   /** Deletes the points with these ids, all or none; returns how many. */
   delete(ids) {
-    const list = Uint32Array.from(ids, idOf);
-    this.#core.callWith('set_delete', this.#mine, Uint32Array, list, list.length);
+    const which = Uint32Array.from(list(ids, idOf));
+    this.#core.callWith('set_delete', this.#mine, Uint32Array, which, which.length);
     return this.#core.number(0);
   }
 
   /** Moves a point, which keeps its id. */
   move(id, x, y) {
-    withPlaces([x, y], () => this.#core.call('set_move', this.#mine, idOf(id), x, y));
+    withPlaces([real(x), real(y)], () => this.#core.call('set_move', this.#mine, idOf(id), x, y));
   }
 
   // ---- constraints ----
 
   /** Pairs of ids, flat or not, become edges that stay, or chains of edges through the points on them, all or none. Returns the number
    * of new ones. border: they are parts of the border of inside(). */
-  constrain(ids, { border = false } = {}) {
-    this.#pairs('set_constrain', ids, border);
+  constrain(ids, options = {}) {
+    this.#pairs('set_constrain', ids, options);
     return this.#core.number(0);
   }
 
   /** The opposite of constrain(), all or none. */
-  release(ids, { border = false } = {}) {
-    this.#pairs('set_release', ids, border);
+  release(ids, options = {}) {
+    this.#pairs('set_release', ids, options);
   }
 
-  #pairs(name, ids, border) {
-    const list = Uint32Array.from(pairs(ids), idOf);
+  #pairs(name, ids, { border, ...others }) {
+    only(others);
+    const ends = Uint32Array.from(pairs(ids), idOf);
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.callWith(name, this.#mine, Uint32Array, list, list.length / 2, border);
+    this.#core.callWith(name, this.#mine, Uint32Array, ends, ends.length / 2, isTrue('border', border));
   }
 
   /** Pairs: the edges that are parts of constraints. */
@@ -123,9 +137,9 @@ class LiveSet {
   }
 
   /** The triangles inside the border, three ids each: from there every way out crosses it an odd number of times. */
-  inside({ clockwise = false } = {}) {
+  inside(options) {
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.call('set_inside', this.#set, clockwise);
+    this.#core.call('set_inside', this.#set, isClockwise(options));
     return this.#core.array(Uint32Array, 0);
   }
 
@@ -137,41 +151,41 @@ class LiveSet {
     return [...this.#core.doubles(2)];
   }
 
-  #table(name, clockwise) {
+  #table(name, options) {
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.call('set_table', this.#set, TABLES[name], clockwise);
+    this.#core.call('set_table', this.#set, TABLES[name], isClockwise(options));
     return this.#core.array(Uint32Array, 0);
   }
 
   /** All ids, ascending. */
   ids() {
-    return this.#table('points', false);
+    return this.#table('points');
   }
 
   /** Pairs: a point that coincides with another one, and that one. */
   coincident() {
-    return this.#table('coincident', false);
+    return this.#table('coincident');
   }
 
   edges() {
-    return this.#table('edges', false);
+    return this.#table('edges');
   }
 
-  hull({ clockwise = false } = {}) {
-    return this.#table('hull', clockwise);
+  hull(options) {
+    return this.#table('hull', options);
   }
 
   /** {triangles, halfedges} as Delaunator has them; counterclockwise in a plane whose y axis points up, unless clockwise. */
-  triangulation({ clockwise = false } = {}) {
+  triangulation(options) {
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.call('set_triangles', this.#set, clockwise);
+    this.#core.call('set_triangles', this.#set, isClockwise(options));
     return { triangles: this.#core.array(Uint32Array, 0), halfedges: this.#core.array(Int32Array, 1) };
   }
 
   /** In the order of LISTS. */
-  neighbors(id, { clockwise = false } = {}) {
+  neighbors(id, options) {
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.call('set_ring', this.#set, idOf(id), clockwise);
+    this.#core.call('set_ring', this.#set, idOf(id), isClockwise(options));
     return this.#core.array(Uint32Array, 0);
   }
 
@@ -198,25 +212,27 @@ class LiveSet {
   // ---- surfaces ----
 
   /** Sets the values of the points with the ids from `first` on; NaN: it has none. */
-  setValues(values, { first = 0 } = {}) {
-    checkValues(values);
-    idOf(first);
-    this.#core.callWith('set_values', this.#mine, Float64Array, values, values.length, first);
+  setValues(values, { first = 0, ...others } = {}) {
+    only(others);
+    const known = valuesOf(values);
+    this.#core.callWith('set_values', this.#mine, Float64Array, known, known.length, idOf(first));
   }
 
   /** The values at places; NaN where there is no surface. */
-  interpolate(places, { method = 'linear', maxEdge = Infinity } = {}) {
-    this.#ask('set_interpolate', places, methodNumber(method), maxEdge);
+  interpolate(places, { method = 'linear', maxEdge = Infinity, ...others } = {}) {
+    only(others);
+    this.#ask('set_interpolate', places, methodNumber(method), real(maxEdge));
     return this.#core.array(Float64Array, 0);
   }
 
   /** The lines at levels: line i is at levels[i], has the places offsets[i] .. offsets[i + 1] of coords, and is closed if closed[i]
    * is 1. Higher ground is on the left; a closed line does not repeat its first place. */
-  contours(levels, { maxEdge = Infinity } = {}) {
-    const sorted = Float64Array.from(new Set(levels)).sort();
+  contours(levels, { maxEdge = Infinity, ...others } = {}) {
+    only(others);
+    const sorted = Float64Array.from(new Set(list(levels, real))).sort();
     if (!sorted.every(Number.isFinite)) throw new RangeError('levels are finite numbers');
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.callWith('set_contours', this.#set, Float64Array, sorted, sorted.length, maxEdge);
+    this.#core.callWith('set_contours', this.#set, Float64Array, sorted, sorted.length, real(maxEdge));
     const [Types, core] = [[Float64Array, Uint32Array, Float64Array, Uint32Array], this.#core];
     const [of, offsets, coords, closed] = Types.map((Type, i) => core.array(Type, i));
     return { levels: of, offsets, coords, closed };
@@ -224,15 +240,11 @@ class LiveSet {
 
   /** The Voronoi cells, clipped to a box: the cell of point id has the corners offsets[id] .. offsets[id + 1] of coords, counterclockwise
    * if y points up. */
-  cells([x0, y0, x1, y1]) {
+  cells(bounds) {
     this.#core.call('set_triangulate', this.#mine);
-    this.#core.call('set_cells', this.#set, x0, y0, x1, y1);
+    this.#core.call('set_cells', this.#set, ...box(bounds));
     return { offsets: this.#core.array(Uint32Array, 0), coords: this.#core.array(Float64Array, 1) };
   }
-}
-
-function checkValues(values) {
-  if (Array.prototype.some.call(values, (v) => Math.abs(v) === Infinity)) throw new RangeError('values are finite or NaN');
 }
 
 module.exports = { LiveSet, NONE };

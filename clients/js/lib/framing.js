@@ -1,55 +1,41 @@
-// Words of requests, results of replies, and points as bytes: PROTOCOL.md, sections 2 and 7.
+// Lines of requests, results of replies, and arrays as bytes: PROTOCOL.md, sections 2 and 7.
 'use strict';
 
 const { endianness } = require('node:os');
 
 const BIG_ENDIAN = endianness() === 'BE';
 
-const NUMBER = /^-?\d+(\.\d+)?(e[+-]?\d+)?$/;
+const NUMBER = /^-?(\d+(\.\d+)?(e[+-]?\d+)?|inf|nan)$/;
+
+/** A number of the protocol: inf, nan, or as JavaScript writes it. */
+const numberOf = (text) => Number(text.replace('inf', 'Infinity'));
+const numbersOf = (row) => row.split(' ').map(numberOf);
 
 /** A value of the protocol with its type: a number, true or false, or text. */
 function typed(text) {
-  if (NUMBER.test(text)) return Number(text);
+  if (NUMBER.test(text)) return numberOf(text);
   return text === 'yes' ? true : text === 'no' ? false : text;
 }
 
 // ---- words of requests ----
 
-function checkSet(name) {
-  if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
-  return name;
-}
-
-function checkField(name) {
-  if (!/^[A-Za-z_][A-Za-z0-9_.:-]{0,63}$/.test(name)) throw new TypeError('a field\'s name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -');
-  return name;
-}
-
-const numbers = (values) => Array.from(values, Number);
-
-/** The words of what may be left out: undefined or false: none; true: the keyword alone; else the keyword, if there is one, and the
- * values. */
-function option(keyword, value) {
-  if (value === undefined || value === null || value === false) return [];
-  const before = keyword === null ? [] : [keyword];
-  if (value === true) return before;
-  return before.concat(typeof value === 'object' ? [...value] : value);
-}
+/** A word. Numbers are written so that the daemon reads the same number. */
+const textOf = (word) => (Object.is(word, -0) ? '-0' : String(word).replace('Infinity', 'inf').replace('NaN', 'nan'));
 
 /** The line of a request: words, and lists of words. */
-const line = (...parts) => parts.flat(2).join(' ');
+const line = (...parts) => parts.flat(2).map(textOf).join(' ');
 
 // ---- results: functions of a reply ----
 
 const nothing = () => undefined;
 const text = (key) => ({ keys }) => keys[key];
-const number = (key) => ({ keys }) => (key in keys ? Number(keys[key]) : undefined);
+const number = (key) => ({ keys }) => (key in keys ? numberOf(keys[key]) : undefined);
 const truth = (key) => ({ keys }) => keys[key] === 'yes' || keys[key] === '1';
 const typedKeys = ({ keys }) => Object.fromEntries(Object.entries(keys).map(([key, word]) => [key, typed(word)]));
 
 /** The rows, each word of the type of its letter, the last one's for the rest: i, d, s; others have that of their form. */
 function table(types) {
-  const reads = [...types].map((letter) => ({ i: Number, d: Number, s: String })[letter] ?? typed);
+  const reads = [...types].map((letter) => ({ i: numberOf, d: numberOf, s: String })[letter] ?? typed);
   return ({ rows }) => rows.map((row) => row.split(' ').map((word, i) => reads[Math.min(i, reads.length - 1)](word)));
 }
 
@@ -67,12 +53,6 @@ function words(Type, bytes) {
   return new Type(own.buffer, 0, own.length / size);
 }
 
-/** Coordinates as LOADB expects them. They are not copied on a little-endian machine. */
-function pointBytes(flat) {
-  if (flat.length % 2 !== 0) throw new TypeError('odd number of coordinates');
-  return doubleBytes(flat);
-}
-
 /** Pairs of ids as CONSTRAINB expects them. */
 function idBytes(flat) {
   const ids = Uint32Array.from(flat);
@@ -81,26 +61,10 @@ function idBytes(flat) {
   return BIG_ENDIAN ? bytes.swap32() : bytes;
 }
 
+/** Numbers as LOADB expects them. They are not copied on a little-endian machine. */
 function doubleBytes(flat) {
   const bytes = Buffer.from(flat.buffer, flat.byteOffset, flat.byteLength);
   return BIG_ENDIAN ? Buffer.from(bytes).swap64() : bytes;
 }
 
-module.exports = {
-  checkField,
-  checkSet,
-  doubleBytes,
-  idBytes,
-  line,
-  nothing,
-  number,
-  numbers,
-  option,
-  pointBytes,
-  table,
-  text,
-  truth,
-  typed,
-  typedKeys,
-  words,
-};
+module.exports = { doubleBytes, idBytes, line, nothing, number, numberOf, numbersOf, table, text, truth, typed, typedKeys, words };

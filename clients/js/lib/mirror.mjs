@@ -127,7 +127,7 @@ class State {
 export class Mirror extends EventEmitter {
   #open; // returns a connection that has shown its token
   #set;
-  #rest; // of the line of WATCH
+  #rest; // of the line of WATCH, from the box on
   #fields;
   #onEnd;
   #connection = null;
@@ -243,7 +243,7 @@ export class Mirror extends EventEmitter {
       this.#gathered = new Gathered();
     };
     const since = this.#version === null ? '' : ` SINCE ${this.#version}`;
-    const line = `WATCH ${this.#set}${since}${this.#rest}`;
+    const line = `WATCH ${this.#set}${since} ${this.#rest}`;
     try {
       // The first event may arrive together with the reply.
       await new Promise((resolve, reject) => connection.send({ line, timeout: 0, resolve: () => resolve(begin()), reject }));

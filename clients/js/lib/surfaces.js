@@ -1,6 +1,9 @@
 // Surfaces in the shapes that users of d3 know: Voronoi cells as polygons, contours as GeoJSON.
 'use strict';
 
+const { numberOf } = require('./framing.js');
+const { list, real } = require('./values.js');
+
 /** Voronoi cells, clipped to `box` [x0, y0, x1, y1]. The cell of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords (x, y),
  * counterclockwise if y points up. */
 class Cells {
@@ -55,19 +58,17 @@ function contourOf(row) {
 
 /** Names the levels of CONTOUR. */
 function levelWords(levels, every, base) {
-  const word = (level) => String(level).replace('Infinity', 'inf');
-  return levels ? [...levels].map(word).join(' ') : `EVERY ${every} BASE ${base}`;
+  if ((levels === undefined) === (every === undefined)) throw new TypeError('either levels or every');
+  if (levels !== undefined && base !== undefined) throw new TypeError('a base needs every');
+  return levels === undefined ? ['EVERY', real(every), 'BASE', real(base ?? 0)] : list(levels, real);
 }
-
-/** A level of a row, which may be infinite. */
-const levelOf = (word) => Number(word.replace('inf', 'Infinity'));
 
 /** The GeoJSON Polygons of the rows of CONTOUR ... BANDS; rings end where they begin. */
 function bandsOf(rows) {
   const bands = [];
   for (const row of rows) {
     const [low, high, number, , , ...xy] = row.split(' ');
-    if (Number(number) === bands.length) bands.push({ type: 'Polygon', low: levelOf(low), high: levelOf(high), coordinates: [] });
+    if (Number(number) === bands.length) bands.push({ type: 'Polygon', low: numberOf(low), high: numberOf(high), coordinates: [] });
     const ring = ringOf(xy.map(Number));
     bands.at(-1).coordinates.push([...ring, ring[0]]);
   }

@@ -4,7 +4,8 @@
 const { randomUUID } = require('node:crypto');
 
 const { commonClient } = require('./client.js');
-const { flatten } = require('./points.js');
+const { pairs } = require('./points.js');
+const { only } = require('./values.js');
 const { findHalfedges, findHull } = require('./mesh.js');
 
 /** {triangles, hull} of the points. Uses a temporary set, which the server drops even if we are killed. hull is null unless
@@ -39,8 +40,9 @@ class Triangulation {
   }
 
   /** points: flat (x, y, x, y ...), or pairs, or anything with getX and getY. */
-  static async from(points, { client = commonClient(), clockwise = false, getX, getY } = {}) {
-    const t = new Triangulation(flatten(points, getX, getY), client, clockwise);
+  static async from(points, { client = commonClient(), clockwise = false, getX, getY, ...others } = {}) {
+    only(others);
+    const t = new Triangulation(pairs(points, getX, getY), client, clockwise);
     return t.update();
   }
 

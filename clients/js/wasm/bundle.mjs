@@ -5,7 +5,7 @@
 //     node bundle.mjs CORE.wasm COMPILER       both
 import { readFileSync, writeFileSync } from 'node:fs';
 
-const MODULES = ['lib/module', 'lib/errors', 'lib/points', 'lib/core', 'lib/line', 'lib/mesh', 'lib/path', 'lib/voronoi'];
+const MODULES = ['lib/module', 'lib/errors', 'lib/values', 'lib/points', 'lib/core', 'lib/line', 'lib/mesh', 'lib/path', 'lib/voronoi'];
 const ENTRIES = ['delaunator', 'd3-delaunay', 'live', 'constrainautor', 'earcut'];
 
 const at = (name) => new URL(`../${name}`, import.meta.url);
