@@ -15,8 +15,8 @@ from __future__ import annotations
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
-from ._asking import Asking
-from ._protocol import Value, field_name, option, set_name
+from ._protocol import Asking, Value, field_name, set_name
+from ._values import each, flag, option, real, whole, word
 
 # Requests that change nothing, so that they can be sent again.
 READS = frozenset(
@@ -28,8 +28,7 @@ class Table(Asking):
     """The commands that need no more than their words."""
 '''
 TYPES = {"set": "str", "field": "str", "integer": "int", "double": "float", "text": "str"}
-WRITTEN = {"set": "set_name(%s)", "field": "field_name(%s)", "integer": "int(%s)", "double": "float(%s)", "text": "%s"}
-MANY = {"set": "map(set_name, %s)", "field": "map(field_name, %s)", "integer": "map(int, %s)", "double": "map(float, %s)", "text": "%s"}
+TAKES = {"set": "set_name", "field": "field_name", "integer": "whole", "double": "real", "text": "word"}
 FACTS = {"i": "int", "d": "float", "b": "bool", "s": "str"}
 
 
@@ -58,14 +57,17 @@ def parameters(method):
 def words(method):
     yield '"%s"' % method.command.name
     for v in method.values:
+        name, take = name_of(v, method), TAKES[v.kind()]
         if v.many:
-            yield "*" + MANY[v.kind()] % name_of(v, method)
-        elif v.optional:
-            yield "*option(None, %s)" % name_of(v, method)
+            yield "*each(%s, %s)" % (name, take)
         else:
-            yield WRITTEN[v.kind()] % name_of(v, method)
+            yield ("*option(None, %s, %s)" if v.optional else "%s") % ((name, take) if v.optional else "%s(%s)" % (take, name))
     for o in method.options:
-        yield '*option("%s", %s)' % (o.keyword, "_".join(methods.option_name(o)))
+        name, take = "_".join(methods.option_name(o)), TAKES[o.kind()] if o.values or o.choices else ""
+        if not take:
+            yield '*flag("%s", %s)' % (o.keyword, name)
+        else:
+            yield '*option("%s", %s, %s)' % (o.keyword, name, take if len(o.values) < 2 else "lambda all: each(all, %s)" % take)
 
 
 def result(command):
@@ -104,8 +106,9 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._aio_mirror import Mirror as Mirror
 from ._commands import Fields
-from ._constraints import Constraints, Inside, Quality, Regions
-from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
+from ._constraints import Constraints, Quality, Regions
+from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value
+from ._values import Inside, Word
 from ._types import Floats, Uint32s
 
 __all__ = ["Client", "Mirror"]

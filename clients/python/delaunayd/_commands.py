@@ -9,8 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _protocol as protocol
-from ._constraints import ConstraintCommands, Inside
-from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word, field_name, option, set_name
+from ._constraints import ConstraintCommands
+from ._protocol import Band, Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, field_name, field_names, set_name
+from ._values import (
+    Inside, Word, box as box_of, check_rows, column, each, flag, inside as inside_of, numbers_of, option, pairs, real,
+    rows_with_fields, truth, whole, word,
+)
 
 if TYPE_CHECKING:
     from ._types import Floats, Uint32s
@@ -42,7 +46,7 @@ class Commands(ConstraintCommands):
 
     def info(self, *sections: str) -> Dict[str, Value]:
         """Information about the server, all or that of the named sections."""
-        return self._ask(_info, "INFO", *sections)
+        return self._ask(_info, "INFO", *each(sections, word))
 
     # ---- sets ----
 
@@ -60,11 +64,11 @@ class Commands(ConstraintCommands):
 
         `replace`: the set is dropped first, as by drop(), so that it has these points alone, with ids from 0, and is not triangulated.
         What the server would refuse about the points is checked before; only if it lacks memory or disk is the set then gone."""
-        data, n = protocol.rows_with_fields(points, fields) if fields else protocol.pairs(points)
+        data, n = rows_with_fields(points, fields) if fields else pairs(points)
         words: Tuple[Word, ...] = ("FIELDS", ",".join(map(field_name, fields))) if fields else ()
         requests = [protocol.request("LOADB", set_name(name), n, *words, body=data)]
-        if replace:
-            protocol.check_rows(data, 2 + len(fields or ()))
+        if truth("replace", replace):
+            check_rows(data, 2 + len(fields or ()))
             # DROP needs a set, which LOADB of no points creates if there is none.
             requests[:0] = [protocol.request("LOADB", name, 0), protocol.request("DROP", name)]
         first: int = self._run(requests, lambda replies: int(replies[-1].keys["first"]))
@@ -72,22 +76,22 @@ class Commands(ConstraintCommands):
 
     def add(self, name: str, x: float, y: float) -> int:
         """Adds a point; returns its id."""
-        return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), float(x), float(y))
+        return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), real(x), real(y))
 
     def move(self, name: str, id: int, x: float, y: float) -> None:
         """Moves a point, which keeps its id."""
-        return self._ask(protocol.nothing, "MOVE", set_name(name), int(id), float(x), float(y))
+        return self._ask(protocol.nothing, "MOVE", set_name(name), whole(id), real(x), real(y))
 
     def get(self, name: str, ids: Iterable[int]) -> List[Tuple[float, float]]:
         """The coordinates of points."""
-        return self._ask(_coordinates, "GET", set_name(name), *(int(i) for i in ids))
+        return self._ask(_coordinates, "GET", set_name(name), *each(ids, whole))
 
-    def points(self, name: str, fields: Optional[Iterable[str]] = None) -> Tuple[Any, ...]:
+    def points(self, name: str, fields: Optional[Fields] = None) -> Tuple[Any, ...]:
         """Every point, ascending: the ids, and the coordinates with shape (n, 2). With `fields`, names of fields, their values
         are the third, with shape (n, k), NaN where one is missing; all is of one state of the set."""
         if fields is None:
             return self._ask(lambda reply: protocol.points_table(reply.data)[:2], "POINTS", set_name(name), "BINARY")
-        names = [field_name(field) for field in fields]
+        names = field_names(fields)
         words = ("FIELDS", ",".join(names)) if names else ()
         return self._ask(_points_table(len(names)), "POINTS", set_name(name), *words, "BINARY")
 
@@ -103,8 +107,7 @@ class Commands(ConstraintCommands):
 
     def get_field(self, name: str, field: str, ids: Iterable[int]) -> List[float]:
         """The values of points."""
-        words = [int(i) for i in ids]
-        return self._ask(_second_words, "FGET", set_name(name), field_name(field), *words)
+        return self._ask(_second_words, "FGET", set_name(name), field_name(field), *each(ids, whole))
 
     def field(self, name: str, field: str) -> Tuple[Uint32s, Floats]:
         """The values of all points, of one state of the set: the ids, ascending, and the values, NaN where one is missing."""
@@ -113,8 +116,8 @@ class Commands(ConstraintCommands):
     def set_field(self, name: str, field: str, values: Any, first: int = 0) -> None:
         """Sets the values of the ids first, first + 1, ..., all or none. NaN takes a value away. The field is created if need
         be."""
-        data, n = protocol.column(values)
-        return self._ask(lambda _: None, "FSETB", set_name(name), field_name(field), int(first), n, body=data)
+        data, n = column(values)
+        return self._ask(lambda _: None, "FSETB", set_name(name), field_name(field), whole(first), n, body=data)
 
     # ---- the triangulation ----
 
@@ -123,29 +126,27 @@ class Commands(ConstraintCommands):
     ) -> Dict[str, Value]:
         """Triangulates a set; the triangulation then follows every edit. Returns the counts of points, coincident points, triangles,
         edges and hull points, and ms, the time taken. `method` is auto, divide or shelling; the result is the same."""
-        words = ("METHOD", method) if method is not None else ()
-        return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
+        return self._ask(protocol.values, "TRIANGULATE", set_name(name), *option("METHOD", method, word), progress=progress)
 
     def triangles(self, name: str, within: Optional[Sequence[float]] = None, inside: Inside = None) -> Uint32s:
         """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3). `within`: those that meet the closed
         box (x0, y0, x1, y1). `inside`: those inside a border."""
-        return self._ask_ids(3, "TRIANGLES", set_name(name), *_box("WITHIN", within), *option("INSIDE", inside), "BINARY")
+        return self._ask_ids(3, "TRIANGLES", set_name(name), *option("WITHIN", within, box_of), *inside_of(inside), "BINARY")
 
     def edges(self, name: str, constrained: bool = False, inside: Inside = None) -> Uint32s:
         """Every edge a, b, with a < b, sorted: ids with shape (n, 2). `constrained`: those that are parts of constraints; `inside`: those
         with a border's inside on a side."""
-        words = (*option("CONSTRAINED", constrained), *option("INSIDE", inside))
-        return self._ask_ids(2, "EDGES", set_name(name), *words, "BINARY")
+        return self._ask_ids(2, "EDGES", set_name(name), *flag("CONSTRAINED", constrained), *inside_of(inside), "BINARY")
 
     def lists(self, name: str, within: Optional[Sequence[float]] = None) -> Dict[int, Uint32s]:
         """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order. `within`: those of
         the points in the closed box (x0, y0, x1, y1)."""
-        words = _box("WITHIN", within)
-        return self._ask(lambda reply: protocol.rings(reply.data), "LISTS", set_name(name), *words, "BINARY")
+        words = ("LISTS", set_name(name), *option("WITHIN", within, box_of), "BINARY")
+        return self._ask(lambda reply: protocol.rings(reply.data), *words)
 
     def neighbors(self, name: str, id: int) -> List[int]:
         """The neighbours of one point, counterclockwise."""
-        return self._ask(lambda reply: [int(i) for i in reply.rows[0].split()[1:]], "LISTS", set_name(name), int(id))
+        return self._ask(lambda reply: [int(i) for i in reply.rows[0].split()[1:]], "LISTS", set_name(name), whole(id))
 
     def hull(self, name: str) -> List[int]:
         """The points of the convex hull, counterclockwise."""
@@ -155,36 +156,36 @@ class Commands(ConstraintCommands):
 
     def locate(self, name: str, x: float, y: float) -> Located:
         """The triangle, edge or point at a place."""
-        return self._ask(protocol.located, "LOCATE", set_name(name), float(x), float(y))
+        return self._ask(protocol.located, "LOCATE", set_name(name), real(x), real(y))
 
     def locate_all(self, name: str, places: Iterable[Sequence[float]]) -> List[Located]:
         """The same for many places at once."""
         set_name(name)
-        requests = [protocol.request("LOCATE", name, float(x), float(y)) for x, y in places]
+        requests = [protocol.request("LOCATE", name, real(x), real(y)) for x, y in places]
         found: List[Located] = self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
         return found
 
     def locate_triangles(self, name: str, places: Any) -> Uint32s:
         """The triangle of each place of shape (n, 2): ids with shape (n, 3), as in triangles(). Of several that meet at a place, the
         first of triangles(); outside three times 4294967295."""
-        data, n = protocol.pairs(places)
+        data, n = pairs(places)
         return self._ask_ids(3, "LOCATEB", set_name(name), n, body=data)
 
     def nearest_all(self, name: str, places: Any, k: int = 1) -> Uint32s:
         """The k points nearest to each place of shape (n, 2), nearest first: ids with shape (n, k), 4294967295 where there are
         too few points."""
-        data, n = protocol.pairs(places)
-        return self._ask_ids(k, "NEARESTB", set_name(name), n, int(k), body=data)
+        data, n = pairs(places)
+        return self._ask_ids(k, "NEARESTB", set_name(name), n, whole(k), body=data)
 
     def nearest(self, name: str, x: float, y: float, k: int = 1) -> List[Neighbour]:
         """The k points nearest to a place, nearest first."""
-        return self._ask(protocol.neighbours, "NEAREST", set_name(name), float(x), float(y), int(k))
+        return self._ask(protocol.neighbours, "NEAREST", set_name(name), real(x), real(y), whole(k))
 
     # ---- surfaces ----
 
     def weights(self, name: str, x: float, y: float, method: str = "linear") -> Dict[int, float]:
         """The weights of the values at points around a place; `method` is linear, natural or laplace."""
-        return self._ask(_weights, "WEIGHTS", set_name(name), float(x), float(y), "METHOD", method)
+        return self._ask(_weights, "WEIGHTS", set_name(name), real(x), real(y), "METHOD", word(method))
 
     def interpolate(
         self,
@@ -201,8 +202,8 @@ class Commands(ConstraintCommands):
         nearest or smooth. None in triangles with an edge longer than max_edge, and outside the border of `inside`. Outside the hull
         there are none, or with `outside` nearest those at the nearest place of the hull. With `missing` skip, as if points without a
         value had been deleted. Of several fields, a list, one search finds the values: shape (n, fields)."""
-        data, n = protocol.pairs(places)
-        words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), _names(field), n)
+        data, n = pairs(places)
+        words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), ",".join(field_names(field)), n)
         return self._ask(_numbers(*_count(field)), *words, *_method(method, max_edge, inside, outside, missing), body=data)
 
     def gradient(
@@ -216,8 +217,8 @@ class Commands(ConstraintCommands):
     ) -> Floats:
         """By how much a field grows at places of shape (n, 2), for a unit of x and of y: shape (n, 2), of several fields (n, fields,
         2); NaN where there is no surface. missing: as of interpolate()."""
-        data, n = protocol.pairs(places)
-        words: Tuple[Word, ...] = ("GRADIENTB", set_name(name), _names(field), n)
+        data, n = pairs(places)
+        words: Tuple[Word, ...] = ("GRADIENTB", set_name(name), ",".join(field_names(field)), n)
         return self._ask(_numbers(*_count(field), 2), *words, *_surface(max_edge, inside, missing), body=data)
 
     def raster(
@@ -238,12 +239,9 @@ class Commands(ConstraintCommands):
         """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), of several fields (rows, columns,
         fields), the northernmost row first; else as interpolate(). clip: the name of a set, inside whose borders alone there are values. With the
         quantity "slope" or "aspect", the slope or the direction downhill there, in degrees."""
-        x0, y0, x1, y1 = map(float, box)
-        words: Tuple[Word, ...] = ("RASTER", set_name(name), _names(field), x0, y0, x1, y1, int(columns), int(rows))
-        words += _method(method, max_edge, inside, outside, missing)
-        if clip is not None:
-            words += ("CLIP", set_name(clip))
-        return self._ask(_numbers(int(columns), *_count(field)), *words, *option("AS", quantity), "BINARY")
+        words: Tuple[Word, ...] = ("RASTER", set_name(name), ",".join(field_names(field)), *box_of(box), whole(columns), whole(rows))
+        words += _method(method, max_edge, inside, outside, missing) + option("CLIP", clip, set_name) + option("AS", quantity, word)
+        return self._ask(_numbers(whole(columns), *_count(field)), *words, "BINARY")
 
     def contours(
         self,
@@ -287,8 +285,7 @@ class Commands(ConstraintCommands):
     ) -> Floats:
         """The surface of a field along straight pieces between places of shape (n, 2): rows `distance, x, y, value` of shape
         (rows, 4), for the places and for every edge and corner of the triangulation between them."""
-        data, _ = protocol.pairs(places)
-        words: Tuple[Word, ...] = ("PROFILE", set_name(name), field_name(field), *map(float, protocol.doubles(bytes(data))))
+        words: Tuple[Word, ...] = ("PROFILE", set_name(name), field_name(field), *numbers_of(pairs(places)[0]))
         return self._ask(_numbers(4), *words, *_surface(max_edge, inside, missing), "BINARY")
 
     def volume(
@@ -304,13 +301,8 @@ class Commands(ConstraintCommands):
         """The volumes `above` and `below` between the surface of a field and a level, 0 unless given, or the surface of another
         field, `minus`; and the `area` of the triangles whose corners have values. Only what is inside borders, and in a box (x0, y0,
         x1, y1)."""
-        words: Tuple[Word, ...] = ("VOLUME", set_name(name), field_name(field))
-        if level is not None:
-            words += ("LEVEL", float(level))
-        if minus is not None:
-            words += ("MINUS", field_name(minus))
-        words += option("INSIDE", inside) + option("MISSING", missing)
-        return self._ask(protocol.numbers, *words, *_box("BOX", box))
+        words: Tuple[Word, ...] = ("VOLUME", set_name(name), field_name(field), *option("LEVEL", level, real), *option("MINUS", minus, field_name))
+        return self._ask(protocol.numbers, *words, *inside_of(inside), *option("MISSING", missing, word), *option("BOX", box, box_of))
 
     def simplify(
         self, name: str, field: str, error: float, into: str, points: Optional[int] = None, ids: Optional[str] = None
@@ -318,26 +310,22 @@ class Commands(ConstraintCommands):
         """Makes the new set `into` of few points of the set, at most `points`: the linear surface of the field through them is within
         the error of every point. The field `ids` of the new set gets their ids in the set. Returns `points`, `constraints`
         and the `error` of the worst point."""
-        words: Tuple[Word, ...] = ("SIMPLIFY", set_name(name), field_name(field), "ERROR", float(error))
-        if points is not None:
-            words += ("POINTS", int(points))
-        if ids is not None:
-            words += ("IDS", field_name(ids))
+        words: Tuple[Word, ...] = ("SIMPLIFY", set_name(name), field_name(field), "ERROR", real(error))
+        words += option("POINTS", points, whole) + option("IDS", ids, field_name)
         return self._ask(protocol.simplified, *words, "INTO", set_name(into))
 
     def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""
-        which = [int(i) for i in ids]
-        return self._ask(protocol.cells, "VORONOI", set_name(name), *which, *_box("BOX", box), "BINARY")
+        return self._ask(protocol.cells, "VORONOI", set_name(name), *each(ids, whole), *option("BOX", box, box_of), "BINARY")
 
     def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Uint32s, Floats]:
         """The areas of the cells of voronoi(): the ids, and the areas."""
-        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *_box("BOX", box), "BINARY")
+        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *option("BOX", box, box_of), "BINARY")
 
     def alpha(self, name: str, radius: float) -> List[Loop]:
         """The boundary of the alpha shape: of the union of the triangles whose circumradius is at most the radius."""
-        return self._ask(protocol.loops, "ALPHA", set_name(name), float(radius))
+        return self._ask(protocol.loops, "ALPHA", set_name(name), real(radius))
 
     def alpha_auto(self, name: str) -> Tuple[float, List[Loop]]:
         """The least radius that gives one piece with all points, and the boundary of its alpha shape."""
@@ -345,11 +333,7 @@ class Commands(ConstraintCommands):
 
     def within(self, name: str, *where: float) -> List[int]:
         """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""
-        return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
-
-
-def _names(field: Fields) -> str:
-    return field_name(field) if isinstance(field, str) else ",".join(map(field_name, field))
+        return self._ask(protocol.first_words, "WITHIN", set_name(name), *each(where, real))
 
 
 def _count(field: Fields) -> Tuple[int, ...]:
@@ -368,34 +352,23 @@ def _numbers(*shape: int) -> Callable[[Reply], Floats]:
 
 
 def _surface(max_edge: Optional[float], inside: Inside, missing: Optional[str]) -> Tuple[Word, ...]:
-    return _max_edge(max_edge) + option("INSIDE", inside) + option("MISSING", missing)
+    return option("MAXEDGE", max_edge, real) + inside_of(inside) + option("MISSING", missing, word)
 
 
 def _method(
     method: str, max_edge: Optional[float], inside: Inside, outside: Optional[str], missing: Optional[str]
 ) -> Tuple[Word, ...]:
-    return ("METHOD", method, *_surface(max_edge, inside, missing), *option("OUTSIDE", outside))
+    return ("METHOD", word(method), *_surface(max_edge, inside, missing), *option("OUTSIDE", outside, word))
 
 
 def _levels(levels: Optional[Iterable[float]], every: Optional[float], base: float) -> Tuple[Word, ...]:
     if (levels is None) == (every is None):
         raise ValueError("either levels or every")
-    if levels is not None:
-        return tuple(float(level) for level in levels)
-    return ("EVERY", float(every or 0), "BASE", float(base))
-
-
-def _max_edge(max_edge: Optional[float]) -> Tuple[Word, ...]:
-    if max_edge is None:
-        return ()
-    return ("MAXEDGE", float(max_edge))
-
-
-def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
-    if box is None:
-        return ()
-    x0, y0, x1, y1 = map(float, box)
-    return (word, x0, y0, x1, y1)
+    if levels is None:
+        return ("EVERY", real(every), "BASE", real(base))
+    if base != 0:
+        raise ValueError("a base needs every")
+    return tuple(each(levels, real))
 
 
 def _points_table(fields: int) -> Callable[[Reply], Any]:

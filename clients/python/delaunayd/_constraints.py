@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
-from ._protocol import Reply, Value, Word, field_name, option, set_name
+from ._protocol import Reply, Value, field_name, set_name
 from ._table import Table
-
-Inside = Union[None, bool, int]
+from ._values import Inside, Word, column, each, flag, id_pairs, inside as inside_of, numbers_of, option, pairs, real, truth, whole
 
 _PLACES_A_LINE = 500  # 2 words of up to 25 bytes each; a line may have 65536 bytes
 
@@ -62,8 +61,8 @@ class ConstraintCommands(Table):
         """Declares constraints between pairs of ids, shape (n, 2), all or none. Returns how many are new, `added`. With `split`,
         those that cross get points in common, and the result is `first`, `added` (points), `split` and `deviation`. Refused with the
         code CROSSES if two cross where no point is."""
-        data, n = protocol.id_pairs(ends)
-        words = (*_which(border, number), *option("SPLIT", split), n)
+        data, n = id_pairs(ends)
+        words = (*_which(border, number), *flag("SPLIT", split), n)
         return self._ask(protocol.values, "CONSTRAINB", set_name(name), *words, body=data)
 
     def constrain_path(
@@ -76,19 +75,21 @@ class ConstraintCommands(Table):
         split: bool = False,
     ) -> Dict[str, Value]:
         """The same for the segments along a path of ids; `closed`: also from its last one to its first."""
-        way = [int(i) for i in ids]
+        way, closed = each(ids, whole), truth("closed", closed)
         if len(way) < 2 + closed:
             raise ValueError("a path has at least two points, a closed one three")
         return self.constrain(name, list(zip(way, way[1:] + way[:closed])), border, number, split)
 
     def release(self, name: str, ends: Any, border: bool = False, number: int = 0) -> int:
         """Releases constraints, given as for constrain(), all or none; returns how many."""
-        data, n = protocol.id_pairs(ends)
+        data, n = id_pairs(ends)
         return self._ask(_released, "RELEASEB", set_name(name), *_which(border, number), n, body=data)
 
     def release_all(self, name: str, number: Optional[int] = None, border: bool = False) -> int:
         """Releases all constraints, or all lines, or borders, of a number; returns how many."""
-        words = ("ALL",) if number is None else option("BORDER", border) + _of(number)
+        if truth("border", border) and number is None:
+            raise ValueError("border needs a number; without both, all constraints are released")
+        words = ("ALL",) if number is None else (*flag("BORDER", border), "OF", whole(number))
         return self._ask(_released, "RELEASE", set_name(name), *words)
 
     def refine(
@@ -105,18 +106,13 @@ class ConstraintCommands(Table):
         area above `area`, or an edge longer than `length`; in a set without borders the hull becomes one. `keep`: constraints
         are not divided; `limit`: points that may be added, 16 for each one by default. Returns `first`, `added`, `split`, the least
         `angle`, how many triangles are `unrefined`, and how many edges of the `hull` became border 0."""
-        words: Tuple[Word, ...] = ()
-        for word, value in (("ANGLE", angle), ("AREA", area), ("LENGTH", length)):
-            if value is not None:
-                words += (word, float(value))
-        if limit is not None:
-            words += ("LIMIT", int(limit))
-        return self._ask(protocol.values, "REFINE", set_name(name), *words, *option("INSIDE", inside), *option("KEEP", bool(keep)))
+        words: Tuple[Word, ...] = option("ANGLE", angle, real) + option("AREA", area, real) + option("LENGTH", length, real)
+        words += option("LIMIT", limit, whole) + inside_of(inside) + flag("KEEP", keep)
+        return self._ask(protocol.values, "REFINE", set_name(name), *words)
 
     def constraints(self, name: str, ids: Iterable[int] = (), number: Optional[int] = None) -> Constraints:
         """All constraints, those that end at one of some ids, or those of a number."""
-        which = [int(i) for i in ids]
-        of = () if number is None else _of(number)
+        which, of = each(ids, whole), option("OF", number, whole)
         if which and of:
             raise ValueError("either ids or a number")
         return self._ask(_constraints, "CONSTRAINTS", set_name(name), *which, *of, "BINARY")
@@ -127,15 +123,13 @@ class ConstraintCommands(Table):
 
     def quality(self, name: str, inside: Inside = None) -> Quality:
         """The angles of the triangles: of all, of those inside any border, or inside that of a number."""
-        return self._ask(_quality, "QUALITY", set_name(name), *option("INSIDE", inside))
+        return self._ask(_quality, "QUALITY", set_name(name), *inside_of(inside))
 
     def regions_at(self, name: str, places: Any) -> List[Tuple[int, ...]]:
         """The numbers of the borders that contain each place of shape (n, 2), ascending; a place on the edge of a region belongs to it."""
-        data, n = protocol.pairs(places)
-        flat = protocol.double_words(data)
+        flat, step = numbers_of(pairs(places)[0]), 2 * _PLACES_A_LINE
         set_name(name)
-        step = 2 * _PLACES_A_LINE
-        requests = [protocol.request("REGIONS", name, "AT", *flat[at : at + step]) for at in range(0, 2 * n, step)]
+        requests = [protocol.request("REGIONS", name, "AT", *flat[at : at + step]) for at in range(0, len(flat), step)]
         found: List[Tuple[int, ...]] = self._run(requests, _regions_of_places)
         return found
 
@@ -155,19 +149,14 @@ class ConstraintCommands(Table):
         each point."""
         names = [field_name(field) for field in fields or ()]
         lines = _lines(list(paths), list((fields or {}).values()))
-        words: Tuple[Word, ...] = ("LOAD", set_name(name), len(lines), "PATHS", *_which(border, number), *option("SPLIT", split))
+        words: Tuple[Word, ...] = ("LOAD", set_name(name), len(lines), "PATHS", *_which(border, number), *flag("SPLIT", split))
         if names:
             words += ("FIELDS", ",".join(names))
         return self._ask(protocol.values, *words, body="".join(lines).encode())
 
 
 def _which(border: bool, number: int) -> Tuple[Word, ...]:
-    words = option("BORDER", bool(border))
-    return words if number == 0 else words + _of(number)
-
-
-def _of(number: int) -> Tuple[Word, ...]:
-    return ("OF", int(number))
+    return (*flag("BORDER", border), "OF", whole(number))
 
 
 def _released(reply: Reply) -> int:
@@ -201,14 +190,14 @@ def _regions_of_places(replies: Sequence[Reply]) -> List[Tuple[int, ...]]:
 
 def _lines(paths: Sequence[Any], columns: Sequence[Sequence[Any]]) -> List[str]:
     """The lines of LOAD PATHS."""
-    for column in columns:
-        if len(column) != len(paths):
-            raise ValueError("values of %d paths for %d" % (len(column), len(paths)))
+    for of in columns:
+        if len(of) != len(paths):
+            raise ValueError("values of %d paths for %d" % (len(of), len(paths)))
     lines = []
     for i, path in enumerate(paths):
         lines.append(">\n")
-        flat = protocol.double_words(protocol.pairs(path)[0])
-        values = [protocol.double_words(protocol.column(column[i])[0]) for column in columns]
+        flat = numbers_of(pairs(path)[0])
+        values = [numbers_of(column(of[i])[0]) for of in columns]
         for those in values:
             if 2 * len(those) != len(flat):
                 raise ValueError("%d values for %d points of path %d" % (len(those), len(flat) // 2, i))

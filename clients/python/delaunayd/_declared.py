@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Sequence, Tuple
 
 import numpy as np
 
+from ._values import doubles
+
 if TYPE_CHECKING:
     from ._types import ArrayLike, Floats, Ints, NDArray
     from .geometries import Graph
@@ -44,7 +46,7 @@ def checked_points(points: Any) -> Floats:
     """A copy of points of shape (n, 2), contiguous."""
     if isinstance(points, np.ma.MaskedArray):
         raise ValueError("Input points cannot be a masked array")
-    checked: Floats = np.array(points, dtype=np.float64, order="C")  # its own: tables are computed later
+    checked: Floats = np.array(doubles(points))  # its own: tables are computed later
     if checked.ndim != 2 or checked.shape[1] != 2:
         raise ValueError("points must have the shape (n, 2): delaunayd knows the plane alone")
     if len(checked) == 0:
@@ -68,7 +70,7 @@ def checked_segments(segments: ArrayLike) -> Ints:
 
 def checked_heights(z: ArrayLike, n: int) -> Floats:
     """Heights of n points, contiguous."""
-    heights: Floats = np.array(z, dtype=np.float64, order="C")
+    heights: Floats = np.array(doubles(z))
     if heights.shape != (n,):
         raise ValueError("z must have the shape (n,): one height for each point")
     if np.isinf(heights).any():

@@ -7,7 +7,8 @@ from collections import deque
 from typing import Any, Callable, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
 from . import _address, _protocol as protocol
-from ._protocol import ConnectionLost, Refused, Request
+from ._protocol import ConnectionLost, Refused, Request, field_names, set_name
+from ._values import box, option, seconds
 
 Triangle = Tuple[int, int, int]
 RingOf = Callable[[int], Optional[bytes]]
@@ -104,11 +105,11 @@ class Mirror:
         within: Optional[Sequence[float]] = None,
         timeout: Optional[float] = None,
     ):
-        self.name = protocol.set_name(name)
-        self.fields = [protocol.field_name(field) for field in fields]
-        self.within = None if within is None else tuple(map(float, within))
+        self.name = set_name(name)
+        self.fields = field_names(fields)
+        self.within = None if within is None else tuple(box(within))
         self._address = url if isinstance(url, _address.Address) else _address.parse(url)
-        self._timeout = timeout
+        self._timeout = seconds(timeout)
         self._closed = False
         self._pause = 0.0  # before the next attempt to connect
         self.version = 0
@@ -218,11 +219,7 @@ class Mirror:
 
     def _request(self) -> bytes:
         """What a new connection sends."""
-        words: List[Any] = ["WATCH", self.name]
-        if self._whole:
-            words += ["SINCE", self.version]
-        if self.within is not None:
-            words += ["WITHIN", *self.within]
+        words: List[Any] = ["WATCH", self.name, *(["SINCE", self.version] if self._whole else []), *option("WITHIN", self.within, box)]
         if self.fields:
             words += ["FIELDS", ",".join(self.fields)]
         words.append("CONSTRAINTS")

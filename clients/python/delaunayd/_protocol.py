@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 import struct
-import sys
 from array import array
-from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, TypeVar, Union
+from numbers import Integral
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
+
+from ._values import Word, little, real, whole
 
 try:
     import numpy
@@ -17,15 +19,14 @@ if TYPE_CHECKING:
     from ._types import Floats, Numbers, Uint32s
 
 Progress = Callable[[str], None]
-Word = Union[str, int, float]
 Value = Union[bool, int, float, str]
 _T = TypeVar("_T")
 
-LINE = -1  # what read_reply asks for: a line
 _SET_NAME = re.compile(r"[A-Za-z0-9_.:-]{1,64}\Z")
 _ROW = re.compile(r"ERR [A-Z]+ (?:point|place|value) ([0-9]+): ")
+LINE = -1  # what read_reply asks for: a line
 _INTEGER = re.compile(r"-?[0-9]+\Z")
-_FLOAT = re.compile(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?\Z")
+_FLOAT = re.compile(r"-?([0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?|inf|nan)\Z")
 
 
 class Refused(Exception):
@@ -134,7 +135,9 @@ class Located(NamedTuple):
 
 
 def _text(word: Word) -> str:
-    return repr(float(word)) if isinstance(word, float) else str(word)
+    if isinstance(word, str):
+        return word
+    return str(whole(word)) if isinstance(word, Integral) else repr(real(word))
 
 
 def request(*words: Word, body: Any = b"") -> Request:
@@ -157,6 +160,11 @@ def field_name(name: str) -> str:
     if not _SET_NAME.match(name) or name[0] in "0123456789.:-":
         raise Refused("ERR SYNTAX a field's name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -")
     return name
+
+
+def field_names(fields: Union[str, Iterable[str]]) -> List[str]:
+    """The name of one field, or those of several."""
+    return [field_name(fields)] if isinstance(fields, str) else [field_name(field) for field in fields]
 
 
 def read_reply(progress: Optional[Progress] = None) -> Generator[int, bytes, Reply]:
@@ -190,18 +198,20 @@ def decode_line(line: bytes) -> str:
     return line.rstrip(b"\r\n").decode()
 
 
-# ---- words of requests ----
+class Asking:
+    """How a method of a client asks: with requests to send, and a function that reads their replies."""
 
+    def _run(
+        self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
+    ) -> Any:
+        """Sends the requests and returns read(list of replies). Raises the first Refused."""
+        raise NotImplementedError
 
-def option(keyword: Optional[str], value: Any) -> Tuple[Word, ...]:
-    """The words of what may be left out: None or False: none; True: the keyword alone; else the keyword, if there is one, and the
-    values."""
-    before = () if keyword is None else (keyword,)
-    if value is None or value is False:
-        return ()
-    if value is True:
-        return before
-    return before + (tuple(map(float, value)) if hasattr(value, "__iter__") and not isinstance(value, str) else (value,))
+    def _ask(
+        self, read: Callable[[Reply], _T], *words: Word, body: Any = b"", progress: Optional[Progress] = None
+    ) -> _T:
+        answer: _T = self._run([request(*words, body=body)], lambda replies: read(replies[0]), progress)
+        return answer
 
 
 # ---- results ----
@@ -259,25 +269,18 @@ def values(reply: Reply) -> Dict[str, Value]:
     return {key: value(text) for key, text in reply.keys.items()}
 
 
-def _little(numbers: array[Any]) -> array[Any]:
-    """Numbers whose bytes become little-endian, or those of this machine again."""
-    if sys.byteorder == "big":
-        numbers.byteswap()
-    return numbers
-
-
 def uint32s(data: bytes, width: int) -> Any:
     """Little-endian words as rows of `width`: an array of shape (n, width), or a flat array.array without NumPy."""
     if numpy is not None:
         return numpy.frombuffer(data, dtype="<u4").reshape(-1, width)
-    return _little(array("I", bytes(data)))
+    return little(array("I", bytes(data)))
 
 
 def doubles(data: bytes, *shape: int) -> Any:
     """Little-endian doubles: an array of the shape (n, *shape), or a flat array.array without NumPy."""
     if numpy is not None:
         return numpy.frombuffer(data, dtype="<f8").reshape(-1, *shape)
-    return _little(array("d", bytes(data)))
+    return little(array("d", bytes(data)))
 
 
 def flat(table: Any) -> Any:
@@ -285,44 +288,10 @@ def flat(table: Any) -> Any:
     return table.reshape(-1) if numpy is not None else table
 
 
-def column(values: Any) -> Tuple[memoryview, int]:
-    """Numbers as little-endian doubles, and how many."""
-    if numpy is not None:
-        a: Any = numpy.ascontiguousarray(values, dtype="<f8")
-        if a.ndim != 1:
-            raise ValueError("values must have the shape (n,)")
-        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
-    flat = _little(array("d", values))
-    return memoryview(flat).cast("B"), len(flat)
-
-
-def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview, int]:
-    """Rows x, y and a value of each field, as little-endian doubles, and how many rows."""
-    data, n = pairs(points)
-    columns = [column(values) for values in fields.values()]
-    for name, (_, many) in zip(fields, columns):
-        if many != n:
-            raise ValueError("%d values of %s for %d points" % (many, name, n))
-    if n == 0:
-        return memoryview(b""), 0
-    width = 2 + len(columns)
-    if numpy is not None:
-        table: Any = numpy.empty((n, width), dtype="<f8")
-        table[:, :2] = numpy.frombuffer(data, dtype="<f8").reshape(-1, 2)
-        for k, (values, _) in enumerate(columns):
-            table[:, 2 + k] = numpy.frombuffer(values, dtype="<f8")
-        return memoryview(table).cast("B"), n
-    flat = array("d", bytes(8 * n * width))
-    flat[0::width], flat[1::width] = array("d", bytes(data))[0::2], array("d", bytes(data))[1::2]
-    for k, (values, _) in enumerate(columns):
-        flat[2 + k :: width] = array("d", bytes(values))
-    return memoryview(flat).cast("B"), n
-
-
 def _cell_rows(data: bytes) -> List[int]:
     """Where the rows of VORONOI BINARY begin, in units of 8 bytes: id, k, then k times x, y."""
     rows: List[int] = []
-    at, words = 0, _little(array("I", bytes(data)))
+    at, words = 0, little(array("I", bytes(data)))
     end, append = len(words), rows.append
     while at < end:
         append(at >> 1)
@@ -391,65 +360,6 @@ def _line(words: List[str]) -> Any:
     return array("d", map(float, words))
 
 
-def pairs(points: Any) -> Tuple[memoryview, int]:
-    """Points as little-endian doubles x, y, and their number."""
-    if numpy is not None:
-        a: Any = numpy.ascontiguousarray(points, dtype="<f8")
-        if a.size == 0:
-            a = a.reshape(0, 2)
-        elif a.ndim == 1 and isinstance(points, array) and a.size % 2 == 0:
-            a = a.reshape(-1, 2)
-        if a.ndim != 2 or a.shape[1] != 2:
-            raise ValueError("points must have the shape (n, 2)")
-        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
-    if isinstance(points, array) and points.typecode == "d":
-        flat = array("d", points)
-    else:
-        flat = array("d")
-        for x, y in points:
-            flat.append(x)
-            flat.append(y)
-    if len(flat) % 2 != 0:
-        raise ValueError("odd number of coordinates")
-    return memoryview(_little(flat)).cast("B"), len(flat) // 2
-
-
-def double_words(data: Any) -> List[float]:
-    """Little-endian doubles as numbers of Python."""
-    numbers: List[float] = _little(array("d", bytes(data))).tolist()
-    return numbers
-
-
-def id_pairs(ends: Any) -> Tuple[memoryview, int]:
-    """Pairs of ids as little-endian words, and their number."""
-    if numpy is not None:
-        a: Any = numpy.asarray(ends)
-        if a.size == 0:
-            a = a.reshape(0, 2).astype("<u4")
-        elif a.ndim == 1 and isinstance(ends, array) and a.size % 2 == 0:
-            a = a.reshape(-1, 2)
-        if a.ndim != 2 or a.shape[1] != 2 or a.dtype.kind not in "iu":
-            raise ValueError("ends must have the shape (n, 2) and be ids")
-        if a.size > 0 and not (a.min() >= 0 and a.max() < 2**32):
-            raise ValueError("an id is a number from 0 to 2^32 - 1")
-        a = numpy.ascontiguousarray(a, dtype="<u4")
-        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
-    flat = array("I", ends if isinstance(ends, array) else [int(i) for pair in ends for i in pair])
-    if len(flat) % 2 != 0:
-        raise ValueError("ends must be pairs of ids")
-    return memoryview(_little(flat)).cast("B"), len(flat) // 2
-
-
-def check_rows(data: memoryview, width: int) -> None:
-    """Raises ValueError where the server would refuse a number of rows x, y, value ...: for requests that change something before."""
-    for i, v in enumerate(double_words(data)):
-        row, column = divmod(i, width)
-        if column < 2 and not (v == 0 or 2.0**-142 <= abs(v) <= 2.0**201):
-            raise ValueError("points[%d]: a coordinate is 0 or has a magnitude from 2^-142 to 2^201, not %r" % (row, v))
-        if abs(v) == float("inf"):
-            raise ValueError("a value of points[%d] is infinite" % row)
-
-
 def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:
     """The rows of POINTS BINARY: ids, coordinates with shape (n, 2), and values with shape (n, fields)."""
     width = 20 + 8 * fields
@@ -461,7 +371,7 @@ def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:
         ids.frombytes(data[at : at + 4])
         xy.frombytes(data[at + 4 : at + 20])
         found.frombytes(data[at + 20 : at + width])
-    return _little(ids), _little(xy), _little(found)
+    return little(ids), little(xy), little(found)
 
 
 def areas(data: bytes) -> Tuple[Any, Any]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from . import _protocol as protocol
-from ._asking import Asking
-from ._protocol import Value, field_name, option, set_name
+from ._protocol import Asking, Value, field_name, set_name
+from ._values import each, flag, option, real, whole, word
 
 # Requests that change nothing, so that they can be sent again.
 READS = frozenset(
@@ -24,7 +24,7 @@ class Table(Asking):
 
     def create(self, name: str, tolerance: Optional[float] = None, temporary: bool = False) -> None:
         """A new, empty set with coincidence tolerance t, for good or as long as the connection."""
-        return self._ask(protocol.nothing, "CREATE", set_name(name), *option("TOL", tolerance), *option("TEMPORARY", temporary))
+        return self._ask(protocol.nothing, "CREATE", set_name(name), *option("TOL", tolerance, real), *flag("TEMPORARY", temporary))
 
     def drop(self, name: str) -> None:
         """Deletes a set."""
@@ -32,7 +32,7 @@ class Table(Asking):
 
     def expire(self, name: str, seconds: float) -> None:
         """Drops the set after this number of seconds."""
-        return self._ask(protocol.nothing, "EXPIRE", set_name(name), float(seconds))
+        return self._ask(protocol.nothing, "EXPIRE", set_name(name), real(seconds))
 
     def ttl(self, name: str) -> Optional[float]:
         """In how many seconds a set is dropped. Returns `ttl`."""
@@ -52,7 +52,7 @@ class Table(Asking):
 
     def delete(self, name: str, ids: Iterable[int], cascade: bool = False) -> int:
         """Deletes points; with CASCADE also the constraints that end there. Returns `deleted`."""
-        return self._ask(protocol.fact("deleted", int), "DEL", set_name(name), *map(int, ids), *option("CASCADE", cascade))
+        return self._ask(protocol.fact("deleted", int), "DEL", set_name(name), *each(ids, whole), *flag("CASCADE", cascade))
 
     def drop_field(self, name: str, field: str) -> None:
         """Deletes a field."""
@@ -72,8 +72,8 @@ class Table(Asking):
 
     def backup(self, name: str) -> Dict[str, Value]:
         """Writes a copy of the data directory, while it is in use, below --backup-dir."""
-        return self._ask(protocol.values, "BACKUP", name)
+        return self._ask(protocol.values, "BACKUP", word(name))
 
     def wait(self, followers: int, seconds: float) -> int:
         """Waits until so many followers have the changes of this connection on disk. Returns `followers`."""
-        return self._ask(protocol.fact("followers", int), "WAIT", int(followers), float(seconds))
+        return self._ask(protocol.fact("followers", int), "WAIT", whole(followers), real(seconds))

@@ -19,6 +19,7 @@ from . import _address, _protocol as protocol
 from ._aio_mirror import Mirror
 from ._commands import Commands
 from ._protocol import LINE, ConnectionLost, Progress, Refused, Reply, Request
+from ._values import seconds
 
 __all__ = ["Client", "Mirror"]
 
@@ -34,7 +35,7 @@ class Client(Commands):
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
         self._where = _address.describe(self._address, None)
-        self._timeout = timeout
+        self._timeout = seconds(timeout)
         self._lock: Optional[asyncio.Lock] = None
         self._reader: Optional[asyncio.StreamReader] = None
         self._writer: Optional[asyncio.StreamWriter] = None

@@ -11,8 +11,9 @@ from typing import Any, Callable, Generator, Iterable, List, Optional, Sequence,
 
 from . import _address, _protocol as protocol
 from ._commands import Commands
-from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refused, Reply, Request, Word
+from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refused, Reply, Request
 from ._table import READS
+from ._values import Word, seconds
 from .mirror import Change, Mirror
 
 __all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
@@ -105,7 +106,7 @@ class Client(Commands):
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
         self._where = _address.describe(self._address, None)
-        self._timeout = timeout
+        self._timeout = seconds(timeout)
         self._lock = threading.RLock()
         self._connection: Optional[_Connection] = None
         self._closed = False

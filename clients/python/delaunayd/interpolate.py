@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 
 from ._library import LAPLACE, LINEAR, NATURAL, SMOOTH
+from ._values import doubles, real
 from .spatial import Delaunay
 
 if TYPE_CHECKING:
@@ -33,11 +34,11 @@ def _places(args: Tuple[Any, ...]) -> Floats:
     if len(args) == 1 and isinstance(args[0], tuple):
         args = args[0]
     if len(args) == 1:
-        places = np.asarray(args[0], dtype=np.float64)
+        places: Floats = doubles(args[0])
         if places.ndim == 1:
             places = places.reshape(-1, 2)  # as for SciPy
     elif len(args) == 2:
-        x, y = np.broadcast_arrays(np.asarray(args[0], dtype=np.float64), np.asarray(args[1], dtype=np.float64))
+        x, y = np.broadcast_arrays(doubles(args[0]), doubles(args[1]))
         places = np.stack([x, y], axis=-1)
     else:
         raise ValueError("places have two coordinates")
@@ -64,7 +65,7 @@ class _Scale:
         self.points = points
         self.offset: Any = None
         if rescale:
-            flat = np.asarray(points, dtype=np.float64)
+            flat = doubles(points)
             self.offset = flat.mean(axis=0)
             self.width = np.ptp(flat, axis=0)
             self.width[self.width == 0] = 1.0
@@ -86,12 +87,11 @@ class _Values:
     """Values of shape (n, ...) as columns: each is contiguous in memory, and `shaped` is another view of the same numbers."""
 
     def __init__(self, values: ArrayLike, points: int):
-        given = np.asarray(values)
+        self.is_complex = np.iscomplexobj(values)
+        given = np.asarray(values, dtype=np.complex128) if self.is_complex else doubles(values)
         if given.ndim == 0 or len(given) != points:
             raise ValueError("different number of values and points")
-        self.is_complex = np.issubdtype(given.dtype, np.complexfloating)
-        last = np.moveaxis(given, 0, -1)
-        kept = np.array(last, dtype=np.complex128 if self.is_complex else np.float64, order="C")
+        kept = np.array(np.moveaxis(given, 0, -1), order="C")
         if np.isinf(kept).any():
             raise ValueError("values must be finite or NaN")
         self.shape = kept.shape[:-1]
@@ -119,7 +119,7 @@ class _Interpolator:
     ):
         self.tri, self._scale = _triangulate(points, rescale, workers)
         self._workers = workers
-        self.max_edge = None if max_edge is None else float(max_edge)
+        self.max_edge = None if max_edge is None else real(max_edge)
         self._values = _Values(values, self.tri.npoints)
         self.fill_value: Any = complex(fill_value) if self.is_complex else float(fill_value)
 

@@ -29,6 +29,7 @@ from . import _declared, _near, _planes, _refined
 from ._declared import Crossing, checked_points
 from ._refined import simplify
 from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
+from ._values import doubles
 
 if TYPE_CHECKING:
     from ._constraints import Regions
@@ -133,8 +134,7 @@ class Delaunay:
         has no effect: the triangles depend on the points alone. Cost: that of a triangulation of all points."""
         if not self._incremental:
             raise RuntimeError("incremental mode not enabled or already closed")
-        points = np.asarray(points, dtype=np.float64)
-        if points.size == 0 and points.ndim == 2:
+        if np.size(points) == 0 and np.ndim(points) == 2:
             return
         more = checked_points(points)
         with self._adding:
@@ -512,14 +512,14 @@ def tsearch(tri: Delaunay, xi: ArrayLike) -> Ints:
 
 
 def _places(xi: ArrayLike) -> Floats:
-    places = np.asarray(xi, dtype=np.float64, order="C")
+    places: Floats = doubles(xi)
     if places.shape[-1:] != (2,):
         raise ValueError("wrong dimensionality in xi: places must have 2 coordinates")
     return places
 
 
 def _finite(x: ArrayLike) -> Floats:
-    places = np.asarray(x, dtype=np.float64, order="C")
+    places: Floats = doubles(x)
     if places.shape[-1:] != (2,):
         raise ValueError("x must consist of vectors of length 2")
     if not np.isfinite(places).all():

@@ -4,8 +4,9 @@ import contextlib
 import os
 import subprocess
 import unittest
+from unittest import mock
 
-from delaunayd import Client, Refused, _protocol
+from delaunayd import Client, Refused, _protocol, _values
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
 
@@ -13,11 +14,8 @@ SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
 @contextlib.contextmanager
 def without_numpy():
     """Replies as on a machine that has no NumPy."""
-    kept, _protocol.numpy = _protocol.numpy, None
-    try:
+    with mock.patch.object(_protocol, "numpy", None), mock.patch.object(_values, "numpy", None):
         yield
-    finally:
-        _protocol.numpy = kept
 
 
 def start_daemon(*options):

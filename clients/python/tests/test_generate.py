@@ -31,31 +31,35 @@ class Generated(unittest.TestCase):
         self.assertIn(
             "    def span(self, name: str, x: float, y: float, k: Optional[int] = None, method: Optional[str] = None, clockwise: bool = False)"
             ' -> List[Tuple[Any, ...]]:\n        """How far the k points at x y lie apart."""\n        return self._ask(protocol.table("id"), "SPAN",'
-            ' set_name(name), float(x), float(y), *option(None, k), *option("METHOD", method), *option("CW", clockwise))\n',
+            ' set_name(name), real(x), real(y), *option(None, k, whole), *option("METHOD", method, word), *flag("CW", clockwise))\n',
             text,
         )
         self.assertIn(
             "    def join_field(self, name: str, field: str, ids: Iterable[int], within: Optional[Sequence[float]] = None) -> int:\n"
             '        """Joins a value. Returns `joined`."""\n        return self._ask(protocol.fact("joined", int), "FJOIN", set_name(name),'
-            ' field_name(field), *map(int, ids), *option("WITHIN", within))\n',
+            ' field_name(field), *each(ids, whole), *option("WITHIN", within, lambda all: each(all, real)))\n',
             text,
         )
         self.assertNotIn("def span(", python.generate([READS], {"span"}, ""))
-        options = command("SPAN set name [INTO set] [AT x y] [LIKE something]", "x")
+        options = command("SPAN set name [INTO set] [AT x y] [LIKE pattern]", "x")
         compile(python.generate([options], set(), ""), "_table.py", "exec")
         self.assertIn(
-            "name: str, other: str, into: Optional[str] = None, at: Optional[Sequence[float]] = None, like: Optional[Word] = None)",
+            "name: str, other: str, into: Optional[str] = None, at: Optional[Sequence[float]] = None, like: Optional[str] = None)",
             python.generate([options], set(), ""),
         )
+
+    def test_a_value_of_an_unknown_kind_is_an_error(self):
+        with self.assertRaisesRegex(SystemExit, "a value `something`"):
+            python.generate([command("SPAN set something", "x")], set(), "")
 
     def test_methods_for_node(self):
         text = node.generate([READS, CHANGES], set(), "")
         self.assertIn(
-            "  async span(set, x, y, k, { method, clockwise, ...options } = {}) {\n    return table('id')(await this.request(line('SPAN',"
-            " checkSet(set), Number(x), Number(y), option(null, k), option('METHOD', method), option('CW', clockwise)), options));\n  }\n",
+            "  async span(set, x, y, k, { method, clockwise, ...options } = {}) {\n    return table('id')(await this._ask(['SPAN',"
+            " checkSet(set), real(x), real(y), option([], k, whole), option('METHOD', method, word), flag('CW', clockwise)], options));\n  }\n",
             text,
         )
-        self.assertIn("return number('joined')(await this.request(line('FJOIN', checkSet(set), checkField(field), numbers(ids), ", text)
+        self.assertIn("return number('joined')(await this._ask(['FJOIN', checkSet(set), checkField(field), list(ids, whole), ", text)
         types = node.generate_types([READS, CHANGES], set(), "")
         self.assertIn(
             "  span(set: string, x: number, y: number, k?: number, options?: RequestOptions & { method?: 'slow' | 'fast'; clockwise?: boolean }):"
