@@ -1,124 +1,202 @@
-// Mouse, touch and keyboard, as what they mean: the map moves or zooms, a point is dragged, added or deleted.
+// What mouse, touch and keyboard do: the map moves or zooms; a point is looked at, dragged, added or deleted; edits are undone.
+import { keep, viewText } from './address.js';
+import { edits } from './edits.js';
+import { switchTheme } from './layers.js';
+import { point } from './others.js';
+import { $, report, showCard } from './panel.js';
+import { look, lookAgain, nearest } from './pick.js';
+import { first } from './sets.js';
+import { fit, follower, on, refreshSoon } from './shown.js';
+import { draw, mesh, view } from './stage.js';
 
 const CLOSE = 12; // pixels from a point that count as on it
+const STILL = 4; // pixels that a click may move
 const KEY_PAN = 60;
 const KEY_ZOOM = 1.4;
+const REST_MS = 300; // that the view stands still before the address has it and the card is shown again
 
-export class Hands {
-  tool = 'look'; // or, to edit: 'move', 'add', 'delete'
-  #pointers = new Map(); // id -> [px, py]
-  #isDragging = false; // a point
-  #began = null; // where the only pointer went down
-  #hover = null; // where the pointer is on the map; null: it is elsewhere, and keys mean the middle of the map
-  #map;
+const map = $('map');
+const fingers = new Map(); // pointer -> [px, py]
+let tool = 'look'; // or, to edit: 'move', 'add', 'delete'
+let isDragging = false; // a point
+let began = null; // where the only finger went down
+let pointed = null; // where the pointer is on the map; null: it is elsewhere, and keys mean the middle of the map
+let restTimer = 0;
 
-  /** acts: pan(dx, dy), zoom(factor, px, py), fit(), pointNear(px, py, pixels) -> id or null, grab(id), drag(px, py), drop(), add(px, py),
-   * remove(id), hover([px, py] or null), edit(), theme(). Places are pixels of the map. */
-  constructor(map, acts) {
-    this.acts = acts;
-    this.#map = map;
-    const place = (e) => [e.offsetX, e.offsetY];
-    map.addEventListener('pointerdown', (e) => {
-      map.setPointerCapture(e.pointerId);
-      this.#down(e.pointerId, place(e), e.button);
-    });
-    map.addEventListener('pointermove', (e) => this.#move(e.pointerId, place(e)));
-    for (const kind of ['pointerup', 'pointercancel']) map.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
-    map.addEventListener('dblclick', (e) => {
-      if (this.tool === 'move') acts.add(...place(e));
-      else if (this.tool === 'look') acts.zoom(2, ...place(e));
-    });
-    map.addEventListener('pointerleave', () => {
-      if (this.#pointers.size > 0) return;
-      this.#hover = null;
-      acts.hover(null);
-    });
-    map.addEventListener(
-      'wheel',
-      (e) => {
-        e.preventDefault();
-        acts.zoom(Math.exp(-e.deltaY * (e.deltaMode === 0 ? 0.0015 : 0.05)), ...place(e));
-      },
-      { passive: false },
-    );
-    map.addEventListener('contextmenu', (e) => e.preventDefault());
-    map.addEventListener('keydown', (e) => this.#key(e));
+on({
+  onSet: (set) => {
+    edits.begin(set);
+    point(set, null);
+    lookAgain();
+  },
+  onChange: lookAgain,
+});
+
+// ---- the map ----
+
+function moved() {
+  showCard(null, view);
+  draw();
+  refreshSoon();
+  clearTimeout(restTimer);
+  restTimer = setTimeout(() => {
+    lookAgain();
+    if (follower.set !== null) keep({ set: follower.set, view: viewText(view) });
+  }, REST_MS);
+}
+
+function pan(dx, dy) {
+  view.pan(dx, dy);
+  moved();
+}
+
+function zoom(factor, px, py) {
+  view.zoom(factor, px, py);
+  moved();
+}
+
+const showAll = () => fit().then(moved, report);
+
+/** Shows what is at a pixel, also to others; null: nothing. */
+function showAt(at) {
+  look(at);
+  point(follower.set, at === null ? null : view.toPlane(...at));
+}
+
+/** The pointer is at a pixel, or null: it has left the map. */
+function hover(at) {
+  pointed = at;
+  showAt(at);
+}
+
+// ---- edits ----
+
+const chosenTool = () => document.querySelector('input[name=tool]:checked').value;
+const switchEditing = () => setTool(tool === 'look' ? chosenTool() : 'look');
+
+function setTool(name) {
+  tool = name;
+  $('edit').setAttribute('aria-pressed', String(tool !== 'look'));
+  $('tools').hidden = tool === 'look';
+}
+
+first.start = () => setTool('move');
+
+/** The number of the point that a pixel means, or null. */
+const pointAt = (at) => (follower.kind === 'sample' ? null : nearest(...at, CLOSE));
+
+const add = (at) => edits.add(view.toPlane(...at));
+
+function remove(at) {
+  const number = pointAt(at);
+  if (number !== null) edits.remove(mesh.idOf(number));
+}
+
+function drop() {
+  isDragging = false;
+  edits.drop();
+}
+
+// ---- mouse and touch ----
+
+const placeOf = (e) => [e.offsetX, e.offsetY];
+
+function down(e) {
+  const at = placeOf(e);
+  map.setPointerCapture(e.pointerId);
+  fingers.set(e.pointerId, at);
+  pointed = at;
+  began = fingers.size === 1 ? at : null;
+  if (isDragging) drop(); // a second finger
+  if (began === null || tool !== 'move' || e.button !== 0) return; // only the first button of a mouse drags points
+  const number = pointAt(at);
+  if (number === null) return;
+  isDragging = true;
+  edits.grab(mesh.idOf(number), [...mesh.xy.subarray(2 * number, 2 * number + 2)]);
+}
+
+function move(e) {
+  const at = placeOf(e);
+  const before = fingers.get(e.pointerId);
+  if (before === undefined) return hover(at);
+  const [one, two] = [...fingers.values()];
+  fingers.set(e.pointerId, at);
+  pointed = at;
+  if (two !== undefined) {
+    const still = before === one ? two : one;
+    zoom(Math.hypot(at[0] - still[0], at[1] - still[1]) / Math.max(1, Math.hypot(before[0] - still[0], before[1] - still[1])), ...still);
+  } else if (isDragging) {
+    hover(at);
+    edits.drag(view.toPlane(...at));
+  } else {
+    pan(at[0] - before[0], at[1] - before[1]);
   }
+}
 
-  #down(pointer, at, button) {
-    this.#pointers.set(pointer, at);
-    this.#hover = at;
-    this.#began = this.#pointers.size === 1 ? at : null;
-    if (this.#isDragging) this.#drop(); // a second finger
-    if (this.#began === null || this.tool !== 'move' || button !== 0) return; // only the first button of a mouse drags points
-    const id = this.acts.pointNear(...at, CLOSE);
-    this.#isDragging = id !== null;
-    if (id !== null) this.acts.grab(id);
+function up(e) {
+  const at = fingers.get(e.pointerId);
+  fingers.delete(e.pointerId);
+  const isClick = e.type === 'pointerup' && began !== null && at !== undefined && Math.hypot(at[0] - began[0], at[1] - began[1]) < STILL;
+  if (isClick && tool === 'add') add(at);
+  if (isClick && tool === 'delete') remove(at);
+  if (isDragging) drop();
+  began = null;
+}
+
+// ---- keyboard ----
+
+function key(e) {
+  if (e.ctrlKey || e.metaKey || e.altKey) return;
+  const at = pointed ?? [map.clientWidth / 2, map.clientHeight / 2];
+  const keys = {
+    ArrowLeft: () => pan(KEY_PAN, 0),
+    ArrowRight: () => pan(-KEY_PAN, 0),
+    ArrowUp: () => pan(0, KEY_PAN),
+    ArrowDown: () => pan(0, -KEY_PAN),
+    '+': () => zoom(KEY_ZOOM, ...at),
+    '=': () => zoom(KEY_ZOOM, ...at),
+    '-': () => zoom(1 / KEY_ZOOM, ...at),
+    0: showAll,
+    e: switchEditing,
+    a: () => tool !== 'look' && add(at),
+    Delete: () => tool !== 'look' && remove(at),
+    t: switchTheme,
+  };
+  const act = keys[e.key] ?? keys[e.key.toLowerCase()];
+  if (act === undefined) return;
+  e.preventDefault();
+  act();
+  if (pointed === null) showAt(at);
+}
+
+/** Listens to the map, and to the buttons and keys of the page that edit or move. */
+export function listen() {
+  const onMap = {
+    pointerdown: down,
+    pointermove: move,
+    pointerup: up,
+    pointercancel: up,
+    pointerleave: () => fingers.size === 0 && hover(null),
+    dblclick: (e) => {
+      if (tool === 'move') add(placeOf(e));
+      else if (tool === 'look') zoom(2, ...placeOf(e));
+    },
+    wheel: (e) => {
+      e.preventDefault();
+      zoom(Math.exp(-e.deltaY * (e.deltaMode === 0 ? 0.0015 : 0.05)), ...placeOf(e));
+    },
+    contextmenu: (e) => e.preventDefault(),
+    keydown: key,
+  };
+  for (const [kind, act] of Object.entries(onMap)) map.addEventListener(kind, act, { passive: false });
+  $('tools').addEventListener('change', () => setTool(chosenTool()));
+  for (const [button, act] of Object.entries({ edit: switchEditing, undo: () => edits.undo(), redo: () => edits.redo(), fit: showAll, theme: switchTheme })) {
+    $(button).addEventListener('click', act);
   }
-
-  #drop() {
-    this.#isDragging = false;
-    this.acts.drop();
-  }
-
-  #move(pointer, at) {
-    const before = this.#pointers.get(pointer);
-    if (before === undefined) {
-      this.#hover = at;
-      this.acts.hover(at);
-      return;
-    }
-    const [first, second] = [...this.#pointers.values()];
-    this.#pointers.set(pointer, at);
-    this.#hover = at;
-    if (second !== undefined) {
-      const still = before === first ? second : first;
-      this.acts.zoom(Math.hypot(at[0] - still[0], at[1] - still[1]) / Math.max(1, Math.hypot(before[0] - still[0], before[1] - still[1])), ...still);
-    } else if (this.#isDragging) {
-      this.acts.hover(at);
-      this.acts.drag(...at);
-    } else {
-      this.acts.pan(at[0] - before[0], at[1] - before[1]);
-    }
-  }
-
-  #up(pointer, done) {
-    const at = this.#pointers.get(pointer);
-    this.#pointers.delete(pointer);
-    const still = this.#began !== null && at !== undefined && Math.hypot(at[0] - this.#began[0], at[1] - this.#began[1]) < 4;
-    if (done && still && this.tool === 'add') this.acts.add(...at);
-    if (done && still && this.tool === 'delete') this.#remove(at);
-    if (this.#isDragging) this.#drop();
-    this.#began = null;
-  }
-
-  #remove(at) {
-    const id = this.acts.pointNear(...at, CLOSE);
-    if (id !== null) this.acts.remove(id);
-  }
-
-  #key(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey) return;
-    const at = this.#hover ?? [this.#map.clientWidth / 2, this.#map.clientHeight / 2];
-    const zoom = (factor) => this.acts.zoom(factor, ...at);
-    const keys = {
-      ArrowLeft: () => this.acts.pan(KEY_PAN, 0),
-      ArrowRight: () => this.acts.pan(-KEY_PAN, 0),
-      ArrowUp: () => this.acts.pan(0, KEY_PAN),
-      ArrowDown: () => this.acts.pan(0, -KEY_PAN),
-      '+': () => zoom(KEY_ZOOM),
-      '=': () => zoom(KEY_ZOOM),
-      '-': () => zoom(1 / KEY_ZOOM),
-      0: () => this.acts.fit(),
-      e: () => this.acts.edit(),
-      a: () => this.tool !== 'look' && this.acts.add(...at),
-      Delete: () => this.tool !== 'look' && this.#remove(at),
-      t: () => this.acts.theme(),
-    };
-    const act = keys[e.key] ?? keys[e.key.toLowerCase()];
-    if (act === undefined) return;
+  addEventListener('keydown', (e) => {
+    if (!(e.ctrlKey || e.metaKey) || e.altKey || e.key.toLowerCase() !== 'z') return;
     e.preventDefault();
-    act();
-    if (this.#hover === null) this.acts.hover(at);
-  }
+    if (e.shiftKey) edits.redo();
+    else edits.undo();
+  });
 }

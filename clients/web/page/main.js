@@ -1,8 +1,8 @@
 // The page: follows one set of the daemon and shows it. Start reading here; sets.js decides which set, shown.js what is shown of it,
-// acts.js what hands do; stage.js draws.
-import { edits, listen } from './acts.js';
+// hands.js what mouse, touch and keyboard do; stage.js draws.
 import { countWaits } from './data/connection.js';
 import { connection, converse } from './daemon.js';
+import { listen } from './hands.js';
 import { beginLayers } from './layers.js';
 import { openFile } from './open.js';
 import { $, report, showWait } from './panel.js';
@@ -56,4 +56,4 @@ converse({
 setInterval(showFacts, 1000);
 setInterval(refreshSets, SETS_MS);
 setInterval(() => showWait(countWaits(), scene.isLost ? 'waiting for WebGL' : ''), 1000);
-export { connection, edits, follower, marks, mesh, overlay, scene, view }; // for tests
+export { connection, follower, marks, mesh, overlay, scene, view }; // for tests
