@@ -5,7 +5,8 @@ import { $, showLegend } from './panel.js';
 import { overlay, scene } from './stage.js';
 import { stepOf } from './drawing/steps.js';
 
-const LAYERS = ['triangles', 'hull', 'cells', 'points', 'names', 'coloured', 'hillshade', 'bands', 'contours'];
+const FIELD_LAYERS = ['coloured', 'hillshade', 'bands', 'contours'];
+const LAYERS = ['triangles', 'hull', 'cells', 'points', 'names', ...FIELD_LAYERS];
 const STEEP = 0.04; // the height of the hillshade's ground, in sizes of the set
 const THEMES = {
   light: { fill: [0.16, 0.44, 0.69, 0.08], edge: [0.16, 0.4, 0.65, 0.85] },
@@ -44,6 +45,7 @@ function applyStyle() {
   overlay.stale();
   scene.stale();
   showLegend(coloured ? field : null);
+  for (const layer of FIELD_LAYERS) $(layer).disabled = field === null;
 }
 
 /** Shows the theme that the address or an earlier choice names, or else that of the system. */

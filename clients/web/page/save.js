@@ -1,7 +1,7 @@
 // The picture that is shown, saved as a file.
 import { canvas, drawNow, mesh, overlay, scene, view } from './stage.js';
 import { make } from './panel.js';
-import { SvgContext, drawTriangles, viridis } from './drawing/svg.js';
+import { SvgContext, drawTriangles } from './drawing/svg.js';
 
 function save(blob, name) {
   const href = URL.createObjectURL(blob);
@@ -24,10 +24,7 @@ export async function savePNG(name) {
 
 export function saveSVG(name) {
   const context = new SvgContext(view, ground());
-  const { coloured, edged, edge, range } = scene.style;
-  const colourOf = (value) => (coloured && !Number.isNaN(value) ? viridis((value - range[0]) / (range[1] - range[0] || 1)) : null);
-  const [red, green, blue] = edge.map((v) => Math.round(255 * v));
-  drawTriangles(context, view, mesh, colourOf, edged ? `rgb(${red} ${green} ${blue} / ${edge[3] / 2})` : null);
+  drawTriangles(context, view, mesh, scene.style);
   overlay.paint(context, view, mesh);
   save(new Blob([String(context)], { type: 'image/svg+xml' }), `${name}.svg`);
 }

@@ -5,8 +5,9 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { PNG } from 'pngjs';
 import { qualityOf } from '../page/angles.js';
-import { ask, drag, isAt, makeSet, onPage, open, picture, placeOf, press, says, start, stop, until, visit, waitFor } from './stage.mjs';
+import { ask, browser, drag, isAt, makeSet, onPage, open, picture, placeOf, press, says, start, stop, until, visit, waitFor } from './stage.mjs';
 
 let folder;
 
@@ -146,6 +147,43 @@ test('the picture is saved as PNG and as SVG, with everything that is in view', 
   assert.ok(longest.includes(60), 'no path has the 60 points or cells');
   assert.equal((svg.match(/fill="rgb/g) ?? []).length >= triangles, true);
   assert.equal(await page.evaluate((s) => new DOMParser().parseFromString(s, 'image/svg+xml').querySelector('parsererror'), svg), null);
+  await page.close();
+});
+
+test('the saved SVG has the colours of the map: of values, in the light of the hillshade, and of bands', async () => {
+  await makeSet('slope', 3000);
+  const xs = (await ask('POINTS slope')).slice(1).map((row) => Number(row.split(' ')[1]));
+  await ask(...xs.map((x, id) => `FSET slope z ${id} ${100 * x}`));
+  for (const layers of ['coloured', 'coloured,hillshade', 'coloured,bands']) {
+    const page = await open('slope', undefined, `&layers=${layers}`);
+    const text = await page.evaluate(async () => {
+      const { SvgContext, drawTriangles } = await import('./drawing/svg.js');
+      const context = new SvgContext(window.app.view, '#678');
+      drawTriangles(context, window.app.view, window.app.mesh, window.app.scene.style);
+      return String(context);
+    });
+    const reader = await browser.newPage();
+    await reader.setContent(`<body style="margin: 0">${text}`);
+    const svg = PNG.sync.read(Buffer.from(await reader.screenshot()));
+    await reader.close();
+    const map = await picture(page, 'mesh');
+    const places = await page.evaluate(() => [0.12, 0.38, 0.63, 0.88].map((x) => window.app.view.toScreen(x, 0.5).map(Math.round)));
+    const meanAt = ({ width, data }, [x, y]) => [0, 1, 2].map((k) => Array.from({ length: 81 }, (_, i) => data[4 * ((y - 4 + Math.floor(i / 9)) * width + x - 4 + (i % 9)) + k]).reduce((a, b) => a + b) / 81);
+    for (const place of places) {
+      const [a, b] = [meanAt(svg, place), meanAt(map, place)];
+      assert.ok(a.every((v, k) => Math.abs(v - b[k]) < 10), `${layers}: ${a} and ${b}`);
+    }
+    await page.close();
+  }
+});
+
+test('layers of a field can be chosen only if there is one', async () => {
+  await makeSet('plain', 20);
+  const page = await open('plain');
+  const disabled = () => page.$$eval('#panel input:disabled', (inputs) => inputs.map(({ id }) => id));
+  await until(async () => (await disabled()).join() === 'coloured,hillshade,bands,contours');
+  await page.select('#set', 'used');
+  await until(async () => (await disabled()).length === 0);
   await page.close();
 });
 

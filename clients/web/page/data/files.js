@@ -5,12 +5,11 @@ const Y = /^(y|lat|latitude|north|northing)$/i;
 const NAME = /^(name|title|label|id)$/i;
 const VALUE = /^(z|value|height|elevation|ele)$/i;
 
-/** The fields of a line of CSV; quoted ones may have commas and doubled quotes. */
-function fieldsOf(line) {
+/** The fields of a line; quoted ones may have separators and doubled quotes. */
+function fieldsOf(line, separator) {
   const fields = [];
-  for (const [, quoted, plain] of `,${line}`.matchAll(/[,;\t](?:\s*"((?:[^"]|"")*)"\s*|([^,;\t]*))/g)) {
-    fields.push(quoted?.replaceAll('""', '"') ?? plain.trim());
-  }
+  const pattern = new RegExp(`${separator}(?:\\s*"((?:[^"]|"")*)"\\s*|([^${separator}]*))`, 'g');
+  for (const [, quoted, plain] of (separator + line).matchAll(pattern)) fields.push(quoted?.replaceAll('""', '"') ?? plain.trim());
   return fields;
 }
 
@@ -19,13 +18,20 @@ const isNumber = (word) => word !== undefined && word !== '' && Number.isFinite(
 /** Reads the text of a file; its name says whether it is GeoJSON. Returns {xy, values, field, names}: coordinates x, y, ...; values
  * (null if there are none) of a field; names by id; constraints, pairs of ids. Throws an Error that names the line. */
 export function parse(fileName, text) {
-  return /json$/i.test(fileName) ? parseGeoJSON(JSON.parse(text)) : parseTable(text);
+  if (!/json$/i.test(fileName)) return parseTable(text);
+  try {
+    return parseGeoJSON(JSON.parse(text));
+  } catch (error) {
+    throw error instanceof TypeError || error instanceof SyntaxError ? new Error('this is not GeoJSON') : error;
+  }
 }
 
 function parseTable(text) {
-  const lines = text.split(/\r?\n/).map((line, k) => ({ line, number: k + 1 })).filter(({ line }) => line.trim() !== '' && line[0] !== '#');
-  const split = /[,;\t]/.test(lines[0]?.line ?? '') ? fieldsOf : (line) => line.trim().split(/\s+/);
-  const head = split(lines[0]?.line ?? '');
+  const lines = text.split(/\r\n?|\n/).map((line, k) => ({ line, number: k + 1 })).filter(({ line }) => line.trim() !== '' && line[0] !== '#');
+  if (lines.length === 0) throw new Error('the file has no points');
+  const separator = ['\t', ';', ','].find((character) => lines[0].line.includes(character)); // with semicolons commas are decimal
+  const split = separator === undefined ? (line) => line.trim().split(/\s+/) : (line) => fieldsOf(line, separator);
+  const head = split(lines[0].line);
   const hasHeader = !(isNumber(head[0]) && isNumber(head[1]));
   const columnOf = (pattern) => (hasHeader ? head.findIndex((word) => pattern.test(word)) : -1);
   let [x, y, name, value] = [columnOf(X), columnOf(Y), columnOf(NAME), columnOf(VALUE)];

@@ -5,7 +5,6 @@ import { Refused } from './connection.js';
 import { parse } from './files.js';
 
 const LITTLE = true; // byte order of binary replies
-const reply = (rows = [], keys = {}, data = null) => ({ keys, rows, data });
 const bytesOf = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
 
 /** A set: a LiveSet, and places of its points by id with their values. */
@@ -79,18 +78,17 @@ export class Local {
 
   async request(line) {
     const [command, name, ...words] = line.split(' ');
-    if (command === 'SETS') return reply([...this.#sets.keys()].map((of) => `${of} `));
+    if (command === 'SETS') return { rows: [...this.#sets.keys()].map((of) => `${of} `) };
     const set = await this.#set(name);
     const answer = ANSWERS[command];
     if (answer === undefined) throw new Refused('UNKNOWN', `${command} needs a server`);
-    const before = set.version;
-    const { result, ids } = answer(set, words);
+    const { rows = [], keys = {}, data = null, ids } = answer(set, words);
     if (ids !== undefined) {
-      set.version = before + 1;
+      set.version++;
       const event = { set: name, version: set.version, rows: set.event(ids), reset: ids === null, more: false, dropped: false };
       if (set.isWatched) this.#onEvent(event);
     }
-    return result;
+    return { rows, keys, data };
   }
 
   async #set(name) {
@@ -108,14 +106,13 @@ export class Local {
 
 const join = (a, b) => (a === null || b === null ? null : [...a, ...b]);
 
-/** For each command: (set, words) -> {result, ids}; ids as LocalSet.event takes them, if the command edits. */
+/** For each command: (set, words) -> {rows, keys, data, ids}; ids as LocalSet.event takes them, if the command edits. */
 const ANSWERS = {
-  STAT: (set) => ({ result: reply([], set.stat()) }),
+  STAT: (set) => ({ keys: set.stat() }),
   FIELDS: ({ field, places }) => {
-    if (field === null) return { result: reply() };
     const values = [...places.values()].map((place) => place[2]).filter((value) => !Number.isNaN(value));
     const [least, most] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-    return { result: reply(values.length === 0 ? [] : [`${field} ${values.length} ${least} ${most}`]) };
+    return { rows: field === null || values.length === 0 ? [] : [`${field} ${values.length} ${least} ${most}`] };
   },
   POINTS: ({ places }, words) => {
     const size = words.includes('FIELDS') ? 28 : 20;
@@ -126,81 +123,82 @@ const ANSWERS = {
       for (let k = 0; 8 * k + 4 < size; k++) view.setFloat64(at + 4 + 8 * k, places.get(id)[k], LITTLE);
       at += size;
     }
-    return { result: reply([], {}, bytesOf(view)) };
+    return { data: bytesOf(view) };
   },
-  TRIANGLES: ({ live }) => ({ result: reply([], {}, bytesOf(live.triangulation().triangles.slice())) }),
-  QUALITY: ({ live, places }) => ({ result: { ...reply(), ...qualityOf(places.size === 0 ? [] : live.triangulation().triangles, (id) => places.get(id)) } }),
-  HULL: (set) => ({ result: reply([...set.live.hull()].map((id) => `${id} ${set.places.get(id).slice(0, 2).join(' ')}`)) }),
+  TRIANGLES: ({ live }) => ({ data: bytesOf(live.triangulation().triangles.slice()) }),
+  QUALITY: ({ live, places }) => qualityOf(places.size === 0 ? [] : live.triangulation().triangles, (id) => places.get(id)),
+  HULL: ({ live, places }) => ({ rows: [...live.hull()].map((id) => `${id} ${places.get(id).slice(0, 2).join(' ')}`) }),
   EDGES: ({ live }) => {
     const ends = live.constrainedEdges(); // the page asks for no others
-    return { result: reply(Array.from({ length: ends.length / 2 }, (_, k) => `${ends[2 * k]} ${ends[2 * k + 1]}`)) };
+    return { rows: Array.from({ length: ends.length / 2 }, (_, k) => `${ends[2 * k]} ${ends[2 * k + 1]}`) };
   },
-  LISTS: ({ live }, [id]) => ({ result: reply([`${id} ${live.neighbors(Number(id)).join(' ')}`]) }),
-  GET: (set, [id]) => ({ result: reply([`${id} ${set.live.point(Number(id)).join(' ')}`]) }),
-  FGET: (set, [, id]) => ({ result: reply([`${id} ${set.places.get(Number(id))[2]}`]) }),
+  LISTS: ({ live }, [id]) => ({ rows: [`${id} ${live.neighbors(Number(id)).join(' ')}`] }),
+  GET: ({ live }, [id]) => ({ rows: [`${id} ${live.point(Number(id)).join(' ')}`] }),
+  FGET: ({ places }, [, id]) => ({ rows: [`${id} ${places.get(Number(id))[2]}`] }),
   NEAREST: (set, words) => {
     const [id] = set.live.nearest(words.map(Number));
-    return { result: reply(set.places.has(id) ? [set.row(id)] : []) };
+    return { rows: set.places.has(id) ? [set.row(id)] : [] };
   },
   LOCATE: ({ live }, words) => {
     const corners = [...live.locate(words.map(Number))];
-    return { result: corners[0] === 0xffffffff ? reply([], { where: 'outside' }) : reply([corners.join(' ')], { where: 'inside' }) };
+    return corners[0] === 0xffffffff ? { keys: { where: 'outside' } } : { keys: { where: 'inside' }, rows: [corners.join(' ')] };
   },
   VORONOI: ({ live, places }, [, ...box]) => {
     const { offsets, coords } = live.cells(box.slice(0, 4).map(Number));
-    const drawn = [...places.keys()].filter((id) => offsets[id + 1] > offsets[id]);
-    const view = new DataView(new ArrayBuffer(8 * drawn.length + 8 * coords.length));
+    const numbers = new Float64Array(places.size + coords.length);
+    const words = new Uint32Array(numbers.buffer);
     let at = 0;
-    for (const id of drawn) {
-      view.setUint32(at, id, LITTLE);
-      view.setUint32(at + 4, (offsets[id + 1] - offsets[id]), LITTLE);
-      at += 8;
-      for (let k = 2 * offsets[id]; k < 2 * offsets[id + 1]; k++, at += 8) view.setFloat64(at, coords[k], LITTLE);
+    for (const id of places.keys()) {
+      const cell = coords.subarray(2 * offsets[id], 2 * offsets[id + 1]);
+      if (cell.length === 0) continue;
+      words.set([id, cell.length / 2], 2 * at);
+      numbers.set(cell, at + 1);
+      at += 1 + cell.length;
     }
-    return { result: reply([], {}, new Uint8Array(view.buffer, 0, at)) };
+    return { data: bytesOf(numbers.slice(0, at)) };
   },
   CONTOUR: (set, [, , every]) => {
-    const [, , least, most] = ANSWERS.FIELDS(set).result.rows[0].split(' ').map(Number);
+    const [, , least, most] = ANSWERS.FIELDS(set).rows[0].split(' ').map(Number);
     const step = Number(every);
     const levels = [];
     for (let k = Math.ceil(least / step); k * step <= most; k++) levels.push(k * step);
     const { levels: of, offsets, coords, closed } = set.live.contours(levels);
-    const rows = [...of].map((level, i) => {
+    const rowOf = (level, i) => {
       const places = coords.subarray(2 * offsets[i], 2 * offsets[i + 1]);
       return `${level} ${closed[i] ? 'closed' : 'open'} ${places.length / 2} ${places.join(' ')}`;
-    });
-    return { result: reply(rows) };
+    };
+    return { rows: Array.from(of, rowOf) };
   },
   WATCH: (set) => {
     set.isWatched = true;
-    return { result: reply() };
+    return {};
   },
   UNWATCH: (set) => {
     set.isWatched = false;
-    return { result: reply() };
+    return {};
   },
   CONSTRAIN: ({ live }, ids) => {
     live.constrain(ids.map(Number));
-    return { result: reply(), ids: null };
+    return { ids: null };
   },
   ADD: (set, words) => {
     const [x, y, value = NaN] = (words[0] === 'FIELDS' ? words.slice(2) : words).map(Number);
     const id = set.live.add([x, y], { values: [value] });
     set.places.set(id, [x, y, value]);
-    return { result: reply([], { first: String(id) }), ids: set.around(id) };
+    return { keys: { first: String(id) }, ids: set.around(id) };
   },
   MOVE: (set, words) => {
     const [id, x, y] = words.map(Number);
     const before = set.places.has(id) ? set.around(id) : [];
     set.live.move(id, x, y);
     set.places.set(id, [x, y, set.places.get(id)[2]]);
-    return { result: reply(), ids: join(before, set.around(id)) };
+    return { ids: join(before, set.around(id)) };
   },
   DEL: (set, [word]) => {
     const id = Number(word);
     const before = set.places.has(id) ? set.around(id) : [];
     set.live.delete([id]);
     set.places.delete(id);
-    return { result: reply(), ids: set.live.hull().length < 3 ? null : before };
+    return { ids: set.live.hull().length < 3 ? null : before };
   },
 };

@@ -109,19 +109,17 @@ function contourOf(row) {
   return { closed: kind === 'closed', places: places.map(Number) };
 }
 
-/** The binary reply to VORONOI: id, k, k corners. */
+/** The binary reply to VORONOI: id and k, k corners; the numbers of a cell begin at multiples of 8 bytes. */
 function cellsOf(data) {
   const cells = [];
-  const view = new DataView(data.buffer);
-  for (let at = 0; at < data.length; ) {
-    const id = view.getUint32(at, true);
-    const corners = view.getUint32(at + 4, true);
-    const places = new Float64Array(2 * corners);
-    at += 8;
-    for (let k = 0; k < places.length; k++, at += 8) places[k] = view.getFloat64(at, true);
+  const [words, numbers] = [new Uint32Array(data.buffer), new Float64Array(data.buffer)];
+  for (let at = 0; at < numbers.length; ) {
+    const [id, corners] = words.subarray(2 * at, 2 * at + 2);
+    const places = numbers.subarray(at + 1, at + 1 + 2 * corners);
     const box = emptyBox();
     for (let k = 0; k < places.length; k += 2) extend(box, places[k], places[k + 1]);
     cells.push({ id, closed: true, places, box });
+    at += 1 + places.length;
   }
   return cells;
 }

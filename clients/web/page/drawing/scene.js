@@ -5,6 +5,13 @@
 import { emptyBox, widen } from '../data/box.js';
 import { grown } from '../data/mesh.js';
 
+/** The colour map viridis of matplotlib, as a polynomial that M. Zucker fitted to it (public domain): red, green and blue, from 0 to 1, of
+ * each power. */
+export const VIRIDIS = [
+  [0.2777, 0.0054, 0.3341], [0.1051, 1.4046, 1.3846], [-0.3309, 0.2148, 0.0951], [-4.6342, -5.7991, -19.3324],
+  [6.2283, 14.1799, 56.6906], [4.7764, -13.7451, -65.353], [-5.4355, 4.6459, 26.3125],
+];
+
 const NUMBERS = 3; // of a vertex: x and y in clip space, and its value
 
 const HEAD = `#version 300 es
@@ -16,9 +23,7 @@ uniform vec2 range;      // the least value, and 1 / (greatest - least)
 uniform vec4 fill, edge;
 uniform bool coloured, edged;
 uniform float bands;     // the step between bands of one colour; 0: colours change steadily
-// The colour map viridis of matplotlib, as a polynomial that M. Zucker fitted to it (public domain).
-const vec3 term[7] = vec3[7](vec3(0.2777, 0.0054, 0.3341), vec3(0.1051, 1.4046, 1.3846), vec3(-0.3309, 0.2148, 0.0951),
-  vec3(-4.6342, -5.7991, -19.3324), vec3(6.2283, 14.1799, 56.6906), vec3(4.7764, -13.7451, -65.3530), vec3(-5.4355, 4.6459, 26.3125));
+const vec3 term[7] = vec3[7](${VIRIDIS.map((term) => `vec3(${term})`)});
 vec3 viridis(float t) {
   vec3 sum = term[6];
   for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;

@@ -1,5 +1,6 @@
 // A picture as SVG: a context that what draws on a 2D canvas can draw on, too.
 import { trace } from './overlay.js';
+import { VIRIDIS } from './scene.js';
 
 const escape = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('"', '&quot;');
 const round = (v) => Math.round(v * 10) / 10;
@@ -83,33 +84,41 @@ export class SvgContext {
   }
 }
 
-/** Draws the triangles of a mesh that are in view; colourOf(value) is a colour or null, edge the colour of lines or null. */
-export function drawTriangles(context, view, mesh, colourOf, edge) {
-  const { xy, values } = mesh;
+/** Draws the triangles of a mesh that are in view, each in one colour, in the style of a Scene. */
+export function drawTriangles(context, view, mesh, { coloured, edged, edge, range, relief, bands }) {
   const seen = [];
-  mesh.eachTriangleIn(view.box(), (a, b, c) => {
-    const places = [a, b, c].flatMap((n) => [xy[2 * n], xy[2 * n + 1]]);
+  mesh.eachTriangleIn(view.box(), (...corners) => {
+    const places = corners.flatMap((n) => [mesh.xy[2 * n], mesh.xy[2 * n + 1]]);
+    const heights = corners.map((n) => mesh.values[n]);
     seen.push(places);
-    const colour = colourOf((values[a] + values[b] + values[c]) / 3);
-    if (colour === null) return;
-    context.fillStyle = colour;
+    const value = (heights[0] + heights[1] + heights[2]) / 3;
+    if (!coloured || Number.isNaN(value)) return;
+    const level = bands > 0 ? (Math.floor(value / bands) + 0.5) * bands : value;
+    context.fillStyle = viridis((level - range[0]) / (range[1] - range[0] || 1), lightOf(relief, places, heights));
     context.beginPath();
     trace(context, view, places, true);
     context.fill();
   });
-  if (edge === null) return;
-  context.strokeStyle = edge;
+  if (!edged) return;
+  const [red, green, blue] = edge.map((v) => Math.round(255 * v));
+  context.strokeStyle = `rgb(${red} ${green} ${blue} / ${edge[3] / 2})`;
   context.lineWidth = 0.7;
   context.beginPath();
   for (const places of seen) trace(context, view, places, true);
   context.stroke();
 }
 
-const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]]; // of matplotlib, at quarters
+/** How bright a triangle is beside level ground, as in scene.js. */
+function lightOf(relief, [ax, ay, bx, by, cx, cy], [a, b, c]) {
+  const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+  const east = (relief * ((b - a) * (cy - ay) - (c - a) * (by - ay))) / area; // the slopes
+  const north = (relief * ((c - a) * (bx - ax) - (b - a) * (cx - ax))) / area;
+  return Math.max(0.25, Math.min(1.35, (1 + (east - north) * Math.SQRT1_2) / Math.hypot(east, north, 1)));
+}
 
-/** The colour of a share from 0 to 1. */
-export function viridis(t) {
-  const at = Math.max(0, Math.min(1, t)) * (VIRIDIS.length - 1);
-  const k = Math.min(VIRIDIS.length - 2, Math.floor(at));
-  return `rgb(${VIRIDIS[k].map((v, i) => Math.round(v + (at - k) * (VIRIDIS[k + 1][i] - v))).join(' ')})`;
+/** The colour of a share from 0 to 1, in some light. */
+function viridis(share, light) {
+  const t = Math.max(0, Math.min(1, share));
+  const rgb = [0, 1, 2].map((k) => VIRIDIS.reduceRight((sum, term) => term[k] + t * sum, 0));
+  return `rgb(${rgb.map((v) => Math.round(255 * Math.min(1, light * Math.max(0, v)))).join(' ')})`;
 }
