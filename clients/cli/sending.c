@@ -12,7 +12,7 @@
 #include "clients/cli/message.h"
 #include "clients/files/progress.h"
 #include "clients/meshes/faces.h"
-#include "clients/points/join.h"
+#include "clients/points/clean_paths.h"
 
 enum { NOT_INSIDE = -1, AT_ONCE = 256, IDS_IN_A_LINE = 4000, EXPIRY_S = 86400 };
 

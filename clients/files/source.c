@@ -16,7 +16,7 @@
 #include "clients/grids/raster_file.h"
 #include "clients/lines/obj_file.h"
 #include "clients/lines/poly_file.h"
-#include "clients/points/join.h"
+#include "clients/points/clean_paths.h"
 
 static const struct {
     const char *name;
@@ -328,7 +328,7 @@ static bool finish_paths(struct source *s, struct points_file *f)
     note_useless_options(s, f);
     if (s->points_only)
         paths_free(&f->paths);
-    bool ok = paths_join(f);
+    bool ok = paths_clean(f);
     note_paths(&f->report, &f->paths);
     return ok;
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/points/join.h"
+#include "clients/points/clean_paths.h"
 #include "proto/number.h"
 
 /* ---- columns ---- */

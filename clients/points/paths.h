@@ -37,7 +37,6 @@ struct paths {
     struct seed *seed; /* owns */
     size_t seeds, seeds_cap;
     size_t segments;    /* the steps of all paths; of no length are left out */
-    size_t joined;      /* corners that were joined with an earlier one */
     size_t short_steps; /* steps of no length that were left out, */
     size_t flat_rings,
         same_rings;    /* rings of fewer than three corners, and those that were there already */

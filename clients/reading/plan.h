@@ -31,7 +31,7 @@ struct column {
     /* Of the values in the first rows: */
     size_t numbers, degrees, points, missing, texts; /* of each kind */
     size_t solid;                                    /* points that have a third coordinate */
-    size_t integers, decimals, units, quoted;        /* of the numbers; quoted ones of all */
+    size_t decimals, units, quoted;                  /* of the numbers; quoted ones of all */
     double least, greatest, last, step;              /* numbers */
     bool even;                /* all steps between the numbers are the same */
     bool ascending, counting; /* each number is greater than, 1 more than, the last */

@@ -1,7 +1,6 @@
 /* sample.c - see sample.h. */
 #include "clients/reading/sample.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "clients/reading/wkt.h"
@@ -229,7 +228,6 @@ static void note_number(struct column *c, const struct number_style *style, stru
     c->least = first || x < c->least ? x : c->least;
     c->greatest = first || x > c->greatest ? x : c->greatest;
     c->last = x;
-    c->integers += whole && x == floor(x);
     c->decimals += !whole;
     c->numbers++;
 }

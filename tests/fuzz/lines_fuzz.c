@@ -2,7 +2,7 @@
  * the lines that are read are points; a bad text has a fault. */
 #include "clients/lines/obj_file.h"
 #include "clients/lines/poly_file.h"
-#include "clients/points/join.h"
+#include "clients/points/clean_paths.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -27,7 +27,7 @@ static void check(struct points_file *f, bool ok)
             require(f->paths.corner[f->paths.path[i].first + k] < f->n);
     if (ok) {
         size_t n, points = f->n;
-        require(paths_join(f) && f->n == points);
+        require(paths_clean(f) && f->n == points);
         struct segment *segment = paths_segments(&f->paths, &n);
         require(segment != NULL && n <= f->paths.segments);
         free(segment);

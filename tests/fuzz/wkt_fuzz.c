@@ -1,6 +1,6 @@
 /* wkt_fuzz.c - libFuzzer target: any bytes as a geometry in well-known text. The geometry is read as a whole, or not at all. */
 #include "clients/lines/wkt_lines.h"
-#include "clients/points/join.h"
+#include "clients/points/clean_paths.h"
 #include "clients/reading/wkt.h"
 
 #include <stdint.h>
@@ -45,7 +45,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     require(ok ? geometry : f.n == 0 && f.paths.n == 0);
     check_paths(&f);
     const size_t before = f.n;
-    require(paths_join(&f) && f.n <= before);
+    require(paths_clean(&f) && f.n <= before);
     check_paths(&f);
     struct segment *segment = paths_segments(&f.paths, &n);
     require(segment != NULL && n <= f.paths.segments);

@@ -1,4 +1,5 @@
-/* join.h - lines that meet have a common point, and steps and rings that say nothing are left out. */
+/* clean_paths.h - paths as they are sent: corners of lines that meet become one point, and steps of no length, flat rings and rings that are
+ * there twice are left out. model_paths.h joins constraints to lines again. */
 #pragma once
 
 #include "clients/points/points_file.h"
@@ -6,7 +7,7 @@
 /* Corners of paths that have the place and all values of an earlier corner become that point, unless paths.given is set. Points
  * that no path has as a corner stay as they are. Then it leaves out steps of no length, rings of fewer than three corners, and
  * rings that their polygon has already, and counts the rest. False with a fault when out of memory. Cost: O(n log n). */
-bool paths_join(struct points_file *f);
+bool paths_clean(struct points_file *f);
 
 /* A hash table of places of points; the first point at a place stands for the place. */
 struct place_table {

@@ -1,5 +1,5 @@
-/* join.c - see join.h. Corners are found again in a hash table with linear probing. */
-#include "clients/points/join.h"
+/* clean_paths.c - see clean_paths.h. Corners are found again in a hash table with linear probing. */
+#include "clients/points/clean_paths.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -84,7 +84,6 @@ static void number_points(struct points_file *f, struct place_table *t, uint32_t
     for (size_t i = 0; i < f->n; i++) {
         uint32_t first = next[i] != NOBODY ? place_table_find(t, i, true) : (uint32_t)i;
         next[i] = first < i ? next[first] : (uint32_t)kept++;
-        f->paths.joined += first < i;
     }
 }
 
@@ -242,7 +241,7 @@ static void drop_flat_paths(struct paths *p)
         p->segments += paths_steps(&p->path[i]);
 }
 
-bool paths_join(struct points_file *f)
+bool paths_clean(struct points_file *f)
 {
     struct paths *p = &f->paths;
     if (p->n == 0)
