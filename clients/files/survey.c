@@ -49,6 +49,7 @@ static const char *shown(double v, char *room)
 static void apply_nodata(struct points_file *f, struct table_file *t, double nodata)
 {
     char number[PROTO_NUMBER_MAX + 1];
+    bool any = false;
     for (size_t k = 0; k < f->fields; k++) {
         uint64_t found = 0;
         for (size_t i = 0; i < f->n; i++) {
@@ -61,7 +62,11 @@ static void apply_nodata(struct points_file *f, struct table_file *t, double nod
         if (found > 0)
             report_add(&f->report, NOTE_READ, "%s: %s means missing, %ju times", t->fields.name[k],
                        shown(nodata, number), (uintmax_t)found);
+        any |= found > 0;
     }
+    if (!any && f->fields > 0)
+        report_add(&f->report, NOTE_UNUSED, "--nodata %s is not used: no value is that",
+                   shown(nodata, number));
 }
 
 static bool find_column(const struct points_file *f, const struct table_file *t, const char *name,

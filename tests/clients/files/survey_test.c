@@ -214,6 +214,9 @@ TEST(options_that_a_file_makes_useless_are_noted)
     cli_write("p.csv", "x,y\n0,0\n4,0\n0,4\n");
     cli_write("p.geojson", "{\"type\":\"MultiPoint\",\"coordinates\":[[0,0],[1,1]]}");
     expect("load t", "p.csv", "--nodata 3", 0, "--nodata is not used: the points have no values");
+    cli_write("z.csv", "x,y,z\n0,0,1\n4,0,2\n0,4,3\n");
+    expect("load u", "z.csv", "--nodata 7 --nodata 3", 0, "--nodata 7 is not used: no value is");
+    expect("load u", "z.csv", "--nodata 7 --nodata 3", 0, "z: 3 means missing, 1 times");
     expect("load t", "p.csv", "--border", 0, "--border and --of are not used: there are no lines");
     expect("load t", "p.geojson", "--skip-lines 1", 0, "--skip-lines is not used: the file is no");
     expect("load t", "p.geojson", "--columns 1,2 --format geojson", 0, "--columns is not used");
