@@ -1,4 +1,4 @@
-/* watch_test.c - what an operator sees: INFO's sections, the slow log, connected clients. */
+/* operator_test.c - what an operator sees: INFO's sections, the slow log, connected clients. */
 #include "server/ops/stats.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
