@@ -275,7 +275,7 @@ static bool find_clip(struct server *s, struct answer *a, struct surface *q)
 {
     if (q->other == NULL)
         return true;
-    return command_find_other(s, a, q->other, &q->clip) && clip_ready(s, a, q->clip);
+    return command_find_other(s, a, q->other, &q->clip) && raster_clip_ready(s, a, q->clip);
 }
 
 /* Only the linear surface inside the hull has slopes. */
@@ -296,7 +296,7 @@ void cmd_raster(struct server *s, struct dataset *set, const struct request *q, 
         !is_ready(s, a, set, &surface, &from) || !find_clip(s, a, &surface))
         return;
     if (surface.clip != NULL)
-        clip_answer(s, a, from.version, &surface);
+        raster_clip_answer(s, a, from.version, &surface);
     else
         surface_answer(s, a, from.version, &surface);
 }

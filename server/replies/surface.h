@@ -1,7 +1,7 @@
 /* surface.h - surfaces between points: values at places and at the cells of a raster, contours, profiles and volumes.
  *
  * Everything is of one state of the set. Values are rows that are made as they are sent (rows/surface_rows.h). Jobs trace contours
- * (contour.c), follow profiles (profile.c), add up volumes (volume.c), and mark the cells that CLIP keeps (clip.c). */
+ * (contour.c), follow profiles (profile.c), add up volumes (volume.c), and mark the cells that CLIP keeps (raster_clip.c). */
 #pragma once
 
 #include "core/delaunay_surface.h"
@@ -68,10 +68,10 @@ void surface_clear(struct surface *q);
 
 /* Whether the set `other` can clip: its regions are known, and one of its borders is closed. If not, the request waits, or the ERR
  * line has been written. */
-bool clip_ready(struct server *s, struct answer *a, struct dataset *other);
+bool raster_clip_ready(struct server *s, struct answer *a, struct dataset *other);
 
 /* Answers with the raster of the version, clipped by q->clip; what *q owns moves here. */
-void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
+void raster_clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q);
 
 /* ---- VOLUME: between a surface and a level, or another surface ---- */
 

@@ -1,4 +1,4 @@
-/* clip.c - see surface.h. */
+/* raster_clip.c - see surface.h. */
 #include "server/replies/surface.h"
 
 #include "core/delaunay_constraints.h"
@@ -13,7 +13,7 @@ enum {
     WORKSPACE = 1024 * 1024 /* bytes, of dt_raster_inside, beside a bit for each cell */
 };
 
-bool clip_ready(struct server *s, struct answer *a, struct dataset *other)
+bool raster_clip_ready(struct server *s, struct answer *a, struct dataset *other)
 {
     if (!dt_has_borders(other->current->dt))
         return answer_err(a, ERR_NOREGION, "the set %s has no borders", other->name);
@@ -25,7 +25,7 @@ bool clip_ready(struct server *s, struct answer *a, struct dataset *other)
 
 /* ---- the job: it reads the other set ---- */
 
-struct clip_job {
+struct raster_clip_job {
     struct job job;
     struct surface q;        /* places.kept: owns the bits */
     struct surface_moment m; /* pinned, and its view is owned */
@@ -33,7 +33,7 @@ struct clip_job {
 
 static void run_job(struct job *job)
 {
-    struct clip_job *j = (struct clip_job *)job;
+    struct raster_clip_job *j = (struct raster_clip_job *)job;
     const struct dt_raster *r = &j->q.raster;
     job->status = job_reserve(job, WORKSPACE + (size_t)((uint64_t)r->columns * r->rows / 8));
     if (job->status == DT_OK)
@@ -43,7 +43,7 @@ static void run_job(struct job *job)
 
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
-    struct clip_job *j = (struct clip_job *)job;
+    struct raster_clip_job *j = (struct raster_clip_job *)job;
     struct dt_view *view = j->m.view;
     if (job_succeeded(job, a)) {
         surface_answer_values(s, a, &j->m, &j->q);
@@ -66,13 +66,14 @@ static bool make_room(struct server *s, struct answer *a, struct surface *q)
     return q->places.kept != NULL;
 }
 
-void clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
+void raster_clip_answer(struct server *s, struct answer *a, struct version *v, struct surface *q)
 {
     struct dataset *other = q->clip;
     uint64_t cells = (uint64_t)q->raster.columns * q->raster.rows;
     bool light = s->workers == NULL || cells <= CELLS_AT_ONCE;
     /* Edits of the other set wait, because regions are those of now. */
-    struct clip_job *j = job_new_reading(s, a, sizeof *j, run_job, end_job, "marking cells", other);
+    struct raster_clip_job *j =
+        job_new_reading(s, a, sizeof *j, run_job, end_job, "marking cells", other);
     if (j == NULL)
         return;
     bool room = make_room(s, a, q);
