@@ -8,7 +8,7 @@
 #include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/expire.h"
-#include "server/jobs/keep.h"
+#include "server/jobs/page_cache.h"
 #include "server/jobs/restart.h"
 #include "server/jobs/server.h"
 #include "server/lifecycle.h"
@@ -129,7 +129,7 @@ static void on_turn_end(struct loop *loop)
     durable_turn_end(&d.server);
     leader_turn_end(&d.server);
     follower_turn_end(&d.server);
-    keep_turn_end(&d.server);
+    page_cache_turn_end(&d.server);
 }
 
 /* ---- stopping ---- */
@@ -212,7 +212,7 @@ static void on_tick(struct loop *loop)
     durable_tick(&d.server);
     leader_tick(&d.server);
     follower_tick(&d.server);
-    keep_tick(&d.server);
+    page_cache_tick(&d.server);
     registry_tidy(&d.server.sets);
     valued_tidy(&d.server.sets);
     expire_tick(&d.server);

@@ -4,7 +4,7 @@
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
-#include "server/jobs/keep.h"
+#include "server/jobs/page_cache.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -279,7 +279,7 @@ void load_settle(struct load *l)
     if (l->parser != NULL && parser_is_full(l->parser))
         parser_submit(l->parser);
     size_t expected = bytes_to_expect(l);
-    keep_expect(l->server, expected, l->expected);
+    page_cache_expect(l->server, expected, l->expected);
     l->expected = expected;
 }
 
@@ -367,7 +367,7 @@ bool load_stalls(struct load *l, int64_t now_ms)
 void load_free(struct server *s, struct load *l)
 {
     bool reserved = l->memory.bytes > 0;
-    keep_expect(s, 0, l->expected);
+    page_cache_expect(s, 0, l->expected);
     if (l->parser != NULL)
         parser_free(l->parser);
     body_free(&l->body);
@@ -400,7 +400,7 @@ double *load_copy(const struct load *l)
 size_t load_hand_on_expected(struct server *s, struct load *l)
 {
     size_t rest = l->expected / BYTES_PER_POINT * BYTES_WHILE_ADDING;
-    keep_expect(s, rest, l->expected);
+    page_cache_expect(s, rest, l->expected);
     l->expected = 0;
     return rest;
 }

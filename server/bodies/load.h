@@ -39,7 +39,7 @@ struct load {
     struct server *server;          /* borrows */
     struct reservation memory;      /* of the points received so far */
     enum reply_code shortage;       /* the error if there is no memory for more */
-    size_t expected;                /* bytes to prefault for them (keep.h) */
+    size_t expected;                /* bytes to prefault for them (page_cache.h) */
     bool adds;                      /* the points are to be added to a set */
     uint64_t came, seen;            /* bytes received; and when load_stalls last saw progress */
     int64_t seen_ms;                /* when that was; 0: not yet */
@@ -62,7 +62,7 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a);
 /* Feeds bytes to the body (body_feed). Beyond --max-memory the body fails. */
 ptrdiff_t load_feed(struct load *l, const char *bytes, size_t n, bool last);
 
-/* Whether the server is to be changed, by load_settle: the memory that the points will take has changed (keep.h), or
+/* Whether the server is to be changed, by load_settle: the memory that the points will take has changed (page_cache.h), or
  * the parser has a block for the workers. */
 bool load_has_changed(const struct load *l);
 void load_settle(struct load *l);
@@ -112,7 +112,7 @@ double *load_take(struct load *l, struct reservation *memory);
 double *load_copy(const struct load *l);
 
 /* For points that are about to be added: returns the bytes that are to be free meanwhile, for what follows, which are the
- * caller's to announce from now on (keep_expect). */
+ * caller's to announce from now on (page_cache_expect). */
 size_t load_hand_on_expected(struct server *s, struct load *l);
 
 void load_free(struct server *s, struct load *l);

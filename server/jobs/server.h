@@ -68,10 +68,10 @@ struct server {
     bool without_followers;         /* there are fewer than --min-followers */
     struct watching watching;       /* the sets that clients watch */
     struct list jobs;               /* those of the workers, until they are collected and ended */
-    struct dt_pages *pages;         /* owns; the page cache for large arrays (keep.h) */
+    struct dt_pages *pages;         /* owns; the page cache for large arrays (page_cache.h) */
     uint64_t uses;                  /* of the cache, at the last tick */
     unsigned idle_ticks;            /* ticks in a row without a use */
-    atomic_bool excess;             /* the cache exceeds its limit (keep_turn_end) */
+    atomic_bool excess;             /* the cache exceeds its limit (page_cache_turn_end) */
     bool releasing;                 /* a job is returning pages */
     bool preparing;                 /* a job is prefaulting pages */
     size_t expected;                /* bytes to prefault for points that are being received */
@@ -118,7 +118,7 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
 /* Writes the error for a lack of `bytes`: BUSY if there may be memory later, else NOMEM. Returns false. */
 bool server_refuse(struct server *s, struct answer *a, size_t bytes);
 
-/* To be called after large changes of the budget: sets the limit of pages, in use and in the cache (keep.h). */
+/* To be called after large changes of the budget: sets the limit of pages, in use and in the cache (page_cache.h). */
 void server_limit_pages(struct server *s);
 
 /* That limit, while large arrays use `large` bytes. */

@@ -4,7 +4,7 @@
 #include "core/delaunay_fields.h"
 #include "server/changes/constraint.h"
 #include "server/jobs/durable.h"
-#include "server/jobs/keep.h"
+#include "server/jobs/page_cache.h"
 #include "server/jobs/upkeep.h"
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
@@ -330,7 +330,7 @@ static void end(struct server *s, struct job *j, struct answer *a)
         finish(s, j, a);
     change_clear(&x->change);
     if (x->expected > 0)
-        keep_expect(s, 0, x->expected);
+        page_cache_expect(s, 0, x->expected);
 }
 
 enum { VALUES_AT_ONCE = 4096 };

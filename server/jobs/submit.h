@@ -10,7 +10,7 @@ struct submission {
     struct job job;
     struct change change; /* owns */
     size_t base;          /* bytes that are reserved before it splits constraints; 0: it does not */
-    size_t expected;      /* bytes that are prepared for it (keep.h), until it ends */
+    size_t expected;      /* bytes that are prepared for it (page_cache.h), until it ends */
     struct list *temporary; /* the new set is one of these; NULL: it is not temporary */
 };
 

@@ -11,7 +11,7 @@
  * requests are refused.
  *
  * A sixteenth of the limit is for replies and clients alone, so that a server full of sets still
- * answers. Free bytes may be pages in the page cache (keep.h). A reservation that needs them returns them to the
+ * answers. Free bytes may be pages in the page cache (page_cache.h). A reservation that needs them returns them to the
  * system before it succeeds, so pages and reservations together stay within the limit.
  *
  * Any thread may use a budget; a reservation belongs to one thread at a time. */

@@ -5,7 +5,7 @@
 #include "server/bodies/load.h"
 #include "server/command/command.h"
 #include "server/jobs/job.h"
-#include "server/jobs/keep.h"
+#include "server/jobs/page_cache.h"
 #include "server/lifecycle.h"
 #include "server/rows/stream.h"
 #include "tests/test.h"
@@ -163,7 +163,7 @@ const char *local_ask(struct local *l, const char *lines)
         }
         if (a.next == ANSWER_BODY)
             at += load(l, a.load, lines + at, n - at);
-        keep_turn_end(&l->server);
+        page_cache_turn_end(&l->server);
     }
     buf_append_char(&l->out, '\0');
     return buf_head(&l->out);

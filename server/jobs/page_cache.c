@@ -1,5 +1,5 @@
-/* keep.c - see keep.h. */
-#include "server/jobs/keep.h"
+/* page_cache.c - see page_cache.h. */
+#include "server/jobs/page_cache.h"
 
 #include "server/jobs/job.h"
 #include "server/system/machine.h"
@@ -92,7 +92,7 @@ static void prepare_next(struct server *s)
     job_aside(s, NULL, &p->job, JOB_SHORT);
 }
 
-void keep_expect(struct server *s, size_t more, size_t less)
+void page_cache_expect(struct server *s, size_t more, size_t less)
 {
     if ((more | less) == 0) /* perhaps of a reactor that shares the world */
         return;
@@ -103,7 +103,7 @@ void keep_expect(struct server *s, size_t more, size_t less)
 
 /* ---- the limit ---- */
 
-void keep_turn_end(struct server *s)
+void page_cache_turn_end(struct server *s)
 {
     struct dt_pages_summary now;
     if (!s->excess)
@@ -115,11 +115,11 @@ void keep_turn_end(struct server *s)
         release(s, s->pages, limit > large ? limit - large : 0, false);
 }
 
-void keep_tick(struct server *s)
+void page_cache_tick(struct server *s)
 {
     struct dt_pages_summary now;
     server_limit_pages(s);
-    keep_turn_end(s);
+    page_cache_turn_end(s);
     dt_pages_summary(s->pages, &now);
     s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
     s->uses = now.uses;

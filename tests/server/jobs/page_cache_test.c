@@ -1,5 +1,5 @@
-/* keep_test.c - pages of dropped sets: reused, within --max-memory, and returned to the system. */
-#include "server/jobs/keep.h"
+/* page_cache_test.c - pages of dropped sets: reused, within --max-memory, and returned to the system. */
+#include "server/jobs/page_cache.h"
 
 #include "core/memory/pages.h"
 #include "server/jobs/job.h"
@@ -35,7 +35,7 @@ static struct dt_pages_summary facts(const struct local *l)
 static void tick(struct local *l, unsigned times)
 {
     while (times-- > 0)
-        keep_tick(&l->server);
+        page_cache_tick(&l->server);
 }
 
 TEST_TIMEOUT(sets_and_loads_reuse_the_pages_of_earlier_ones, 60)

@@ -1,4 +1,4 @@
-/* keep.h - the page cache (dt_pages): freed pages of large arrays that the server keeps for reuse, and when
+/* page_cache.h - the page cache (dt_pages): freed pages of large arrays that the server keeps for reuse, and when
  * they are returned to the system.
  *
  * Kept pages count as free memory in the budget (budget.h): they are returned when that memory is reserved for
@@ -13,10 +13,10 @@
 
 /* Points that are being received will need `more` bytes of large arrays, and `less` of those that were announced
  * before: workers prefault pages meanwhile. */
-void keep_expect(struct server *s, size_t more, size_t less);
+void page_cache_expect(struct server *s, size_t more, size_t less);
 
 /* To be called once a second. */
-void keep_tick(struct server *s);
+void page_cache_tick(struct server *s);
 
 /* To be called at the end of each turn of the loop: returns the pages that exceed the limit. */
-void keep_turn_end(struct server *s);
+void page_cache_turn_end(struct server *s);
