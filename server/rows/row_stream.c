@@ -120,7 +120,7 @@ static void make(struct row_stream *st, struct piece *p, const atomic_bool *canc
         return;
     p->part.pace.cancel = cancel;
     p->part.memory = &p->memory;
-    rows_fill(&p->part, &p->text, piece_bytes(st) - ROOM_ROW);
+    rows_fill(&p->part, &p->text, piece_bytes(st) - ROW_MEMORY_SHORT);
     p->part.pace.cancel = NULL;
 }
 

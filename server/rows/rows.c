@@ -32,7 +32,7 @@ static bool make_room(const struct rows *r, struct buf *out, size_t ids, size_t 
                       size_t beside)
 {
     size_t text = r->binary ? 4 * ids + 8 * numbers : ID_TEXT * ids + NUMBER_TEXT * numbers;
-    return room_make(r->memory, out, text + ROW_TEXT, beside);
+    return row_memory_reserve(r->memory, out, text + ROW_TEXT, beside);
 }
 
 /* ---- rows from ids ---- */
@@ -131,7 +131,7 @@ static void write_words(struct rows *r, struct buf *out, const uint32_t *word)
 {
     if (r->binary)
         reply_words_u32(out, word, reply_row_words(r->format, word));
-    else if (room_make(r->memory, out, reply_row_room(r->format, word), 0))
+    else if (row_memory_reserve(r->memory, out, reply_row_room(r->format, word), 0))
         reply_row(out, r->format, word);
 }
 

@@ -68,7 +68,7 @@ static void write(struct surface_rows *r, struct buf *out, struct reservation *m
 {
     size_t numbers = numbers_of(r), row = r->columns * numbers,
            n = r->binary ? r->found : r->found / r->columns * r->columns;
-    if (!room_make(memory, out, bytes_of(r, n), surface_rows_memory(r)))
+    if (!row_memory_reserve(memory, out, bytes_of(r, n), surface_rows_memory(r)))
         return;
     if (r->binary)
         reply_words_u32(out, (const uint32_t *)(const void *)r->value, 2 * n * numbers);

@@ -7,7 +7,7 @@
 #include "core/delaunay_surface.h"
 #include "proto/buf.h"
 #include "server/rows/pace.h"
-#include "server/rows/room.h"
+#include "server/rows/row_memory.h"
 
 /* INSIDE: the part inside a border, or inside any border. */
 struct inside {
