@@ -5,13 +5,13 @@
 #include "server/disk/reply_hold.h"
 #include "server/jobs/answer.h"
 #include "server/jobs/reactor.h"
+#include "server/jobs/worker.h"
 #include "server/ops/auth.h"
 #include "server/ops/auth_delay.h"
 #include "server/ops/config.h"
 #include "server/ops/slowlog.h"
 #include "server/sets/budget.h"
 #include "server/sets/dataset.h"
-#include "server/sets/worker.h"
 
 struct counters {
     uint64_t connections; /* accepted since the start */

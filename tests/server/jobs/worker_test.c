@@ -1,6 +1,6 @@
 /* worker_test.c - worker threads: every piece of work is done once, and the core's pool never waits for
  * a free thread. */
-#include "server/sets/worker.h"
+#include "server/jobs/worker.h"
 #include "server/system/priority.h"
 #include "tests/test.h"
 

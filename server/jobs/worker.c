@@ -7,7 +7,7 @@
  * that have been signalled, both when work is submitted and whenever a thread has taken some. Invariant:
  * for all waiting work a thread has been signalled, or every thread that may do it is busy and looks for
  * more work before it sleeps. */
-#include "server/sets/worker.h"
+#include "server/jobs/worker.h"
 
 #include "server/system/priority.h"
 
