@@ -100,11 +100,10 @@ struct rows {
     struct dt_ids ids;            /* the list; a part borrows it */
     const struct dt_point *place; /* the list of places; borrows */
     size_t places;
-    struct pace pace; /* of the next rows_fill */
-    struct reservation
-        *memory;        /* borrows: covers out and long rows (row_memory.h); NULL: nothing does */
-    size_t at;          /* ids or places of the list whose rows have been written */
-    struct dt_ids ring; /* owns: workspace */
+    struct pace pace;           /* of the next rows_fill */
+    struct reservation *memory; /* borrows: covers out and long rows; NULL: nothing does */
+    size_t at;                  /* ids or places of the list whose rows have been written */
+    struct dt_ids ring;         /* owns: workspace */
     bool done;
     enum dt_status status; /* not DT_OK: the rows cannot be completed */
 };
