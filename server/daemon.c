@@ -14,7 +14,7 @@
 #include "server/lifecycle.h"
 #include "server/listeners.h"
 #include "server/session/session.h"
-#include "server/sets/valued.h"
+#include "server/sets/skip_copy.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/system/outlet.h"
@@ -214,7 +214,7 @@ static void on_tick(struct loop *loop)
     follower_tick(&d.server);
     page_cache_tick(&d.server);
     registry_tidy(&d.server.sets);
-    valued_tidy(&d.server.sets);
+    skip_copy_tidy(&d.server.sets);
     expire_tick(&d.server);
     announce_if_ready();
     notify_systemd();

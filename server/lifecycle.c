@@ -9,7 +9,7 @@
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 #include "server/rows/stream.h"
-#include "server/sets/valued.h"
+#include "server/sets/skip_copy.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/watch/watch.h"
@@ -91,7 +91,7 @@ bool server_init(struct server *s, struct config *config)
     s->sets.pages = s->pages;
     s->sets.discard = discard;
     s->sets.discard_ctx = s;
-    s->sets.forget = valued_forget;
+    s->sets.forget = skip_copy_forget;
     s->sets.changed = watch_changed;
     s->sets.dropped = watch_dropped;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))

@@ -7,7 +7,7 @@
 #include "server/jobs/submit.h"
 #include "server/replies/listing.h"
 #include "server/rows/answer_rows.h"
-#include "server/sets/valued.h"
+#include "server/sets/skip_copy.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -91,8 +91,8 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     reply_key_u64(a->out, "edges", sum->edges);
     reply_key_u64(a->out, "hull", sum->hull);
     reply_key_u64(a->out, "memory", sum->memory);
-    if (set->valued != NULL)
-        reply_key_u64(a->out, "copies", valued_memory(set));
+    if (set->skip_copies != NULL)
+        reply_key_u64(a->out, "copies", skip_copy_memory(set));
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
     if (sum->fields > 0)
         reply_key_u64(a->out, "fields", sum->fields);

@@ -4,7 +4,7 @@
 #include "server/bodies/load.h"
 #include "server/command/ahead.h"
 #include "server/command/options.h"
-#include "server/jobs/skip.h"
+#include "server/jobs/missing_skip.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"
@@ -36,7 +36,7 @@ static bool find_source(struct server *s, struct answer *a, struct dataset *set,
                         struct surface_source *from)
 {
     *from = (struct surface_source){.version = set->current, .set = set};
-    if (skip && !skip_ready(s, a, set, field, &from->version))
+    if (skip && !missing_skip_ready(s, a, set, field, &from->version))
         return false;
     if (from->version != set->current)
         from->set = NULL;

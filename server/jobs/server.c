@@ -1,7 +1,7 @@
 /* server.c - see server.h. */
 #include "server/jobs/server.h"
 
-#include "server/sets/valued.h"
+#include "server/sets/skip_copy.h"
 
 const struct command_stats *server_stats(const struct server *s, size_t command,
                                          struct command_stats *sum)
@@ -28,7 +28,7 @@ struct request_counts server_requests(const struct server *s)
 /* Makes room for `bytes` by what can be made again. */
 static bool make_room(struct server *s, const struct answer *a, size_t bytes)
 {
-    return !answer_shares(a) && budget_could_fit(&s->budget, bytes) && valued_release(&s->sets);
+    return !answer_shares(a) && budget_could_fit(&s->budget, bytes) && skip_copy_release(&s->sets);
 }
 
 bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)

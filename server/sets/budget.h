@@ -25,7 +25,7 @@ struct dt_pages;
 
 enum budget_kind {
     BUDGET_SETS,    /* all versions of all sets */
-    BUDGET_COPIES,  /* copies of sets without some points, which can be made again (valued.h) */
+    BUDGET_COPIES,  /* copies of sets without some points, which can be made again (skip_copy.h) */
     BUDGET_BUILDS,  /* triangulations and grids that are being built */
     BUDGET_EDITS,   /* batches that are being added, copies for edits, sets that are being freed */
     BUDGET_LOADS,   /* points that are being received */

@@ -220,7 +220,7 @@ struct dataset *registry_next_expiring(struct registry *r)
 
 static void forget_copies(struct registry *r, struct dataset *set)
 {
-    if (set->valued != NULL)
+    if (set->skip_copies != NULL)
         r->forget(r, set);
 }
 

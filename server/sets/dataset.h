@@ -55,14 +55,14 @@ struct dataset {
     struct dataset_result triangulation, proof; /* the last TRIANGULATE and CHECK */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
-    bool triangulated;          /* the log has a TRIANGULATE of it (with --data) */
-    bool loading;               /* it was read from disk and is not triangulated yet */
-    bool temporary;             /* dropped when its connection ends, and never on disk */
-    int64_t expires_ms;         /* when it is dropped, in milliseconds since 1970; 0: never */
-    struct list_link fellow;    /* of a temporary set: in the list of its connection's */
-    struct request_queue queue; /* of requests that wait for it */
-    struct watched *watched;    /* borrows; who watches it (server/watch); NULL: nobody */
-    struct valued *valued; /* owns a list; copies without points that lack a value (valued.h) */
+    bool triangulated;             /* the log has a TRIANGULATE of it (with --data) */
+    bool loading;                  /* it was read from disk and is not triangulated yet */
+    bool temporary;                /* dropped when its connection ends, and never on disk */
+    int64_t expires_ms;            /* when it is dropped, in milliseconds since 1970; 0: never */
+    struct list_link fellow;       /* of a temporary set: in the list of its connection's */
+    struct request_queue queue;    /* of requests that wait for it */
+    struct watched *watched;       /* borrows; who watches it (server/watch); NULL: nobody */
+    struct skip_copy *skip_copies; /* owns a list (skip_copy.h) */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -81,7 +81,7 @@ struct registry {
     uint32_t life;             /* the number of this life of the daemon (record.h) */
     _Atomic uint64_t unlogged; /* changes that are in no log */
     struct list untidy;        /* those with data that was saved for readers that have finished */
-    struct list valued;        /* copies of all sets (valued.h) */
+    struct list skip_copies;   /* copies of all sets (skip_copy.h) */
     /* Frees the copies of a set whose contents are about to go; NULL: there are none. */
     void (*forget)(struct registry *r, struct dataset *set);
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */

@@ -1,4 +1,4 @@
-/* missing_test.c - MISSING skip: what clients see, builds that are shared, and what becomes of them. */
+/* missing_skip_test.c - MISSING skip: what clients see, builds that are shared, and what becomes of them. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
