@@ -546,7 +546,7 @@ bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt
  * Cost: linear in the rows; the nearest k, a factor of up to log k more. */
 enum dt_sweep_kind { DT_SWEEP_BOX, DT_SWEEP_DISC, DT_SWEEP_NEAREST };
 
-struct dt_near;
+struct dt_nearest_heap;
 
 struct dt_sweep {
     enum dt_sweep_kind kind;
@@ -557,7 +557,7 @@ struct dt_sweep {
     uint32_t from;      /* the next id */
     struct dt_row *row; /* owns `room`, holds `rows` */
     size_t room, rows;
-    struct dt_near *near; /* owns: the nearest so far */
+    struct dt_nearest_heap *near; /* owns: the nearest so far */
 };
 
 /* Reads the next rows; their number is that of the first call. May run beside functions that only read the set. */

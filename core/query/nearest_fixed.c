@@ -6,8 +6,8 @@
  * 3. So a vertex is next if it is nearer than all edges that wait: any vertex that is as near is in a triangle that has
  *    been visited. */
 #include "core/query/locate.h"
-#include "core/query/near.h"
 #include "core/query/nearest.h"
+#include "core/query/nearest_heap.h"
 #include "core/query/visited.h"
 
 #include <stdlib.h>
@@ -22,7 +22,7 @@ struct search {
     const struct dt *t;
     struct dt_stop *work;
     struct dt_visited triangles, vertices;
-    struct dt_near near;
+    struct dt_nearest_heap near;
     struct waiting *heap; /* owns: the least on top */
     size_t n, cap;
 };
@@ -63,8 +63,8 @@ static enum dt_status see_vertex(struct search *s, uint32_t v)
     enum dt_status st = dt_visited_add(&s->vertices, v, &fresh);
     if (st != DT_OK || !fresh)
         return st;
-    struct dt_seen c = dt_near_see(&s->near, s->t->points.xy[v], v);
-    return c.d > s->near.limit ? DT_OK : dt_near_push(&s->near, c, s->work);
+    struct dt_seen c = dt_nearest_heap_see(&s->near, s->t->points.xy[v], v);
+    return c.d > s->near.limit ? DT_OK : dt_nearest_heap_push(&s->near, c, s->work);
 }
 
 static enum dt_status visit(struct search *s, uint32_t h)
@@ -101,7 +101,7 @@ static enum dt_status search_on(struct search *s, const struct dt_place *q, stru
     enum dt_status st = push(s, h | 3, 0); /* across none of its edges */
     while (st == DT_OK && s->near.wanted > 0 && s->near.n + s->n > 0) {
         if (is_next(s)) {
-            out->v[out->n++] = dt_near_pop(&s->near).key;
+            out->v[out->n++] = dt_nearest_heap_pop(&s->near).key;
             s->near.wanted--;
         } else {
             st = visit(s, pop(s));
@@ -175,7 +175,7 @@ enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, ui
         v = nearest_at_once(t, q->at, h);
     if (v != DT_NONE)
         return dt_ids_append(out, v);
-    struct search s = {.t = t, .work = work, .near = dt_near_of(q->at, t->points.id, k)};
+    struct search s = {.t = t, .work = work, .near = dt_nearest_heap_of(q->at, t->points.id, k)};
     size_t n = out->n;
     dt_visited_init(&s.triangles, 5 * (size_t)k);
     dt_visited_init(&s.vertices, 5 * (size_t)k);
@@ -184,7 +184,7 @@ enum dt_status dt_nearest_fixed(const struct dt *t, const struct dt_place *q, ui
         st = search_on(&s, q, out);
     dt_visited_clear(&s.triangles);
     dt_visited_clear(&s.vertices);
-    dt_near_clear(&s.near);
+    dt_nearest_heap_clear(&s.near);
     free(s.heap);
     if (st != DT_OK)
         out->n = n;

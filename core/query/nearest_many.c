@@ -1,7 +1,7 @@
 /* nearest_many.c - the nearest k, now or at the moment of a view: from a nearest vertex outward along edges, by a heap
- * of those seen. A vertex of high degree costs little more than one visit of each neighbour (near.h). */
-#include "core/query/near.h"
+ * of those seen. A vertex of high degree costs little more than one visit of each neighbour (nearest_heap.h). */
 #include "core/query/nearest.h"
+#include "core/query/nearest_heap.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
 #include "core/set/view_rows.h"
@@ -16,13 +16,13 @@ struct search {
     struct dt_neighbours *around; /* borrows: the star then that was read last */
     struct dt_stop *work;
     struct dt_visited seen;
-    struct dt_near near; /* seen and not yet given out */
+    struct dt_nearest_heap near; /* seen and not yet given out */
 };
 
 static inline struct dt_seen look_at(const struct search *s, uint32_t key)
 {
     struct dt_point at = s->then == NULL ? s->t->points.xy[key] : dt_view_place(s->t, s->then, key);
-    return dt_near_see(&s->near, at, key);
+    return dt_nearest_heap_see(&s->near, at, key);
 }
 
 /* Pushes a point that has not been seen before, unless it is too far away; *fresh says whether it is new. */
@@ -36,7 +36,7 @@ static enum dt_status push_fresh(struct search *s, uint32_t key, bool *fresh)
         return DT_OK;
     if (s->then == NULL)
         dt_fetch(&s->t->mesh.leaving[key]);
-    return dt_near_push(&s->near, c, s->work);
+    return dt_nearest_heap_push(&s->near, c, s->work);
 }
 
 static enum dt_status push_star(struct search *s, uint32_t v)
@@ -81,7 +81,7 @@ static enum dt_status nearest_ties_then(struct search *s, uint32_t id, struct dt
     enum dt_status st = read_star(s, id);
     for (size_t i = 0; st == DT_OK && i < s->around->ring.n; i++) {
         struct dt_seen c = look_at(s, s->around->ring.v[i]);
-        if (dt_near_compare(&s->near, &c, &centre) == 0)
+        if (dt_nearest_heap_compare(&s->near, &c, &centre) == 0)
             st = dt_ids_append(ties, c.key);
     }
     return st;
@@ -112,7 +112,7 @@ static enum dt_status search_outward(struct search *s, uint32_t nearest, bool ti
     const uint32_t *id = s->near.id;
     enum dt_status st = tie ? push_ties(s, nearest) : push_fresh(s, nearest, &fresh);
     while (st == DT_OK && s->near.wanted > 0 && s->near.n > 0) {
-        struct dt_seen c = dt_near_pop(&s->near);
+        struct dt_seen c = dt_nearest_heap_pop(&s->near);
         out->v[out->n++] = id == NULL ? c.key : id[c.key];
         if (--s->near.wanted > 0)
             st = s->then == NULL ? push_star(s, c.key) : push_ring_then(s, c.key);
@@ -127,7 +127,7 @@ static enum dt_status append_nearest(struct search *s, uint32_t nearest, bool ti
     dt_visited_init(&s->seen, 5 * s->near.wanted);
     enum dt_status st = search_outward(s, nearest, tie, out);
     dt_visited_clear(&s->seen);
-    dt_near_clear(&s->near);
+    dt_nearest_heap_clear(&s->near);
     if (st != DT_OK)
         out->n = n;
     return st;
@@ -162,7 +162,8 @@ enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place 
     if (st != DT_OK)
         return st;
     if (k > 1 || tie) {
-        struct search s = {.t = t, .work = work, .near = dt_near_of(q->at, t->points.id, k)};
+        struct search s = {
+            .t = t, .work = work, .near = dt_nearest_heap_of(q->at, t->points.id, k)};
         return append_nearest(&s, v, tie, out);
     }
     out->v[out->n++] = t->points.id[v];
@@ -193,7 +194,7 @@ static enum dt_status descend(struct search *s, uint32_t *id)
         st = read_star(s, *id);
         for (size_t i = 0; st == DT_OK && i < s->around->ring.n; i++) {
             struct dt_seen c = look_at(s, s->around->ring.v[i]);
-            if (dt_near_compare(&s->near, &c, &best) < 0)
+            if (dt_nearest_heap_compare(&s->near, &c, &best) < 0)
                 best = c;
         }
     } while (st == DT_OK && best.key != *id);
@@ -209,14 +210,14 @@ static enum dt_status nearest_of_rows(struct search *s, struct dt_ids *out)
     for (uint32_t id = 0; st == DT_OK && (id = dt_view_ids_next(&ids, id)) != DT_NONE; id++) {
         if (dt_view_representative(s->t, s->then, id) == id) {
             struct dt_seen c = look_at(s, id);
-            st = c.d > s->near.limit ? DT_OK : dt_near_push(&s->near, c, s->work);
+            st = c.d > s->near.limit ? DT_OK : dt_nearest_heap_push(&s->near, c, s->work);
         }
         if (st == DT_OK && (++steps & DT_WORK_MASK) == 0)
             st = dt_work(s->work, DT_WORK_BLOCK);
     }
     for (; st == DT_OK && s->near.wanted > 0 && s->near.n > 0; s->near.wanted--)
-        out->v[out->n++] = dt_near_pop(&s->near).key;
-    dt_near_clear(&s->near);
+        out->v[out->n++] = dt_nearest_heap_pop(&s->near).key;
+    dt_nearest_heap_clear(&s->near);
     return st;
 }
 
@@ -227,7 +228,7 @@ enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, stru
     if (k == 0 || from == DT_NONE)
         return DT_OK;
     struct search s = {
-        .t = t, .then = v, .around = around, .work = work, .near = dt_near_of(q, NULL, k)};
+        .t = t, .then = v, .around = around, .work = work, .near = dt_nearest_heap_of(q, NULL, k)};
     enum dt_status st = dt_ids_reserve(out, k);
     if (st == DT_OK && v->constrained)
         return nearest_of_rows(&s, out);

@@ -7,7 +7,7 @@
 #include "core/delaunay.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
-#include "core/query/near.h"
+#include "core/query/nearest_heap.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
 
@@ -23,7 +23,7 @@ enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct
     if (s->near == NULL) {
         s->near = malloc(sizeof *s->near);
         if (s->near != NULL)
-            *s->near = dt_near_of(s->at, NULL, s->k);
+            *s->near = dt_nearest_heap_of(s->at, NULL, s->k);
     }
     s->rows = 0;
     return s->row == NULL || s->near == NULL
@@ -48,8 +48,8 @@ static enum dt_status take(struct dt_sweep *s, const struct dt_row *r, struct dt
 {
     if (s->kind != DT_SWEEP_NEAREST)
         return dt_ids_append(out, r->id);
-    struct dt_seen c = dt_near_see(s->near, r->at, r->id);
-    return c.d > s->near->limit ? DT_OK : dt_near_push(s->near, c, NULL);
+    struct dt_seen c = dt_nearest_heap_see(s->near, r->at, r->id);
+    return c.d > s->near->limit ? DT_OK : dt_nearest_heap_push(s->near, c, NULL);
 }
 
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
@@ -70,7 +70,7 @@ size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out)
     size_t ids = out->cap;
     while (ids - out->n < (nearest ? s->near->n : s->room))
         ids = dt_array_room(ids, ids + 1, SIZE_MAX);
-    return s->room * sizeof *s->row + (nearest ? dt_near_room(s->near, s->room) : 0) +
+    return s->room * sizeof *s->row + (nearest ? dt_nearest_heap_room(s->near, s->room) : 0) +
            ids * sizeof *out->v;
 }
 
@@ -78,12 +78,12 @@ enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, st
 {
     struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = DT_OK;
-    for (struct dt_near *near = s->near; status == DT_OK && near->n > 0 && near->wanted > 0;
+    for (struct dt_nearest_heap *near = s->near; status == DT_OK && near->n > 0 && near->wanted > 0;
          near->wanted--) {
         if ((near->n & DT_WORK_MASK) == 0)
             status = dt_work(&work, DT_WORK_BLOCK);
         if (status == DT_OK)
-            status = dt_ids_append(out, dt_near_pop(near).key);
+            status = dt_ids_append(out, dt_nearest_heap_pop(near).key);
     }
     return status;
 }
@@ -93,7 +93,7 @@ void dt_sweep_clear(struct dt_sweep *s)
     free(s->row);
     s->row = NULL;
     if (s->near != NULL)
-        dt_near_clear(s->near);
+        dt_nearest_heap_clear(s->near);
     free(s->near);
     s->near = NULL;
 }

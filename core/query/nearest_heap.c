@@ -1,5 +1,5 @@
-/* near.c - see near.h. */
-#include "core/query/near.h"
+/* nearest_heap.c - see nearest_heap.h. */
+#include "core/query/nearest_heap.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,27 +9,28 @@
 
 enum { SPARE = 64 }; /* points, so that small searches cut nothing */
 
-struct dt_near dt_near_of(struct dt_point q, const uint32_t *id, size_t wanted)
+struct dt_nearest_heap dt_nearest_heap_of(struct dt_point q, const uint32_t *id, size_t wanted)
 {
-    return (struct dt_near){.q = q, .id = id, .wanted = wanted, .limit = HUGE_VAL};
+    return (struct dt_nearest_heap){.q = q, .id = id, .wanted = wanted, .limit = HUGE_VAL};
 }
 
-void dt_near_clear(struct dt_near *h)
+void dt_nearest_heap_clear(struct dt_nearest_heap *h)
 {
     free(h->heap);
     h->heap = NULL;
 }
 
-static inline bool before(const struct dt_near *h, const struct dt_seen *a, const struct dt_seen *b)
+static inline bool before(const struct dt_nearest_heap *h, const struct dt_seen *a,
+                          const struct dt_seen *b)
 {
-    int sign = dt_near_compare(h, a, b);
+    int sign = dt_nearest_heap_compare(h, a, b);
     if (sign != 0)
         return sign < 0;
     return h->id == NULL ? a->key < b->key : h->id[a->key] < h->id[b->key];
 }
 
 /* Puts a point at i or below it. */
-static void sift_down(struct dt_near *h, size_t i, struct dt_seen c)
+static void sift_down(struct dt_nearest_heap *h, size_t i, struct dt_seen c)
 {
     for (size_t child; (child = 2 * i + 1) < h->n; i = child) {
         if (child + 1 < h->n && before(h, &h->heap[child + 1], &h->heap[child]))
@@ -41,7 +42,7 @@ static void sift_down(struct dt_near *h, size_t i, struct dt_seen c)
     h->heap[i] = c;
 }
 
-struct dt_seen dt_near_pop(struct dt_near *h)
+struct dt_seen dt_nearest_heap_pop(struct dt_nearest_heap *h)
 {
     struct dt_seen top = h->heap[0];
     h->n--;
@@ -52,7 +53,7 @@ struct dt_seen dt_near_pop(struct dt_near *h)
 /* Brings the nearest k points, 0 < k <= n, to the front, the last of them to k - 1 [Hoare, "Algorithm 65: find", CACM
  * 4(7), 1961]. The choice of pivots does not change the result. It depends on addresses in memory, so that no order of
  * points can be made to slow it down. Cost: linear expected. */
-static void select_nearest(struct dt_near *h, size_t k)
+static void select_nearest(struct dt_nearest_heap *h, size_t k)
 {
     struct dt_seen *v = h->heap;
     uint64_t random = (uintptr_t)v;
@@ -78,7 +79,7 @@ static void select_nearest(struct dt_near *h, size_t k)
 }
 
 /* Cuts the heap down to the results still wanted. */
-static enum dt_status cut(struct dt_near *h, struct dt_stop *work)
+static enum dt_status cut(struct dt_nearest_heap *h, struct dt_stop *work)
 {
     size_t keep = h->wanted;
     select_nearest(h, keep);
@@ -89,7 +90,7 @@ static enum dt_status cut(struct dt_near *h, struct dt_stop *work)
     return dt_work(work, keep);
 }
 
-size_t dt_near_room(const struct dt_near *h, size_t more)
+size_t dt_nearest_heap_room(const struct dt_nearest_heap *h, size_t more)
 {
     size_t most = 2 * h->wanted + SPARE + 1, cap = h->cap;
     while (cap < h->n + more && cap < most)
@@ -97,7 +98,8 @@ size_t dt_near_room(const struct dt_near *h, size_t more)
     return cap * sizeof *h->heap;
 }
 
-enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_stop *work)
+enum dt_status dt_nearest_heap_push(struct dt_nearest_heap *h, struct dt_seen c,
+                                    struct dt_stop *work)
 {
     enum dt_status s = dt_items_append(&h->heap, &h->n, &h->cap, &c, sizeof c);
     if (s != DT_OK)
