@@ -1,4 +1,4 @@
-/* judged.c - edits of points of a set with constraints.
+/* edit_constrained.c - edits of points of a set with constraints.
  *
  * Usually the mesh is edited as without constraints: a vertex moves within its star, and its constraints with it; or these
  * are released, and return when it has moved. That fails if constraints would cross on the way, or if a tolerance makes
