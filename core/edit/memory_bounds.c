@@ -1,5 +1,5 @@
-/* demand.c - upper bounds of the peak memory of work on a set: measured on families of point sets, and checked
- * by a test (tests/core/edit/demand_test.c). They count memory that is touched: the unused room of a large array
+/* memory_bounds.c - upper bounds of the peak memory of work on a set: measured on families of point sets, and checked
+ * by a test (tests/core/edit/memory_bounds_test.c). They count memory that is touched: the unused room of a large array
  * costs nothing. */
 #include "core/control/parallel.h"
 #include "core/delaunay_constraints.h"

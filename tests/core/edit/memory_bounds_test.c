@@ -1,4 +1,4 @@
-/* demand_test.c - operations use no more memory than dt_build_memory and similar functions return,
+/* memory_bounds_test.c - operations use no more memory than dt_build_memory and similar functions return,
  * nor much less: measured by the peak resident memory of this process. */
 #include "core/delaunay_constraints.h"
 #include "tests/core/threads.h"
