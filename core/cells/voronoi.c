@@ -1,9 +1,9 @@
 /* voronoi.c - the cells of a set one after the other, now or at the moment of a view.
  *
  * Each cell is computed from its star alone (cell.h), which needs neither memory nor an order of the cells. But a
- * circumcentre is computed three times, once for each corner of its triangle. made.c makes all cells at once. */
+ * circumcentre is computed three times, once for each corner of its triangle. all_cells.c makes all cells at once. */
+#include "core/cells/all_cells.h"
 #include "core/cells/cell.h"
-#include "core/cells/made.h"
 #include "core/mesh/hull.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
@@ -249,7 +249,7 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
 {
     *n = *corners = 0;
     if (c->made != NULL)
-        return dt_made_read(c, cell, room, corner, cap, n, corners);
+        return dt_all_cells_read(c, cell, room, corner, cap, n, corners);
     enum dt_status s = dt_view_readable(t, c->view, true);
     if (s != DT_OK)
         return s;

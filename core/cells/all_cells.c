@@ -1,4 +1,4 @@
-/* made.c - all cells at once, in the order of the vertices in memory.
+/* all_cells.c - all cells at once, in the order of the vertices in memory.
  *
  *      vertices     v0        v1     v2 ...      in Morton order: each circumcentre is computed once, for three cells
  *      corner[]     ------ -------- ------ ...
@@ -10,7 +10,7 @@
  *
  * Records of triangles are numbered in Morton order, too. So a walk over the vertices needs the triangles of few blocks of
  * records at a time: the circumcentres of a block are computed together, about once, and kept for a while. */
-#include "core/cells/made.h"
+#include "core/cells/all_cells.h"
 
 #include "core/cells/cell.h"
 #include "core/cells/centre.h"
@@ -347,8 +347,8 @@ static void copy(struct dt_point *to, const struct dt_point *from, uint32_t n, s
         dt_lanes_store(&to[i].x, dt_lanes_load(&from[i].x));
 }
 
-enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t room,
-                            struct dt_point *corner, size_t cap, size_t *n, size_t *corners)
+enum dt_status dt_all_cells_read(struct dt_cells *c, struct dt_cell *cell, size_t room,
+                                 struct dt_point *corner, size_t cap, size_t *n, size_t *corners)
 {
     enum { AHEAD = 24 };
     const struct dt_cells_made *m = c->made;
