@@ -15,7 +15,7 @@ struct dt_tile {
     uint32_t judged;     /* faces without a corner from this local id on have been judged */
     bool opened;         /* dt_tile_open has been called */
     struct dt_ids
-        postponed; /* owns; half edges of triangles: the first ones of faces that open.c has postponed */
+        postponed; /* owns; half edges of triangles: the first ones of faces that outgoing.c has postponed */
     struct dt_box box; /* of the own points, if any */
     struct dt_pairs sent;
 };

@@ -1,4 +1,4 @@
-/* open.c - which own points other tiles need: the faces that meet their boxes (delaunay_tiles.h).
+/* outgoing.c - which own points other tiles need: the faces that meet their boxes (delaunay_tiles.h).
  *
  * The first call judges the faces in the order of memory. Most ghosts and large circles exist only because the tile does not
  * know the points around it yet; they meet the boxes of many tiles, near and far. So the first call postpones them, and sends the extreme
