@@ -1,4 +1,4 @@
-/* ahead.c - the facet with the worst point of all, and prefetches for those that are likely to follow.
+/* worst_facet.c - the facet with the worst point of all, and prefetches for those that are likely to follow.
  *
  * An insertion reads some sixty places in memory that are far from those of the last one. So the entries of the heap that come next are
  * fetched ahead, in three steps; each step reads only what the step before has fetched:
