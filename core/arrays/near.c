@@ -6,8 +6,8 @@
 #include "core/arrays/arrays.h"
 #include "core/arrays/workers.h"
 #include "core/memory/sort.h"
-#include "core/query/ahead.h"
 #include "core/query/nearest.h"
+#include "core/query/prefetch.h"
 
 /* Appends the aliases of a representative. */
 static enum dt_status append_heirs(const struct dt_arrays *a, uint32_t id, struct dt_ids *out)

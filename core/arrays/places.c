@@ -1,12 +1,12 @@
-/* places.c - the triangles and the values at many places. Walks go side by side (ahead.h), pieces on several threads. */
+/* places.c - the triangles and the values at many places. Walks go side by side (prefetch.h), pieces on several threads. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/arrays/arrays.h"
 #include "core/arrays/workers.h"
 #include "core/exact/predicates.h"
-#include "core/query/ahead.h"
 #include "core/query/locate.h"
+#include "core/query/prefetch.h"
 #include "core/query/query.h"
 #include "core/surface/value.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/divide/order.h"
 #include "core/memory/memory.h"
-#include "core/query/ahead.h"
+#include "core/query/prefetch.h"
 
 enum { SORTED = 16 }; /* batches of at least this number of points are sorted */
 

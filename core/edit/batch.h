@@ -2,7 +2,7 @@
  *
  * An insertion spends most of its time waiting for memory: for a cell of the grid, the triangle that is in it,
  * its corners, and so on. So the points of a batch are put in the order of the plane, and the next DT_AHEAD
- * points are searched side by side, as the questions of a pipeline are (core/query/ahead.h). Then each point is
+ * points are searched side by side, as the questions of a pipeline are (core/query/prefetch.h). Then each point is
  * inserted, starting at the triangle in which it was found or at one nearby. Without a triangulation, points are
  * looked up in the table of places (core/points/places.h), in the order of arrival. */
 #pragma once

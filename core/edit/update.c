@@ -24,8 +24,8 @@
 #include "core/hints/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
-#include "core/query/ahead.h"
 #include "core/query/locate.h"
+#include "core/query/prefetch.h"
 #include "core/query/query.h"
 
 #define LARGE_SHARE 8   /* a batch of more than 1 / LARGE_SHARE of the set is left to a rebuild */

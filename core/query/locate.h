@@ -31,7 +31,7 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
 bool dt_walk_within(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                     struct dt_point q, uint32_t *steps, uint32_t *half);
 
-/* ---- for walks, one by one and side by side (ahead.h) ----
+/* ---- for walks, one by one and side by side (prefetch.h) ----
  *
  *              c           A walk towards q has come to the half edge h, from a to b, which q is not to the right of. It goes
  *             / \          on through b-c or c-a, or it has arrived. It keeps what q sees of an edge, so that a step

@@ -1,14 +1,14 @@
 /* lookup.c - many places at once: their triangles, and their nearest points; now, or at the moment of a
  * view.
  *
- * Places are walked to side by side (ahead.h). With a view, the answer of the present is right as long as the rows and
+ * Places are walked to side by side (prefetch.h). With a view, the answer of the present is right as long as the rows and
  * rings it follows from have no image since the view began. Otherwise the search is repeated in the rings of that moment.
  * A view keeps rows and rings by id, so the search goes from ring to ring; each step costs the reading of a
  * ring. */
 #include "core/memory/sort.h"
-#include "core/query/ahead.h"
 #include "core/query/locate.h"
 #include "core/query/nearest.h"
+#include "core/query/prefetch.h"
 #include "core/query/query.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"

@@ -1,6 +1,6 @@
 /* raster.c - values of a surface at many places, and at the cells of a raster, by rows (raster_rows.h). */
 #include "core/control/parallel.h"
-#include "core/query/ahead.h"
+#include "core/query/prefetch.h"
 #include "core/surface/raster_rows.h"
 
 /* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */

@@ -1,6 +1,6 @@
 /* ahead.h - prefetching for pipelines. Requests that have arrived together are parsed together, before the first one is
  * carried out. Queries and edits of single points among them will read data, which is prefetched into the
- * caches for all of them in parallel (core/query/ahead.c).
+ * caches for all of them in parallel (core/query/prefetch.c).
  *
  * This is only for short requests that have arrived completely; the session parses all others, and reports
  * errors. */

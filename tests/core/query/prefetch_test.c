@@ -1,4 +1,4 @@
-/* ahead_test.c - prefetching accepts any set, place and id and changes nothing; no hint, good or
+/* prefetch_test.c - prefetching accepts any set, place and id and changes nothing; no hint, good or
  * bad, changes a result. */
 #include "core/delaunay.h"
 #include "core/exact/predicates.h"

@@ -1,4 +1,4 @@
-/* ahead.c - prefetching for several queries at once.
+/* prefetch.c - prefetching for several queries at once.
  *
  * A query at a random place of a large set waits for memory about ten times, each time for an address that the
  * previous wait has delivered: cell, triangle, corners, next triangle. Different queries wait independently. So
@@ -6,7 +6,7 @@
  * single query loads one or two. Cache lines determine the time, so only those that are certain or likely to be
  * read are fetched. Values here are rounded and serve only as hints: the queries run afterwards as usual, and find
  * their data in the caches. */
-#include "core/query/ahead.h"
+#include "core/query/prefetch.h"
 
 #include "core/exact/predicates.h"
 #include "core/hints/hints.h"

@@ -1,4 +1,4 @@
-/* ahead.h - walks side by side, which prefetch what several queries (dt_fetch_places, dt_fetch_ids) or edits
+/* prefetch.h - walks side by side, which prefetch what several queries (dt_fetch_places, dt_fetch_ids) or edits
  * (dt_fetch_edits, and those of a batch) will read. */
 #pragma once
 
