@@ -1,7 +1,7 @@
 /* lifecycle.c - see lifecycle.h. */
 #include "server/lifecycle.h"
 
-#include "server/command/ahead.h"
+#include "server/command/prefetch.h"
 #include "server/commands.h"
 #include "server/follow/follower.h"
 #include "server/follow/leader.h"
@@ -28,8 +28,8 @@ static bool start_reactor(struct server *s, unsigned i)
     r->number = i;
     r->server = s;
     r->push = (struct task){.run = durable_push, .shares = true};
-    r->ahead = calloc(1, sizeof *r->ahead);
-    return r->ahead != NULL && stats_init(&r->stats) && loop_init(&r->loop, s->world, i);
+    r->prefetch = calloc(1, sizeof *r->prefetch);
+    return r->prefetch != NULL && stats_init(&r->stats) && loop_init(&r->loop, s->world, i);
 }
 
 /* Makes the gates of the world and of sets, which several reactors need. */
@@ -60,7 +60,7 @@ static void end_reactor(struct reactor *r)
 {
     loop_clear(&r->loop);
     request_free(&r->request);
-    free(r->ahead);
+    free(r->prefetch);
     buf_free(&r->lines);
     stats_clear(&r->stats);
     free(r->scratch.v);

@@ -3,7 +3,7 @@
 #include "core/query/prefetch.h"
 #include "core/surface/raster_rows.h"
 
-/* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */
+/* The values at the next of n places, which are walked to side by side (prefetch.h); adds those that are written to *done. */
 static enum dt_status next_values(struct dt_valuer *v, const struct dt_point *q, size_t n,
                                   double *out, size_t *done)
 {

@@ -2,7 +2,7 @@
 #include "server/command/command.h"
 
 #include "server/bodies/load.h"
-#include "server/command/ahead.h"
+#include "server/command/prefetch.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"
 #include "server/replies/regions.h"

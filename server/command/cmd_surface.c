@@ -2,8 +2,8 @@
 #include "server/command/command.h"
 
 #include "server/bodies/load.h"
-#include "server/command/ahead.h"
 #include "server/command/options.h"
+#include "server/command/prefetch.h"
 #include "server/jobs/missing_skip.h"
 #include "server/ops/limits.h"
 #include "server/replies/query.h"

@@ -33,9 +33,9 @@ enum {
 typedef bool change_reader(struct server *s, const struct dataset *set, const struct request *q,
                            struct answer *a, struct change *c);
 
-/* The data that is prefetched for requests in a pipeline (ahead.h): at the place in the third and fourth word, or of a point. Its
+/* The data that is prefetched for requests in a pipeline (prefetch.h): at the place in the third and fourth word, or of a point. Its
  * id is the third word, and it is only read, or edited. */
-enum command_ahead { AHEAD_NOTHING, AHEAD_PLACE, AHEAD_ID, AHEAD_EDIT };
+enum command_prefetch { PREFETCH_NOTHING, PREFETCH_PLACE, PREFETCH_ID, PREFETCH_EDIT };
 
 struct command {
     const char *name;
@@ -49,7 +49,7 @@ struct command {
     const char *result;
     enum change_code change; /* the kind of change that it makes; CHANGE_NONE: none */
     change_reader *read;     /* of cmd_change: reads the change; NULL: it has no arguments */
-    enum command_ahead ahead;
+    enum command_prefetch prefetch;
     struct load_shape body; /* follows the line; the handler runs when it is there (a->body) */
 };
 

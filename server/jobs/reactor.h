@@ -19,13 +19,13 @@ struct server;
 struct reactor {
     struct loop loop; /* first: the loop's view */
     unsigned number;
-    pthread_t thread;       /* of all but the first */
-    struct server *server;  /* borrows */
-    struct task push;       /* of what it has appended to the log while it shared the world */
-    uint32_t sessions;      /* that it serves */
-    struct dt_ids scratch;  /* owns; the result of a query that is answered at once */
-    struct request request; /* owns; the words of the current request */
-    struct ahead *ahead;    /* owns; the requests after it in the connection's input */
+    pthread_t thread;          /* of all but the first */
+    struct server *server;     /* borrows */
+    struct task push;          /* of what it has appended to the log while it shared the world */
+    uint32_t sessions;         /* that it serves */
+    struct dt_ids scratch;     /* owns; the result of a query that is answered at once */
+    struct request request;    /* owns; the words of the current request */
+    struct prefetch *prefetch; /* owns; the requests after it in the connection's input */
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     uint64_t commands;             /* carried out, successfully or not */

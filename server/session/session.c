@@ -6,8 +6,8 @@
 #include "proto/resp.h"
 #include "server/bodies/load.h"
 #include "server/clients/clients.h"
-#include "server/command/ahead.h"
 #include "server/command/command.h"
+#include "server/command/prefetch.h"
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
 #include "server/rows/stream.h"
@@ -216,7 +216,7 @@ static bool step_request(struct session *s)
         return session_wait_for_input(s);
     s->resp = buf_head(in)[0] == '*';
     if (s->resp || s->greeted) {
-        size_t took = ahead_take(s->server, s->reactor, buf_head(in), buf_len(in));
+        size_t took = prefetch_take(s->server, s->reactor, buf_head(in), buf_len(in));
         if (took > 0) {
             s->held = took;
             s->need = 0;
@@ -248,7 +248,7 @@ static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
 {
     int64_t spent = s->reactor->stats.mark_ns - start;
     return spent > (late ? LATE_TURN_NS : TURN_NS) &&
-           (spent > BATCH_NS || !ahead_has_more(s->reactor->ahead));
+           (spent > BATCH_NS || !prefetch_has_more(s->reactor->prefetch));
 }
 
 static void on_data(struct conn *c)
@@ -259,7 +259,7 @@ static void on_data(struct conn *c)
         loop_alone(c->loop);
     int64_t start = stats_look(stats);
     bool late = loop_is_late(c->loop, start);
-    ahead_forget(s->reactor->ahead);
+    prefetch_forget(s->reactor->prefetch);
     s->late = late;
     for (unsigned n = 1; step(s); n++) {
         s->late = false;

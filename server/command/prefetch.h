@@ -1,4 +1,4 @@
-/* ahead.h - prefetching for pipelines. Requests that have arrived together are parsed together, before the first one is
+/* prefetch.h - prefetching for pipelines. Requests that have arrived together are parsed together, before the first one is
  * carried out. Queries and edits of single points among them will read data, which is prefetched into the
  * caches for all of them in parallel (core/query/prefetch.c).
  *
@@ -14,41 +14,41 @@ struct reactor;
 struct command;
 struct answer;
 
-enum { AHEAD_WORDS = 6 }; /* of a short request */
+enum { PREFETCH_WORDS = 6 }; /* of a short request */
 
-struct ahead_request {
-    const char *text;              /* its position in the input */
-    size_t len;                    /* its bytes there, with the end of line */
-    struct word word[AHEAD_WORDS]; /* borrow the input */
+struct prefetch_request {
+    const char *text;                 /* its position in the input */
+    size_t len;                       /* its bytes there, with the end of line */
+    struct word word[PREFETCH_WORDS]; /* borrow the input */
     size_t n;
     const struct command *command; /* NULL: unknown, or the request is one word */
     bool placed;                   /* `place` has been parsed */
     struct dt_place place;
 };
 
-struct ahead {
-    struct ahead_request of[DT_AHEAD];
+struct prefetch {
+    struct prefetch_request of[DT_AHEAD];
     unsigned next, n;             /* the next one, and their number */
     const struct dt_place *place; /* of the request taken last; NULL: not parsed */
 };
 
 /* Drops all requests: the input may have moved. */
-static inline void ahead_forget(struct ahead *a)
+static inline void prefetch_forget(struct prefetch *a)
 {
     a->next = a->n = 0;
     a->place = NULL;
 }
 
 /* Whether there are parsed requests that have not been taken yet. */
-static inline bool ahead_has_more(const struct ahead *a)
+static inline bool prefetch_has_more(const struct prefetch *a)
 {
     return a->next < a->n;
 }
 
 /* Moves the request at the front of bytes[n] into r->request and returns its length; 0, with the words undefined,
- * if it cannot be parsed here. Between two calls without ahead_forget the input may only lose bytes at its
+ * if it cannot be parsed here. Between two calls without prefetch_forget the input may only lose bytes at its
  * front. Cost: amortised linear in the request. */
-size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, size_t n);
+size_t prefetch_take(const struct server *s, struct reactor *r, const char *bytes, size_t n);
 
 /* Reads the place in the third and fourth word of the current request, with a hint if it has been prefetched. False: the ERR line
  * has been written. */

@@ -1,5 +1,5 @@
-/* ahead_test.c - a pipeline that is prefetched gets the same replies as its requests one by one. */
-#include "server/command/ahead.h"
+/* prefetch_test.c - a pipeline that is prefetched gets the same replies as its requests one by one. */
+#include "server/command/prefetch.h"
 #include "tests/server/daemon.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
@@ -151,9 +151,9 @@ TEST(pipeline_gets_the_replies_that_its_requests_get_one_by_one)
 static bool looks_ahead(struct local *l)
 {
     static const char requests[] = "NEAREST t 1 1\nNEAREST t 2 2\nNEAREST t 3 3\nNEAREST t 4 4\n";
-    ahead_forget(l->server.reactor->ahead);
-    CHECK(ahead_take(&l->server, l->server.reactor, requests, sizeof requests - 1) > 0);
-    return l->server.reactor->ahead->place != NULL;
+    prefetch_forget(l->server.reactor->prefetch);
+    CHECK(prefetch_take(&l->server, l->server.reactor, requests, sizeof requests - 1) > 0);
+    return l->server.reactor->prefetch->place != NULL;
 }
 
 TEST(set_that_is_being_edited_is_not_looked_at_ahead)

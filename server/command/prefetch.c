@@ -1,5 +1,5 @@
-/* ahead.c - see ahead.h. */
-#include "server/command/ahead.h"
+/* prefetch.c - see prefetch.h. */
+#include "server/command/prefetch.h"
 
 #include "proto/line.h"
 #include "proto/number.h"
@@ -14,7 +14,7 @@ enum { LEAST = 4 }; /* requests from which on prefetching pays */
 struct questions {
     struct dataset *set;
     struct dt_place place[DT_AHEAD];
-    struct ahead_request *asks[DT_AHEAD]; /* about place[i] */
+    struct prefetch_request *asks[DT_AHEAD]; /* about place[i] */
     uint32_t id[DT_AHEAD];
     size_t places, ids;
     bool edits;  /* some of the ids are those of points to be deleted or moved */
@@ -69,7 +69,7 @@ static bool is_ours(const struct server *s, const struct reactor *r, struct ques
     return all->set != NULL;
 }
 
-static void take_place(struct questions *all, struct ahead_request *r)
+static void take_place(struct questions *all, struct prefetch_request *r)
 {
     struct dt_place *p = &all->place[all->places];
     if (!proto_read_double(r->word[2].text, r->word[2].len, &p->at.x) ||
@@ -80,24 +80,24 @@ static void take_place(struct questions *all, struct ahead_request *r)
     all->asks[all->places++] = r;
 }
 
-static void take_id(struct questions *all, const struct ahead_request *r)
+static void take_id(struct questions *all, const struct prefetch_request *r)
 {
     all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
 }
 
 /* Notes what is to be prefetched for the request. */
 static void take_question(const struct server *s, const struct reactor *by, struct questions *all,
-                          struct ahead_request *r)
+                          struct prefetch_request *r)
 {
-    enum command_ahead ahead = r->command != NULL ? r->command->ahead : AHEAD_NOTHING;
-    size_t words = ahead == AHEAD_PLACE ? 4 : 3;
-    if (ahead == AHEAD_NOTHING || r->n < words || !is_ours(s, by, all, &r->word[1]))
+    enum command_prefetch prefetch = r->command != NULL ? r->command->prefetch : PREFETCH_NOTHING;
+    size_t words = prefetch == PREFETCH_PLACE ? 4 : 3;
+    if (prefetch == PREFETCH_NOTHING || r->n < words || !is_ours(s, by, all, &r->word[1]))
         return;
-    if (ahead == AHEAD_PLACE)
+    if (prefetch == PREFETCH_PLACE)
         take_place(all, r);
     else
         take_id(all, r);
-    all->edits |= ahead == AHEAD_EDIT;
+    all->edits |= prefetch == PREFETCH_EDIT;
 }
 
 static void fetch(struct questions *all)
@@ -115,15 +115,15 @@ static void fetch(struct questions *all)
 }
 
 /* Appends a request that has been parsed; NULL: it is too long, or a body follows it. */
-static struct ahead_request *keep(const struct server *s, struct reactor *r, const char *text,
-                                  size_t len)
+static struct prefetch_request *keep(const struct server *s, struct reactor *r, const char *text,
+                                     size_t len)
 {
-    struct ahead *a = r->ahead;
+    struct prefetch *a = r->prefetch;
     const struct request *q = &r->request;
     const struct command *c = q->n > 1 ? command_find_again(s, r, &q->word[0]) : NULL;
-    if (q->n > AHEAD_WORDS || (c != NULL && c->body.rows != LOAD_NOTHING))
+    if (q->n > PREFETCH_WORDS || (c != NULL && c->body.rows != LOAD_NOTHING))
         return NULL;
-    struct ahead_request *kept = &a->of[a->n++];
+    struct prefetch_request *kept = &a->of[a->n++];
     kept->text = text;
     kept->len = len;
     kept->n = q->n;
@@ -137,14 +137,14 @@ static struct ahead_request *keep(const struct server *s, struct reactor *r, con
 /* Parses the requests at the front of bytes[n], and prefetches for them. */
 static void look(const struct server *s, struct reactor *r, const char *bytes, size_t n)
 {
-    struct ahead *a = r->ahead;
+    struct prefetch *a = r->prefetch;
     struct questions all;
     all.set = NULL;
     all.places = all.ids = 0;
     all.edits = all.inside = false;
-    ahead_forget(a);
+    prefetch_forget(a);
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
-        struct ahead_request *kept;
+        struct prefetch_request *kept;
         took = next_request(bytes + at, n - at, &r->request);
         if (took == 0 || (kept = keep(s, r, bytes + at, took)) == NULL)
             break;
@@ -154,14 +154,14 @@ static void look(const struct server *s, struct reactor *r, const char *bytes, s
     leave(&all, all.set, r);
 }
 
-size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, size_t n)
+size_t prefetch_take(const struct server *s, struct reactor *r, const char *bytes, size_t n)
 {
-    struct ahead *a = r->ahead;
+    struct prefetch *a = r->prefetch;
     if (a->next == a->n || a->of[a->next].text != bytes)
         look(s, r, bytes, n);
     if (a->n == 0)
         return 0;
-    const struct ahead_request *next = &a->of[a->next++];
+    const struct prefetch_request *next = &a->of[a->next++];
     if (!request_set(&r->request, next->word, next->n))
         return 0;
     a->place = next->placed ? &next->place : NULL;
@@ -172,8 +172,8 @@ size_t ahead_take(const struct server *s, struct reactor *r, const char *bytes, 
 
 bool read_place(struct answer *a, const struct request *q, struct dt_place *p)
 {
-    if (a->reactor->ahead->place != NULL) {
-        *p = *a->reactor->ahead->place;
+    if (a->reactor->prefetch->place != NULL) {
+        *p = *a->reactor->prefetch->place;
         return true;
     }
     p->near = UINT32_MAX;
