@@ -1,4 +1,4 @@
-/* survey_one_test.c - the regions of a set that has one border alone, against those of the same set with a line elsewhere. */
+/* regions_find_one_test.c - the regions of a set that has one border alone, against those of the same set with a line elsewhere. */
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
