@@ -106,7 +106,7 @@ const struct command commands[] = {
      .help =
          "adds points until no triangle inside borders has a smaller angle, or a larger area or "
          "a longer edge",
-     .result = "first:i added:i split:i angle:d unrefined:i hull:i", .change = CHANGE_DRAW,
+     .result = "first:i added:i split:i angle:d unrefined:i hull:i", .change = CHANGE_PSLG,
      .read = read_refinement},
     {"CONSTRAINTS", 2, 0, READS | CMD_SHARES, cmd_constraints,
      "CONSTRAINTS set [OF k] [BINARY] | CONSTRAINTS set id [id ...] [BINARY]",

@@ -10,7 +10,7 @@
 void assembly_clear(struct assembly *s)
 {
     change_clear(&s->change);
-    drawn_clear(&s->drawn);
+    pslg_lists_clear(&s->lists);
     buf_free(&s->values);
     reservation_set(&s->memory, 0);
     *s = (struct assembly){.pages = s->pages, .memory = s->memory};
@@ -134,8 +134,8 @@ static void become_run(struct change *c)
 static enum assembled take_constraints(struct assembly *s, const struct record *r)
 {
     bool added = r->type == RECORD_CONSTRAIN;
-    struct record_constraint **v = added ? &s->drawn.added : &s->drawn.released;
-    uint32_t *n = added ? &s->drawn.n_added : &s->drawn.n_released;
+    struct record_constraint **v = added ? &s->lists.added : &s->lists.released;
+    uint32_t *n = added ? &s->lists.n_added : &s->lists.n_released;
     size_t *room = added ? &s->added_cap : &s->released_cap, want = (size_t)*n + r->n;
     if (want > DT_MAX_CONSTRAINTS)
         return ASSEMBLY_INVALID;
@@ -158,13 +158,13 @@ static enum assembled take_constraints(struct assembly *s, const struct record *
 
 static bool has_constraints(const struct assembly *s)
 {
-    return s->drawn.n_added + s->drawn.n_released > 0;
+    return s->lists.n_added + s->lists.n_released > 0;
 }
 
 /* A LOAD of constraints of one type alone is that. */
 static bool become_plain(struct assembly *s, struct change *c)
 {
-    struct drawn *d = &s->drawn;
+    struct pslg_lists *d = &s->lists;
     if (c->n > 0 || c->columns != NULL || (d->n_added > 0 && d->n_released > 0))
         return false;
     bool added = d->n_added > 0;
@@ -174,7 +174,7 @@ static bool become_plain(struct assembly *s, struct change *c)
     c->first = 0;
     c->constraints = *v;
     *v = NULL;
-    drawn_clear(d);
+    pslg_lists_clear(d);
     return true;
 }
 
@@ -183,12 +183,12 @@ static enum assembled become_drawing(struct assembly *s, struct change *c)
 {
     if (become_plain(s, c))
         return ASSEMBLY_DONE;
-    c->drawing = drawing_new();
-    if (c->drawing == NULL)
+    c->pslg = pslg_new();
+    if (c->pslg == NULL)
         return ASSEMBLY_NOMEM;
-    c->kind = &change_kinds[CHANGE_DRAW];
-    c->drawing->lists = s->drawn;
-    s->drawn = (struct drawn){0};
+    c->kind = &change_kinds[CHANGE_PSLG];
+    c->pslg->lists = s->lists;
+    s->lists = (struct pslg_lists){0};
     return ASSEMBLY_DONE;
 }
 
@@ -211,7 +211,7 @@ static enum assembled begin(struct assembly *s, const struct record *r)
 static enum assembled end(struct assembly *s, const struct record *r, struct change *c)
 {
     enum assembled how = ASSEMBLY_DONE;
-    uint64_t items = (uint64_t)s->change.n + s->drawn.n_released + s->drawn.n_added;
+    uint64_t items = (uint64_t)s->change.n + s->lists.n_released + s->lists.n_added;
     if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != items)
         return ASSEMBLY_INVALID;
     if (s->change.columns != NULL)

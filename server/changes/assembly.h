@@ -12,9 +12,9 @@ struct assembly {
     /* private */
     struct change change; /* of RECORD_LOAD; its points */
     size_t points_cap, released_cap, added_cap;
-    struct drawn drawn; /* constraints */
-    struct buf values;  /* owns: doubles, column after column */
-    uint32_t first, n;  /* of the first column */
+    struct pslg_lists lists; /* constraints */
+    struct buf values;       /* owns: doubles, column after column */
+    uint32_t first, n;       /* of the first column */
 };
 
 enum assembled {

@@ -116,8 +116,8 @@ static void take_back(struct dt *dt, const struct change *c, uint64_t there)
 /* A change that has points or constraints of one type alone becomes a change of that type, as its records mean. */
 static void become_plain(struct change *c)
 {
-    struct drawn *v = &c->drawing->lists;
-    bool points = c->n > 0 || c->columns != NULL || c->drawing->loads;
+    struct pslg_lists *v = &c->pslg->lists;
+    bool points = c->n > 0 || c->columns != NULL || c->pslg->loads;
     if (points && v->n_released + v->n_added == 0)
         c->kind = &change_kinds[CHANGE_ADD];
     if (points || (v->n_released > 0) == (v->n_added > 0))
@@ -138,9 +138,9 @@ static enum dt_status draw(struct dt *dt, struct change *c, const struct dt_opti
     enum dt_status status = c->n > 0 || c->columns != NULL ? add_points(dt, c, opt) : DT_OK;
     if (status != DT_OK)
         return status;
-    struct drawn_points p = {c->points, c->n, c->columns};
-    status = drawing_edit(dt, c->drawing, &p, c->pages, opt, &c->missing);
-    c->crossed = c->drawing->crossed;
+    struct pslg_points p = {c->points, c->n, c->columns};
+    status = pslg_edit(dt, c->pslg, &p, c->pages, opt, &c->missing);
+    c->crossed = c->pslg->crossed;
     if (status != DT_OK) {
         if (opt == NULL || !opt->disposable)
             take_back(dt, c, there);
@@ -291,9 +291,9 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
                       .items = ITEMS_MOVES,
                       .undone = ", or it is named twice; nothing was moved",
                       .edit = move_points},
-    [CHANGE_DRAW] = {.what = "declaring constraints",
+    [CHANGE_PSLG] = {.what = "declaring constraints",
                      .flags = CHANGE_GROWS,
-                     .items = ITEMS_DRAWING,
+                     .items = ITEMS_PSLG,
                      .undone = "; nothing was declared",
                      .edit = draw},
 };
@@ -301,7 +301,7 @@ const struct change_kind change_kinds[CHANGE_KINDS] = {
 enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
     enum dt_status status = c->kind->edit(dt, c, opt);
-    if (status == DT_CROSSES && c->kind->items != ITEMS_DRAWING)
+    if (status == DT_CROSSES && c->kind->items != ITEMS_PSLG)
         dt_crossed(dt, &c->crossed);
     if (status == DT_OK && (c->kind->flags & CHANGE_GROWS) != 0)
         c->first = c->added.first;
@@ -332,7 +332,7 @@ double change_tolerance(const struct change *c)
 
 bool change_is_void(const struct change *c)
 {
-    const struct drawing *d = c->drawing;
+    const struct pslg *d = c->pslg;
     if (d != NULL)
         return !d->loads && c->n + d->lists.n_released + d->declared == 0;
     return c->kind->items == ITEMS_CONSTRAINTS && c->constrained == 0;
@@ -349,7 +349,7 @@ static const struct item_kind {
     [ITEMS_COLUMN] = {sizeof(double), true},
     [ITEMS_CONSTRAINTS] = {sizeof(struct record_constraint), true},
     [ITEMS_MOVES] = {sizeof(struct record_move), false},
-    [ITEMS_DRAWING] = {sizeof(struct dt_point), true},
+    [ITEMS_PSLG] = {sizeof(struct dt_point), true},
 };
 
 void change_clear(struct change *c)
@@ -360,11 +360,11 @@ void change_clear(struct change *c)
         free(c->items);
     dt_pages_release(c->rows);
     columns_free(c->columns);
-    drawing_free(c->drawing);
+    pslg_free(c->pslg);
     c->items = NULL;
     c->rows = NULL;
     c->columns = NULL;
-    c->drawing = NULL;
+    c->pslg = NULL;
 }
 
 const char *change_contradiction(const struct change *c, const struct dataset *set)
@@ -489,7 +489,7 @@ bool change_is_long(const struct change *c)
         return c->columns->n > RECORD_MOST_VALUES;
     if (c->kind->items == ITEMS_CONSTRAINTS)
         return c->n > RECORD_CONSTRAINTS;
-    if (c->kind->items == ITEMS_DRAWING)
+    if (c->kind->items == ITEMS_PSLG)
         return true;
     return c->kind->items == ITEMS_POINTS && (c->columns != NULL || c->n > RECORD_POINTS);
 }

@@ -10,7 +10,7 @@
 
 #include "core/delaunay_constraints.h"
 #include "proto/records/record.h"
-#include "server/changes/drawing.h"
+#include "server/changes/pslg.h"
 #include "server/sets/dataset.h"
 
 #define CHANGE_ANY UINT32_MAX   /* as `first`: the next id, whatever it is */
@@ -32,7 +32,7 @@ enum change_code {
     CHANGE_RELEASE,
     CHANGE_CASCADE, /* CHANGE_DELETE, and the constraints at these points are released */
     CHANGE_MOVES,   /* of several points at once */
-    CHANGE_DRAW,    /* points, and constraints between them and others */
+    CHANGE_PSLG,    /* points, and constraints between them and others */
     CHANGE_KINDS
 };
 
@@ -51,7 +51,7 @@ enum change_code {
  *     RELEASE   a: which, as in RECORD_RELEASE; first, or the same as CONSTRAIN
  *     CASCADE   n ids
  *     MOVES     n moves
- *     DRAW      as ADD, and a drawing */
+ *     PSLG      as ADD, and constraints (pslg.h) */
 struct change {
     const struct change_kind *kind;
     struct name set;
@@ -68,7 +68,7 @@ struct change {
         struct record_move *moves;
     };
     struct columns *columns; /* owns */
-    struct drawing *drawing; /* owns */
+    struct pslg *pslg;       /* owns */
     struct dt_pages *pages;  /* borrows; where large arrays come from; NULL: the system */
     /* the outcome, if it has been applied: */
     uint64_t lsn; /* of its record in the log; 0: it has none, or none yet */
@@ -95,7 +95,7 @@ enum change_items {
     ITEMS_COLUMN,
     ITEMS_CONSTRAINTS,
     ITEMS_MOVES,
-    ITEMS_DRAWING /* these and points are in the records of a LOAD */
+    ITEMS_PSLG /* these and points are in the records of a LOAD */
 };
 
 struct change_kind {

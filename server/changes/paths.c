@@ -53,7 +53,7 @@ static void add_point(const struct taking *t, size_t row)
 static void add_constraint(const struct taking *t, uint32_t a, uint32_t b, uint32_t what,
                            size_t row)
 {
-    struct drawing *d = t->c->drawing;
+    struct pslg *d = t->c->pslg;
     uint32_t i = d->lists.n_added++;
     d->lists.added[i] = (struct record_constraint){t->first + a, t->first + b, what};
     d->line[i] = (uint64_t)fabs(t->rows[(row + 1) * t->width - 1]);
@@ -74,7 +74,7 @@ static void add_path(const struct taking *t, size_t row, size_t end, size_t poin
 /* Room for these numbers of points, with their values, and of constraints. */
 static bool make_room(struct change *c, size_t points, size_t constraints)
 {
-    struct drawing *d = c->drawing;
+    struct pslg *d = c->pslg;
     c->points = dt_pages_grow(c->pages, NULL, 0, (points + 1) * sizeof *c->points);
     d->lists.added = dt_pages_grow(c->pages, NULL, 0, (constraints + 1) * sizeof *d->lists.added);
     d->line = malloc((constraints + 1) * sizeof *d->line);
@@ -101,7 +101,7 @@ bool paths_take(struct change *c, double *rows, size_t n, uint32_t first, uint32
     struct taking t = {.c = c, .rows = rows, .n = n, .width = 3 + values, .first = first};
     bool room = make_room(c, count_points(&t), n);
     c->n = 0;
-    c->drawing->lists.n_added = 0;
+    c->pslg->lists.n_added = 0;
     for (size_t i = 0, end, points; room && i < n; i = end, what += 2) {
         end = path_end(&t, i, &points);
         add_path(&t, i, end, points, what);
@@ -121,7 +121,7 @@ bool paths_take_records(struct change *c, double *rows, size_t n, size_t records
 {
     size_t values = c->columns == NULL ? 0 : c->columns->count;
     struct taking t = {.c = c, .rows = rows, .n = n, .width = 2 + values, .first = first};
-    struct drawing *d = c->drawing;
+    struct pslg *d = c->pslg;
     bool room = make_room(c, n, records);
     c->n = 0;
     d->lists.n_added = 0;

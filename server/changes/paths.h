@@ -10,7 +10,7 @@
 size_t paths_count(const double *rows, size_t n, size_t width);
 
 /* Makes a change of the rows and takes ownership of them. The points get ids from `first` on. The constraints of path i,
- * counted from 0, are `what` with a number that is greater by i. *c has columns, without values, and a drawing. False: out of memory. */
+ * counted from 0, are `what` with a number that is greater by i. *c has columns, without values, and a PSLG. False: out of memory. */
 bool paths_take(struct change *c, double *rows, size_t n, uint32_t first, uint32_t what);
 
 /* A constraint of LOADB ... CONSTRAINTS; its ends are counted from 0 among the points before it. */

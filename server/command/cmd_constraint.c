@@ -42,18 +42,18 @@ bool read_chosen(struct answer *a, const struct request *q, size_t from, struct 
     return true;
 }
 
-/* Constraints that are to be split: the change becomes a drawing without points. */
+/* Constraints that are to be split: the change becomes a PSLG without points. */
 static bool become_drawing(struct answer *a, const struct chosen *f, struct change *c)
 {
     if (!f->splits)
         return true;
-    c->drawing = drawing_new();
-    if (c->drawing == NULL)
+    c->pslg = pslg_new();
+    if (c->pslg == NULL)
         return answer_out_of_memory(a);
-    c->kind = &change_kinds[CHANGE_DRAW];
+    c->kind = &change_kinds[CHANGE_PSLG];
     c->first = CHANGE_ANY;
-    c->drawing->asked = c->drawing->splits = true;
-    c->drawing->lists = (struct drawn){.added = c->constraints, .n_added = c->n};
+    c->pslg->asked = c->pslg->splits = true;
+    c->pslg->lists = (struct pslg_lists){.added = c->constraints, .n_added = c->n};
     c->constraints = NULL;
     c->n = 0;
     return true;

@@ -35,13 +35,13 @@ static bool read_paths(struct answer *a, const struct request *q, size_t at, str
 /* The change has its sizes; `constraints` is the most that it can have. */
 static bool begin_drawing(struct answer *a, bool splits, size_t constraints, struct change *c)
 {
-    c->drawing = drawing_new();
-    if (c->drawing == NULL)
+    c->pslg = pslg_new();
+    if (c->pslg == NULL)
         return answer_out_of_memory(a);
-    c->kind = &change_kinds[CHANGE_DRAW];
-    c->drawing->loads = true;
-    c->drawing->asked = c->drawing->splits = splits;
-    c->drawing->lists.n_added = (uint32_t)constraints;
+    c->kind = &change_kinds[CHANGE_PSLG];
+    c->pslg->loads = true;
+    c->pslg->asked = c->pslg->splits = splits;
+    c->pslg->lists.n_added = (uint32_t)constraints;
     return true;
 }
 
@@ -72,7 +72,7 @@ static void load_drawing(struct server *s, struct dataset *set, const struct req
     }
     x->expected = load_hand_on_expected(s, l);
     double *rows = load_take(l, &x->job.memory);
-    c->drawing->counts = !l->body.paths;
+    c->pslg->counts = !l->body.paths;
     if (l->body.paths ? paths_take(c, rows, b->points, first, b->what)
                       : paths_take_records(c, rows, b->points, b->records, first)) {
         submit(s, a, set, x);

@@ -1,4 +1,4 @@
-/* cmd_mesh.c - REFINE: the request becomes a drawing that is planned as a split is (changes/drawing.h). */
+/* cmd_mesh.c - REFINE: the request becomes a PSLG that is planned as a split is (changes/pslg.h). */
 #include "server/command/command.h"
 
 #include "server/command/options.h"
@@ -47,21 +47,21 @@ bool read_refinement(struct server *s, const struct dataset *set, const struct r
     struct refinement r = {.inside.number = DT_NONE,
                            .most = POINTS_EACH * set->current->sum.points};
     (void)s;
-    c->drawing = drawing_new();
-    if (c->drawing == NULL)
+    c->pslg = pslg_new();
+    if (c->pslg == NULL)
         answer_out_of_memory(a);
-    if (c->drawing == NULL ||
+    if (c->pslg == NULL ||
         !options_read(a, q, 2, set, options, sizeof options / sizeof *options, ~0u, &r))
         return false;
     if (r.angle == 0 && r.area == 0 && r.length == 0)
         r.angle = ANGLE_UNASKED;
     c->first = CHANGE_ANY;
-    c->drawing->refines = c->drawing->splits = true;
-    c->drawing->quality = (struct dt_quality){.angle = r.angle,
-                                              .area = r.area,
-                                              .length = r.length,
-                                              .number = r.inside.number,
-                                              .keep = r.keep,
-                                              .most = r.most};
+    c->pslg->refines = c->pslg->splits = true;
+    c->pslg->quality = (struct dt_quality){.angle = r.angle,
+                                           .area = r.area,
+                                           .length = r.length,
+                                           .number = r.inside.number,
+                                           .keep = r.keep,
+                                           .most = r.most};
     return true;
 }

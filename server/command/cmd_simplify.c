@@ -275,7 +275,7 @@ static uint32_t new_id(const struct simplify_job *j, uint32_t index)
     return (uint32_t)(found - kept);
 }
 
-static void take_constraints(const struct simplify_job *j, struct drawn *d)
+static void take_constraints(const struct simplify_job *j, struct pslg_lists *d)
 {
     d->n_added = (uint32_t)j->constraints.n;
     for (size_t i = 0; i < j->constraints.n; i++) {
@@ -289,7 +289,7 @@ static void take_constraints(const struct simplify_job *j, struct drawn *d)
 /* The change that makes the new set. False: out of memory. */
 static bool make_change(struct simplify_job *j, struct change *c)
 {
-    struct drawing *d = c->drawing = drawing_new();
+    struct pslg *d = c->pslg = pslg_new();
     size_t n = j->constraints.n;
     c->first = CHANGE_ANY;
     c->points = dt_pages_grow(c->pages, NULL, 0, ((size_t)j->kept.n + 1) * sizeof *c->points);
@@ -318,7 +318,7 @@ static bool reserve_change(struct server *s, struct answer *a, struct submission
 static void make_set(struct server *s, struct simplify_job *j, struct answer *a)
 {
     struct word name = name_word(&j->asked.other);
-    struct submission *x = submission_new(s, a, CHANGE_DRAW, &name);
+    struct submission *x = submission_new(s, a, CHANGE_PSLG, &name);
     if (x == NULL)
         return;
     bool made = make_change(j, &x->change);

@@ -37,7 +37,7 @@ struct piece {
     struct buf bytes;        /* owns; PIECE_BYTES: encoded records */
     void *items;             /* owns; PIECE_LOAD: as many as its record says */
     struct columns *values;  /* owns; PIECE_LOAD: those that come with the points, or NULL */
-    struct drawn drawn;      /* owns; PIECE_LOAD: constraints that come with the points */
+    struct pslg_lists lists; /* owns; PIECE_LOAD: constraints that come with the points */
     struct record record; /* PIECE_LOAD: the first, of the type of its parts; its name is `name` */
     char name[RECORD_NAME_LIMIT];
 };
@@ -116,7 +116,7 @@ static void free_piece(struct log *log, struct piece *p)
     buf_free(&p->bytes);
     dt_pages_release(p->items);
     columns_free(p->values);
-    drawn_clear(&p->drawn);
+    pslg_lists_clear(&p->lists);
     free(p->lineage);
     free(p);
 }
@@ -194,14 +194,14 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
 
 /* Gives the piece the items, the values and the constraints. */
 static void take_load(struct log *log, struct piece *p, const struct record *r, void *items,
-                      struct columns *v, const struct drawn *d)
+                      struct columns *v, const struct pslg_lists *d)
 {
     memcpy(p->name, r->name, r->name_len);
     p->record = *r;
     p->record.name = p->name;
     p->items = items;
     p->values = v;
-    p->drawn = *d;
+    p->lists = *d;
     measure(log, p,
             r->n * record_item_size(r->type) + (v == NULL ? 0 : v->count * v->n) * sizeof *v->v +
                 (d->n_released + (size_t)d->n_added) * sizeof *d->added);
@@ -211,25 +211,25 @@ static void take_load(struct log *log, struct piece *p, const struct record *r, 
 }
 
 uint64_t log_append_load(struct log *log, struct record *r, void *items, struct columns *v,
-                         struct drawn *d)
+                         struct pslg_lists *d)
 {
-    struct drawn drawn = d == NULL ? (struct drawn){0} : *d;
+    struct pslg_lists lists = d == NULL ? (struct pslg_lists){0} : *d;
     pthread_mutex_lock(&log->mutex);
-    begin_version(log, drawn_records(&drawn) > 0 ? RECORD_CONSTRAIN : r->type);
+    begin_version(log, pslg_lists_records(&lists) > 0 ? RECORD_CONSTRAIN : r->type);
     struct piece *p = new_piece(log, PIECE_LOAD);
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + record_parts(r->type, r->n) + columns_records(v) + drawn_records(&drawn);
+    log->next += 2 + record_parts(r->type, r->n) + columns_records(v) + pslg_lists_records(&lists);
     uint64_t last = log->next - 1;
     if (p != NULL)
-        take_load(log, p, r, items, v, &drawn);
+        take_load(log, p, r, items, v, &lists);
     else
         lose(log);
     pthread_mutex_unlock(&log->mutex);
     if (p == NULL) {
         dt_pages_release(items);
         columns_free(v);
-        drawn_clear(&drawn);
+        pslg_lists_clear(&lists);
     }
     if (d != NULL)
         d->released = d->added = NULL; /* their numbers remain */
@@ -349,7 +349,7 @@ static void carry_out(struct log *log, struct piece *p)
         log_file_write(&log->file, &p->bytes);
         break;
     case PIECE_LOAD:
-        log_file_write_load(&log->file, &p->record, p->items, p->values, &p->drawn);
+        log_file_write_load(&log->file, &p->record, p->items, p->values, &p->lists);
         break;
     case PIECE_ROTATE:
         rotate(log, p);

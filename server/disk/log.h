@@ -13,7 +13,7 @@
 #pragma once
 
 #include "proto/records/record.h"
-#include "server/changes/drawing.h"
+#include "server/changes/pslg.h"
 #include "server/disk/datadir.h"
 #include "server/ops/config.h"
 
@@ -64,7 +64,7 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n);
 /* Appends a LOAD of n items (from dt_pages_grow), or none, in records of r->type, together with values (NULL: none) and
  * constraints (NULL: none), all of which move to the log. */
 uint64_t log_append_load(struct log *log, struct record *r, void *items, struct columns *v,
-                         struct drawn *d);
+                         struct pslg_lists *d);
 
 /* Appends empty records up to that lsn: these numbers belong to changes that a snapshot has but the log has
  * lost. */

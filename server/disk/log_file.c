@@ -151,7 +151,7 @@ static void write_items(struct log_file *f, struct record *r, const void *items,
 }
 
 void log_file_write_load(struct log_file *f, const struct record *load, const void *items,
-                         const struct columns *v, const struct drawn *d)
+                         const struct columns *v, const struct pslg_lists *d)
 {
     struct buf out = {0};
     struct record r = *load;

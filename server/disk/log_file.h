@@ -3,7 +3,7 @@
 
 #include "proto/buf.h"
 #include "proto/records/record.h"
-#include "server/changes/drawing.h"
+#include "server/changes/pslg.h"
 #include "server/disk/datadir.h"
 
 struct log_file {
@@ -53,7 +53,7 @@ void log_file_write(struct log_file *f, struct buf *b);
 /* Writes a LOAD of load->n items, or none, in records of load->type, of the values v, unless NULL, and of constraints; load->lsn
  * is that of the first record. */
 void log_file_write_load(struct log_file *f, const struct record *load, const void *items,
-                         const struct columns *v, const struct drawn *d);
+                         const struct columns *v, const struct pslg_lists *d);
 
 /* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were
  * dropped [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */

@@ -69,8 +69,8 @@ static uint64_t append_long(struct log *log, const struct dataset *set, struct c
                        .name_len = set->name_len,
                        .first = column ? dt_next_id(set->current->dt) : c->first,
                        .n = column ? 0 : c->n};
-    struct drawn *drawn = c->kind->items == ITEMS_DRAWING ? &c->drawing->lists : NULL;
-    uint64_t lsn = log_append_load(log, &r, c->items, c->columns, drawn);
+    struct pslg_lists *lists = c->kind->items == ITEMS_PSLG ? &c->pslg->lists : NULL;
+    uint64_t lsn = log_append_load(log, &r, c->items, c->columns, lists);
     c->items = NULL;
     c->columns = NULL;
     return lsn;

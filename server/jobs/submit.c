@@ -110,7 +110,7 @@ static bool reserve_constraints(struct server *s, struct answer *a, const struct
                                                    : server_reserve(s, a, &x->job.memory, bytes);
 }
 
-/* A drawing: memory for what a split does beyond that. On any thread. */
+/* A PSLG: memory for what a split does beyond that. On any thread. */
 static enum dt_status reserve_more(void *ctx, size_t bytes)
 {
     struct submission *x = ctx;
@@ -120,7 +120,7 @@ static enum dt_status reserve_more(void *ctx, size_t bytes)
 }
 
 /* The rows of its constraints, as they are asked for and as the core takes them. */
-static size_t memory_of_drawn(const struct drawn *v)
+static size_t memory_of_lists(const struct pslg_lists *v)
 {
     size_t n = (size_t)v->n_released + v->n_added;
     return n * (sizeof(struct dt_constraint) + sizeof *v->added + sizeof(uint64_t));
@@ -130,15 +130,15 @@ static size_t memory_of_drawn(const struct drawn *v)
 static bool reserve_drawing(struct server *s, struct answer *a, const struct dataset *set,
                             struct submission *x)
 {
-    struct drawing *d = x->change.drawing;
-    const struct drawn *v = &d->lists;
+    struct pslg *d = x->change.pslg;
+    const struct pslg_lists *v = &d->lists;
     uint32_t points = set == NULL ? 0 : set->current->sum.points;
     if (!reserve_points(s, a, set, x))
         return false;
     size_t n = (size_t)v->n_released + v->n_added, bytes = x->job.memory.bytes;
     struct dt_options options = job_options(s);
     bool refreshes = set != NULL && version_is_stale(set->current);
-    bytes += memory_of_drawn(v) + (d->loads ? x->change.n * sizeof(struct dt_point) : 0) +
+    bytes += memory_of_lists(v) + (d->loads ? x->change.n * sizeof(struct dt_point) : 0) +
              (set == NULL ? 0 : dt_constrain_memory(set->current->dt, n)) +
              (refreshes ? dt_build_memory(set->current->dt, &options) : 0);
     d->most = s->config->max_points - points - x->change.n;
@@ -152,7 +152,7 @@ size_t submit_memory_of_new(const struct server *s, const struct change *c)
 {
     size_t columns = c->columns == NULL ? 0 : c->columns->count;
     size_t bytes = memory_to_add(s, NULL, c->n) + memory_of_columns(c->n, columns);
-    return c->drawing == NULL ? bytes : bytes + memory_of_drawn(&c->drawing->lists);
+    return c->pslg == NULL ? bytes : bytes + memory_of_lists(&c->pslg->lists);
 }
 
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
@@ -168,7 +168,7 @@ bool submit_reserve(struct server *s, struct answer *a, const struct dataset *se
         return server_reserve(s, a, &x->job.memory, memory_of_run(x->change.n));
     case ITEMS_CONSTRAINTS:
         return reserve_constraints(s, a, set, x);
-    case ITEMS_DRAWING:
+    case ITEMS_PSLG:
         return reserve_drawing(s, a, set, x);
     case ITEMS_NONE:
     case ITEMS_IDS:
@@ -218,10 +218,10 @@ static void run(struct job *j)
     }
 }
 
-/* Of a drawing: what it has added, declared and split. */
+/* Of a PSLG: what it has added, declared and split. */
 static void answer_drawing(struct answer *a, const struct change *c)
 {
-    const struct drawing *d = c->drawing;
+    const struct pslg *d = c->pslg;
     if (d->thins) {
         reply_key_u64(a->out, "points", c->added.added);
         reply_key_u64(a->out, "constraints", d->declared);
@@ -249,7 +249,7 @@ static void answer_drawing(struct answer *a, const struct change *c)
 static void answer_facts(struct answer *a, const struct change *c)
 {
     reply_ok(a->out, 0);
-    if (c->drawing != NULL)
+    if (c->pslg != NULL)
         answer_drawing(a, c);
     else if ((c->kind->flags & CHANGE_GROWS) != 0) {
         reply_key_u64(a->out, "first", c->added.first);
@@ -268,7 +268,7 @@ static bool answer_constraint(struct answer *a, enum dt_status status, const str
 {
     const struct dt_constraint *one = &c->crossed.one;
     const char *kind = one->border ? "border" : "line";
-    const struct drawing *d = c->drawing;
+    const struct pslg *d = c->pslg;
     if (d != NULL && d->refines && (status == DT_NOREGION || status == DT_OPEN))
         return !answer_region(a, status, d->quality.number);
     if (status == DT_CROSSES)
@@ -337,16 +337,16 @@ enum { VALUES_AT_ONCE = 4096 };
 
 static enum job_weight weight_of(const struct dataset *set, const struct change *c)
 {
-    if (c->drawing != NULL && c->drawing->refines)
+    if (c->pslg != NULL && c->pslg->refines)
         return JOB_LONG;
-    const struct drawn *v = c->drawing == NULL ? NULL : &c->drawing->lists;
+    const struct pslg_lists *v = c->pslg == NULL ? NULL : &c->pslg->lists;
     bool refreshes =
         (c->kind->record >= RECORD_CONSTRAIN || v != NULL) && version_is_stale(set->current);
     switch (c->kind->items) {
     case ITEMS_CONSTRAINTS:
     case ITEMS_MOVES:
         return !refreshes && c->n > 0 && cost_at_once(COST_EDIT, c->n) ? JOB_LIGHT : JOB_LONG;
-    case ITEMS_DRAWING:
+    case ITEMS_PSLG:
         return !refreshes && cost_at_once(COST_EDIT, (size_t)c->n + v->n_released + v->n_added)
                    ? JOB_LIGHT
                    : JOB_LONG;
@@ -368,10 +368,10 @@ static enum job_weight weight_of(const struct dataset *set, const struct change 
 /* Points that it adds, deletes or moves; a REFINE, of which that is unknown, counts as one that doubles the set. */
 static size_t points_of(const struct dataset *set, const struct change *c)
 {
-    if (c->drawing != NULL && c->drawing->refines)
+    if (c->pslg != NULL && c->pslg->refines)
         return set->current->sum.points;
     if (c->kind->items == ITEMS_POINTS || c->kind->items == ITEMS_IDS ||
-        c->kind->items == ITEMS_DRAWING)
+        c->kind->items == ITEMS_PSLG)
         return c->n;
     return c->kind->items == ITEMS_MOVES ? c->n : c->kind == &change_kinds[CHANGE_MOVE];
 }
@@ -446,9 +446,9 @@ void submit(struct server *s, struct answer *a, struct dataset *set, struct subm
     if (set == NULL)
         set = create(s, a, x);
     if (set != NULL && c->kind->edit != NULL) {
-        x->job.what = c->drawing != NULL && c->drawing->refines ? "refining" : c->kind->what;
+        x->job.what = c->pslg != NULL && c->pslg->refines ? "refining" : c->kind->what;
         x->job.points = points_of(set, c);
-        x->job.plans = c->drawing != NULL && c->drawing->splits;
+        x->job.plans = c->pslg != NULL && c->pslg->splits;
         x->job.copies = keeps_live(s, set, x);
         job_change(s, a, &x->job, set, weight_of(set, c));
         return;

@@ -1,5 +1,5 @@
-/* drawing.c - see drawing.h. An edit that fails is undone: constraints first, then points. */
-#include "server/changes/drawing.h"
+/* pslg.c - see pslg.h. An edit that fails is undone: constraints first, then points. */
+#include "server/changes/pslg.h"
 
 #include "server/changes/constraint.h"
 
@@ -7,29 +7,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-uint64_t drawn_records(const struct drawn *d)
+uint64_t pslg_lists_records(const struct pslg_lists *d)
 {
     return (uint64_t)record_parts(RECORD_RELEASE, d->n_released) +
            record_parts(RECORD_CONSTRAIN, d->n_added);
 }
 
-void drawn_clear(struct drawn *d)
+void pslg_lists_clear(struct pslg_lists *d)
 {
     dt_pages_release(d->released);
     dt_pages_release(d->added);
-    *d = (struct drawn){0};
+    *d = (struct pslg_lists){0};
 }
 
-struct drawing *drawing_new(void)
+struct pslg *pslg_new(void)
 {
-    return calloc(1, sizeof(struct drawing));
+    return calloc(1, sizeof(struct pslg));
 }
 
-void drawing_free(struct drawing *d)
+void pslg_free(struct pslg *d)
 {
     if (d == NULL)
         return;
-    drawn_clear(&d->lists);
+    pslg_lists_clear(&d->lists);
     free(d->line);
     free(d);
 }
@@ -37,9 +37,8 @@ void drawing_free(struct drawing *d)
 /* ---- constraints ---- */
 
 /* Releases and declares, all or nothing. */
-static enum dt_status replace(struct dt *dt, struct drawing *d,
-                              const struct dt_constraint *released, size_t n_released,
-                              const struct dt_constraint *added, size_t n_added,
+static enum dt_status replace(struct dt *dt, struct pslg *d, const struct dt_constraint *released,
+                              size_t n_released, const struct dt_constraint *added, size_t n_added,
                               const struct dt_options *opt, uint32_t *missing)
 {
     size_t k = 0, at;
@@ -56,10 +55,10 @@ static enum dt_status replace(struct dt *dt, struct drawing *d,
 }
 
 /* Applies the constraints of a change that needs no plan. */
-static enum dt_status apply(struct dt *dt, struct drawing *d, const struct dt_options *opt,
+static enum dt_status apply(struct dt *dt, struct pslg *d, const struct dt_options *opt,
                             uint32_t *missing)
 {
-    const struct drawn *v = &d->lists;
+    const struct pslg_lists *v = &d->lists;
     struct dt_constraint *released = constraint_listed(v->released, v->n_released);
     struct dt_constraint *added = constraint_listed(v->added, v->n_added);
     enum dt_status status =
@@ -74,7 +73,7 @@ static enum dt_status apply(struct dt *dt, struct drawing *d, const struct dt_op
 /* ---- a split: what it does becomes the change ---- */
 
 /* Plans it, with as many crossings as there is memory for. */
-static enum dt_status plan(struct dt *dt, struct drawing *d, const struct dt_options *opt,
+static enum dt_status plan(struct dt *dt, struct pslg *d, const struct dt_options *opt,
                            struct dt_split *out, uint32_t *missing)
 {
     enum { FEW = 1024, MORE = 4 };
@@ -98,8 +97,8 @@ static enum dt_status plan(struct dt *dt, struct drawing *d, const struct dt_opt
 }
 
 /* The same for a REFINE, with as many points as there is memory for. */
-static enum dt_status plan_refinement(struct dt *dt, struct drawing *d,
-                                      const struct dt_options *opt, struct dt_split *out)
+static enum dt_status plan_refinement(struct dt *dt, struct pslg *d, const struct dt_options *opt,
+                                      struct dt_split *out)
 {
     struct dt_quality quality = d->quality;
     struct dt_refined refined;
@@ -175,18 +174,18 @@ static struct columns *join_columns(struct dt_pages *pages, const struct columns
 
 /* The lists of the change after the plan has been carried out. */
 struct result {
-    struct drawn_points all;
-    struct drawn lists;
+    struct pslg_points all;
+    struct pslg_lists lists;
 };
 
 static void free_result(struct result *r)
 {
     dt_pages_release(r->all.points);
     columns_free(r->all.columns);
-    drawn_clear(&r->lists);
+    pslg_lists_clear(&r->lists);
 }
 
-static bool make_result(const struct drawn_points *p, const struct dt_split *s,
+static bool make_result(const struct pslg_points *p, const struct dt_split *s,
                         struct dt_pages *pages, struct result *r)
 {
     size_t n = p->n + s->n_points;
@@ -197,7 +196,7 @@ static bool make_result(const struct drawn_points *p, const struct dt_split *s,
                                    .n_added = (uint32_t)s->n_added}};
     struct dt_point *points = dt_pages_grow(pages, NULL, 0, (n + 1) * sizeof *points);
     r->all =
-        (struct drawn_points){points, (uint32_t)n, join_columns(pages, p->columns, p->n, s, &ok)};
+        (struct pslg_points){points, (uint32_t)n, join_columns(pages, p->columns, p->n, s, &ok)};
     ok = ok && points != NULL && r->lists.released != NULL && r->lists.added != NULL;
     if (ok && p->n > 0)
         memcpy(points, p->points, p->n * sizeof *points);
@@ -209,12 +208,12 @@ static bool make_result(const struct drawn_points *p, const struct dt_split *s,
 }
 
 /* The change becomes that. */
-static void take_result(struct drawing *d, struct drawn_points *p, const struct dt_split *s,
+static void take_result(struct pslg *d, struct pslg_points *p, const struct dt_split *s,
                         struct result *r)
 {
     dt_pages_release(p->points);
     columns_free(p->columns);
-    drawn_clear(&d->lists);
+    pslg_lists_clear(&d->lists);
     *p = r->all;
     d->lists = r->lists;
     d->split = s->split;
@@ -244,7 +243,7 @@ static enum dt_status add_planned(struct dt *dt, const struct dt_split *s,
 }
 
 /* Memory for the steps of a plan. */
-static enum dt_status reserve_changes(const struct dt *dt, const struct drawing *d,
+static enum dt_status reserve_changes(const struct dt *dt, const struct pslg *d,
                                       const struct dt_split *s, const struct dt_options *opt)
 {
     return d->reserve == NULL ? DT_OK
@@ -253,7 +252,7 @@ static enum dt_status reserve_changes(const struct dt *dt, const struct drawing 
                                                        dt_constrain_memory(dt, s->n_added));
 }
 
-static enum dt_status carry_out(struct dt *dt, struct drawing *d, struct drawn_points *p,
+static enum dt_status carry_out(struct dt *dt, struct pslg *d, struct pslg_points *p,
                                 struct dt_pages *pages, const struct dt_split *s,
                                 const struct dt_options *opt)
 {
@@ -280,7 +279,7 @@ static enum dt_status carry_out(struct dt *dt, struct drawing *d, struct drawn_p
     return status;
 }
 
-static enum dt_status split(struct dt *dt, struct drawing *d, struct drawn_points *p,
+static enum dt_status split(struct dt *dt, struct pslg *d, struct pslg_points *p,
                             struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing)
 {
     struct dt_split s = {0};
@@ -295,7 +294,7 @@ static enum dt_status split(struct dt *dt, struct drawing *d, struct drawn_point
 /* ---- all of it ---- */
 
 /* The line of the constraint, which was asked for; 0: it was not, or has none. */
-static uint64_t line_of(const struct drawing *d, const struct dt_constraint *c)
+static uint64_t line_of(const struct pslg *d, const struct dt_constraint *c)
 {
     struct record_constraint key = constraint_record(c);
     for (uint32_t i = 0; d->line != NULL && i < d->lists.n_added; i++) {
@@ -307,8 +306,8 @@ static uint64_t line_of(const struct drawing *d, const struct dt_constraint *c)
     return 0;
 }
 
-enum dt_status drawing_edit(struct dt *dt, struct drawing *d, struct drawn_points *p,
-                            struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing)
+enum dt_status pslg_edit(struct dt *dt, struct pslg *d, struct pslg_points *p,
+                         struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing)
 {
     enum dt_status status =
         d->splits ? split(dt, d, p, pages, opt, missing) : apply(dt, d, opt, missing);

@@ -1,4 +1,5 @@
-/* drawing.h - points and constraints that come together, and count together: of `CONSTRAIN ... SPLIT`, LOAD PATHS and REFINE.
+/* pslg.h - a planar straight-line graph (PSLG): points and constraints that are one change, of `CONSTRAIN ... SPLIT`, LOAD PATHS
+ * and REFINE.
  *
  * A request asks for points, and for constraints between them and others. With `split`, constraints that would cross are replaced
  * by parts with points in common. Afterwards the change describes its effect: all points, with their values, and the constraints
@@ -9,17 +10,17 @@
 #include "server/changes/columns.h"
 
 /* Constraints of a change that has points, too: both arrays are from dt_pages_grow. Start with {0}. */
-struct drawn {
+struct pslg_lists {
     struct record_constraint *released, *added; /* owns */
     uint32_t n_released, n_added;
 };
 
 /* Returns how many records they take. */
-uint64_t drawn_records(const struct drawn *d);
-void drawn_clear(struct drawn *d);
+uint64_t pslg_lists_records(const struct pslg_lists *d);
+void pslg_lists_clear(struct pslg_lists *d);
 
-struct drawing {
-    struct drawn lists; /* `added` are those asked for, until the change has been applied */
+struct pslg {
+    struct pslg_lists lists; /* `added` are those asked for, until the change has been applied */
     uint64_t *
         line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
     bool loads;   /* it is a LOAD, */
@@ -44,18 +45,17 @@ struct drawing {
 };
 
 /* New points, all of them added, and their values. */
-struct drawn_points {
+struct pslg_points {
     struct dt_point *points; /* from dt_pages_grow */
     uint32_t n;
     struct columns *columns; /* NULL: none */
 };
 
 /* All zero; NULL: out of memory. */
-struct drawing *drawing_new(void);
-void drawing_free(struct drawing *d); /* NULL: nothing */
+struct pslg *pslg_new(void);
+void pslg_free(struct pslg *d); /* NULL: nothing */
 
 /* Edits the set, to which the points of *p have just been added, all or nothing: then these are all that there are, and the outcome is in *d.
  * Unless DT_OK, *p and the request are as they were. DT_NOPOINT, DT_NOEDGE: *missing. */
-enum dt_status drawing_edit(struct dt *dt, struct drawing *d, struct drawn_points *p,
-                            struct dt_pages *pages, const struct dt_options *opt,
-                            uint32_t *missing);
+enum dt_status pslg_edit(struct dt *dt, struct pslg *d, struct pslg_points *p,
+                         struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing);
