@@ -215,7 +215,7 @@ const struct subcommand subcommands[] = {
      "Lets the server follow another one, its leader; none makes it a leader. With confirm its\n"
      "own changes are discarded where the leader does not have them.\n",
      NULL, false, "none confirm"},
-#include "clients/cli/requests.h"
+#include "clients/cli/subcommand_rows.h"
 };
 
 const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];

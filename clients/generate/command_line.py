@@ -44,4 +44,4 @@ def requests(commands, by_hand):
 
 def generate(commands, by_hand, says):
     rows = [row(c) for c in requests(commands, by_hand)]
-    return "/* requests.h - rows of the table in subcommand.c.\n * %s */\n/* clang-format off */\n" % says + "".join(rows)
+    return "/* subcommand_rows.h - rows of the table in subcommand.c.\n * %s */\n/* clang-format off */\n" % says + "".join(rows)

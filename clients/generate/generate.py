@@ -30,7 +30,7 @@ def names(pattern, *paths):
 
 def files(commands):
     by_hand = names(r'^    \{"([a-z]+)", ', "clients/cli/subcommand.c")
-    yield "clients/cli/requests.h", command_line.generate(commands, by_hand, SAYS)
+    yield "clients/cli/subcommand_rows.h", command_line.generate(commands, by_hand, SAYS)
     yield "man/delaunay.1", documents.generate_page(read("man/delaunay.1"), commands, by_hand, SAYS)
     package = "clients/python/delaunayd/"
     by_hand = names(r"^    def ([a-z_]+)\(", package + "_commands.py", package + "_constraints.py", package + "client.py")

@@ -1,4 +1,4 @@
-/* requests.h - rows of the table in subcommand.c.
+/* subcommand_rows.h - rows of the table in subcommand.c.
  * Generated from the table of commands by `make generate`, not to be edited. */
 /* clang-format off */
 {"sets", NULL, false, false, "sets",
