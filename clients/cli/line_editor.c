@@ -1,4 +1,4 @@
-/* line_editor.c - see edit.h. The Makefile defines HAVE_EDITLINE or HAVE_READLINE, whose interfaces are the same as far as
+/* line_editor.c - see line_editor.h. The Makefile defines HAVE_EDITLINE or HAVE_READLINE, whose interfaces are the same as far as
  * they are used here. */
 #include "clients/cli/line_editor.h"
 

@@ -1,4 +1,4 @@
-/* work_test.c - calls that end early: by a flag, or by a limit of steps. */
+/* stop_test.c - calls that end early: by a flag, or by a limit of steps. */
 #include "core/control/stop.h"
 
 #include <math.h>
