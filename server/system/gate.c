@@ -8,7 +8,7 @@
 
 enum { SPINS = 200 }; /* about 4 us, which is what a request takes */
 
-/* The values of linux/futex.h, which not every C library has. */
+/* FUTEX_WAIT_PRIVATE and FUTEX_WAKE_PRIVATE, whose header not every C library has. */
 enum { FUTEX_WAIT_HERE = 0 | 128, FUTEX_WAKE_HERE = 1 | 128 };
 
 static inline void spin(void)

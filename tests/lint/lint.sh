@@ -147,6 +147,29 @@ file_rules() {
     files . | xargs grep -HnIE '(^|[^A-Za-z])/([w]ork|[r]oot|[t]mp/(wt|bash))(/|$)' | sed 's|$|    (path of one machine)|'
 }
 
+# Comments and documents name files of the repository, by path or by name, and documents link to them. A header of the system is
+# known by the line that includes it.
+named_files_exist() {
+    {
+        files . | sed 's|^|file |'
+        echo 'file delaunay_core.h' # made by make lib
+        code core proto server clients tests | xargs grep -hoE '^# *include <[^>]*' | sed 's|.*<|file |'
+        all_code | xargs grep -HnE '^ \*|/\*' | sed -E 's|^([^:]*:[0-9]*):|\1 |; s|^([^ ]*) .*/\*|\1 |'
+        files '\.md$' | grep -v CHANGELOG | xargs grep -Hn . | sed -E 's|^([^:]*:[0-9]*):|\1 |'
+    } | awk '
+        $1 == "file" { do known[$2] = 1; while (sub(/^[^\/]*\//, "", $2)); next }
+        { where = $1
+          while (match($0, /[A-Za-z0-9_.\/>\[-]+\.[ch]($|[^A-Za-z0-9_(.\[-])/)) {
+              name = substr($0, RSTART, RLENGTH); sub(/[^ch]$/, "", name); sub(/^(\.\.\/)+/, "", name)
+              if (name ~ /^([a-z0-9_-]+\/)*[a-z][a-z0-9_][a-z0-9_]+\.[ch]$/ && !(name in known)) print where ": names " name ", which is no file"
+              $0 = substr($0, RSTART + RLENGTH) } }'
+    local link to
+    files '\.md$' | xargs grep -HnoE '\]\([^) :#]+[)#]' | while IFS= read -r link; do
+        to=${link##*(}
+        [ -e "$(dirname "${link%%:*}")/${to%?}" ] || echo "${link%%]*} links to ${to%?}, which is no file"
+    done
+}
+
 # All packages have the version of proto/version.h.
 versions() {
     local f first version='[0-9]+\.[0-9]+\.[0-9]+'
@@ -211,6 +234,7 @@ rules() {
     [ -z "$build" ] || for folder in core server; do calls_no_room_above "$folder"; done
     [ -z "$build" ] || for folder in core proto server; do declares_what_its_room_defines "$folder"; done
     file_rules
+    named_files_exist
     versions
     [ -z "$build" ] || generated
 }
