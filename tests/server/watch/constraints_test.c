@@ -1,4 +1,4 @@
-/* constraints_test.c - WATCH ... CONSTRAINTS, one thing after the other; random edits are in follow_test.c. */
+/* constraints_test.c - WATCH ... CONSTRAINTS, one thing after the other; random edits are in watch_test.c. */
 #include "tests/server/follow/node.h"
 #include "tests/server/watch/mirror.h"
 #include "tests/test.h"

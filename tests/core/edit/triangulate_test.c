@@ -1,4 +1,4 @@
-/* build_test.c - dt_triangulate in two steps. */
+/* triangulate_test.c - dt_triangulate in two steps. */
 #include "core/delaunay.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* raster_values_test.c - values of surfaces at the cells of rasters: those at their centres. */
+/* raster_test.c - values of surfaces at the cells of rasters: those at their centres. */
 #include "tests/core/sets.h"
 #include "tests/core/surface/values.h"
 #include "tests/core/threads.h"

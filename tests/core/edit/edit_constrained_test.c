@@ -1,4 +1,4 @@
-/* moves_test.c - moves of the ends of constraints, by flips or otherwise: compared with sets that are made from the places
+/* edit_constrained_test.c - moves of the ends of constraints, by flips or otherwise: compared with sets that are made from the places
  * to which they lead. */
 #include "core/delaunay_constraints.h"
 

@@ -1,4 +1,4 @@
-/* place_test.c - a data directory that is deleted, renamed, emptied or replaced while a daemon runs. */
+/* datadir_lost_test.c - a data directory that is deleted, renamed, emptied or replaced while a daemon runs. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* tiles_test.c - tiles in one process, round by round until nothing is left to be sent, against brute force, and if they are
+/* tile_test.c - tiles in one process, round by round until nothing is left to be sent, against brute force, and if they are
  * larger, against one set. */
 #include <math.h>
 #include <stdlib.h>

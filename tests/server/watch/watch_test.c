@@ -1,4 +1,4 @@
-/* follow_test.c - WATCH: what clients that follow a set are sent, and that it is all they need. */
+/* watch_test.c - WATCH: what clients that follow a set are sent, and that it is all they need. */
 #include "tests/server/watch/mirror.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* build_test.c - TRIANGULATE of points that one load has sorted: a worker builds beside the set, and the result is
+/* build_beside_test.c - TRIANGULATE of points that one load has sorted: a worker builds beside the set, and the result is
  * installed when no thread is reading a piece of the set. */
 #include "server/command/command.h"
 #include "server/jobs/job.h"

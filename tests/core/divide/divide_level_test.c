@@ -1,4 +1,4 @@
-/* level_test.c - one grid over a range of points: when it helps, and when a cut at the median comes instead. */
+/* divide_level_test.c - one grid over a range of points: when it helps, and when a cut at the median comes instead. */
 #include "core/divide/divide_level.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* values_test.c - values of surfaces at places. */
+/* value_test.c - values of surfaces at places. */
 #include "tests/core/surface/values.h"
 
 #include "tests/core/sets.h"

@@ -1,4 +1,4 @@
-/* activation_test.c - the daemon under a service manager: inherited sockets and notifications of states;
+/* systemd_test.c - the daemon under a service manager: inherited sockets and notifications of states;
  * its manual page lists its flags. */
 #include "tests/faults/tree.h"
 #include "tests/server/daemon.h"

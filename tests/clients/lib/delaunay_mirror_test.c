@@ -1,4 +1,4 @@
-/* mirror_test.c - mirrors: equal to POINTS, LISTS, TRIANGLES and CONSTRAINTS after every edit, over connections that end, with servers that
+/* delaunay_mirror_test.c - mirrors: equal to POINTS, LISTS, TRIANGLES and CONSTRAINTS after every edit, over connections that end, with servers that
  * are faulty, and out of memory. */
 #include "clients/lib/delaunay_mirror.h"
 

@@ -1,4 +1,4 @@
-/* disk_test.c - a disk that fails at any moment: nothing acknowledged is lost, and the daemon
+/* failing_disk_test.c - a disk that fails at any moment: nothing acknowledged is lost, and the daemon
  * continues when the disk works again. The disk is tests/faults/disk_shim.c, found through
  * DISK_SHIM. */
 #include "tests/server/directory.h"

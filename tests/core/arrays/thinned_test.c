@@ -1,4 +1,4 @@
-/* thinned_arrays_test.c - surfaces of few points of arrays in which points coincide, against dt_thin of different places. */
+/* thinned_test.c - surfaces of few points of arrays in which points coincide, against dt_thin of different places. */
 #include <fenv.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* accept_test.c - accepting connections when that fails, or when there are too many.
+/* listeners_test.c - accepting connections when that fails, or when there are too many.
  * tests/faults/syscall_shim.c, found through SYSCALL_SHIM, makes calls fail. */
 #include "tests/server/daemon.h"
 #include "tests/server/said.h"

@@ -1,4 +1,4 @@
-/* array_values_test.c - values of arrays, and places that rounding has put outside the hull. */
+/* places_test.c - values of arrays, and places that rounding has put outside the hull. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* gradient_test.c - slopes of the linear surface: exact gradients, the triangle that counts, and several numbers of a place. */
+/* slope_test.c - slopes of the linear surface: exact gradients, the triangle that counts, and several numbers of a place. */
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/bignum.h"

@@ -1,4 +1,4 @@
-/* table_plan_test.c - separators of values, headings, rows and columns that count: difficult files. */
+/* plan_make_test.c - separators of values, headings, rows and columns that count: difficult files. */
 #include <string.h>
 
 #include "tests/clients/files/tables.h"

@@ -1,4 +1,4 @@
-/* cells_test.c - Voronoi cells: their corners are exact places rounded once, and they tile the box. */
+/* voronoi_test.c - Voronoi cells: their corners are exact places rounded once, and they tile the box. */
 #include "core/delaunay_surface.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"

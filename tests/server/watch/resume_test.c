@@ -1,4 +1,4 @@
-/* restart_test.c - watchers of a daemon that is killed and started again: they continue with SINCE, and then equal the
+/* resume_test.c - watchers of a daemon that is killed and started again: they continue with SINCE, and then equal the
  * set. */
 #include "tests/server/directory.h"
 #include "tests/server/watch/mirror.h"
