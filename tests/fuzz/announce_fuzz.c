@@ -1,4 +1,4 @@
-/* inquired_fuzz.c - libFuzzer target: the facts that a daemon reports about itself (announce_read). For any bytes, each fact is
+/* announce_fuzz.c - libFuzzer target: the facts that a daemon reports about itself (announce_read). For any bytes, each fact is
  * a line that fits in its room. */
 #include "server/follow/announce.h"
 
