@@ -11,8 +11,8 @@
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
 #include "core/mesh/fixed.h"
-#include "core/query/ahead.h"
 #include "core/query/locate.h"
+#include "core/query/prefetch.h"
 #include "core/query/query.h"
 
 #include <stdlib.h>
