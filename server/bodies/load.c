@@ -175,7 +175,7 @@ void load_skip(struct server *s, const struct load_shape *shape, const struct re
 {
     struct announced b;
     /* Those who have shown no token may not keep the server reading. */
-    if (a->role == ROLE_NONE || !read_line(shape, q, &b)) {
+    if (a->client.role == ROLE_NONE || !read_line(shape, q, &b)) {
         a->closes = true;
         return;
     }

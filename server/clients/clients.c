@@ -17,7 +17,7 @@ struct session *clients_oldest_stranger(struct clients *c)
 {
     for (struct list_link *e; (e = list_first(&c->strangers)) != NULL; list_remove(e)) {
         struct session *s = list_owner(e, offsetof(struct session, stranger));
-        if (s->role == ROLE_NONE && !s->conn.closed)
+        if (s->client.role == ROLE_NONE && !s->conn.closed)
             return s;
     }
     return NULL;
@@ -47,7 +47,7 @@ bool clients_add(struct clients *c, struct session *s)
     c->slot[i].session = s;
     c->slot[i].used++;
     s->id = (uint64_t)c->slot[i].used << 32 | i;
-    if (s->role == ROLE_NONE)
+    if (s->client.role == ROLE_NONE)
         list_append(&c->strangers, &s->stranger);
     c->n++;
     return true;

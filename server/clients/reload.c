@@ -9,11 +9,11 @@
 static void renew_client(struct session *s, const struct auth *now, const unsigned *number,
                          uint64_t asker)
 {
-    if (s->token == 0)
+    if (s->client.token == 0)
         return;
-    s->token = number[s->token - 1];
-    s->role = auth_role(now, s->token);
-    if (s->token != 0)
+    s->client.token = number[s->client.token - 1];
+    s->client.role = auth_role(now, s->client.token);
+    if (s->client.token != 0)
         return;
     notice_client(s, NOTICE_INFO, "has a token that was removed: closed");
     if (s->id != asker)

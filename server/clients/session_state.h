@@ -20,8 +20,7 @@ struct session {
     struct reactor *reactor;   /* that serves it */
     struct list_link stranger; /* in clients.strangers */
     uint64_t id;
-    enum role role;
-    unsigned token;   /* the number of the token that gave the role (auth.h); 0: none */
+    struct client client;
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it connected */
     struct sock_peer peer;
@@ -63,8 +62,6 @@ struct session {
     bool again;        /* the current request has to be carried out by a reactor that is alone */
     bool refused;      /* the request whose body is being received has already been refused */
     bool resp;         /* the current request came in RESP framing (proto/resp.h) */
-    bool typed;        /* replies in RESP are typed, since HELLO 3 (server/replies/resp3.h) */
-    bool multi;        /* requests in RESP are refused, since MULTI */
     bool in_bulk;      /* the body is one bulk string */
     size_t bulk_left;  /* bytes of it that have not been read */
     size_t need;       /* shorter input has no whole RESP request */

@@ -8,8 +8,8 @@
 
 static void accept_token(struct answer *a, enum role role, unsigned number)
 {
-    a->role = role;
-    a->token = number;
+    a->client.role = role;
+    a->client.token = number;
 }
 
 /* Counts a wrong token, and writes a message. */
@@ -75,7 +75,7 @@ void cmd_auth(struct server *s, struct dataset *set, const struct request *q, st
         break;
     case SHOWN_GOOD:
         reply_ok(a->out, 0);
-        reply_key_text(a->out, "role", a->role == ROLE_WRITE ? "rw" : "ro");
+        reply_key_text(a->out, "role", a->client.role == ROLE_WRITE ? "rw" : "ro");
         reply_end(a->out);
         break;
     }

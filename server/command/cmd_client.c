@@ -49,7 +49,7 @@ void client_row(struct buf *out, const struct session *s)
     reply_key_text(out, "name", s->name != NULL ? s->name : "");
     reply_key_u64(out, "age", (uint64_t)((now - s->since_ms) / 1000));
     reply_key_u64(out, "idle", (uint64_t)((now - c->heard_ms) / 1000));
-    reply_key_text(out, "role", role[s->role]);
+    reply_key_text(out, "role", role[s->client.role]);
     reply_key_text(out, "framing", s->resp ? "resp" : "lines");
     reply_key_text(out, "state", state_of(s));
     reply_key_u64(out, "in", buf_len(&c->in));

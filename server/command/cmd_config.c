@@ -110,9 +110,8 @@ static void reload(struct server *s, struct answer *a)
     }
     const struct session *who = clients_asker(s, a);
     if (who != NULL) { /* the new role of the connection; *a still has the old one */
-        a->role = who->role;
-        a->token = who->token;
-        if (who->role == ROLE_NONE)
+        a->client = who->client;
+        if (who->client.role == ROLE_NONE)
             a->closes = true;
     }
     answer_count(a, "tokens", s->auth.n);

@@ -52,14 +52,14 @@ bool check_delaunay(struct answer *a, const struct version *v)
 
 bool check_write_role(struct answer *a)
 {
-    if (a->role == ROLE_WRITE)
+    if (a->client.role == ROLE_WRITE)
         return true;
     return answer_err(a, ERR_DENIED, "your token is for reading only");
 }
 
 static bool check_role(struct answer *a, const struct command *c)
 {
-    if (a->role != ROLE_NONE)
+    if (a->client.role != ROLE_NONE)
         return (c->flags & (CMD_WRITE | CMD_ADMIN)) == 0 || check_write_role(a);
     if ((c->flags & CMD_OPEN) != 0)
         return true;

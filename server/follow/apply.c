@@ -70,7 +70,7 @@ static struct answer answer_of(struct apply *p)
     buf_rewind(&p->out, 0);
     return (struct answer){.out = &p->out,
                            .owner = APPLY_OWNER,
-                           .role = ROLE_WRITE,
+                           .client.role = ROLE_WRITE,
                            .turn = queue_turn(&p->waiter),
                            .of_leader = true};
 }

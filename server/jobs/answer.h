@@ -31,22 +31,27 @@ enum answer_wait {
     WAIT_TIME     /* a time */
 };
 
+/* What AUTH, HELLO and MULTI have made of a connection; they change it in their answer. */
+struct client {
+    enum role role;
+    unsigned token; /* the number of the token that gave the role (auth.h); 0: none */
+    bool typed;     /* replies in RESP are typed, since HELLO 3 (server/replies/resp3.h) */
+    bool multi;     /* in a transaction: requests in RESP are refused, since MULTI */
+};
+
 struct answer {
     struct reactor *reactor; /* that carries out the request; NULL: it is alone in the world */
     struct buf *out;         /* borrows; the reply is appended */
-    uint64_t mark;    /* the number of the reply's first byte in the output of the connection */
-    uint64_t lsn;     /* the change that the reply acknowledges (reply_hold.h); 0: none */
-    uint64_t shown;   /* the last change that it shows (reply_hold.h); 0: none */
-    uint64_t owner;   /* the id of the connection; 0: none */
-    enum role role;   /* of the connection; AUTH changes it */
-    unsigned token;   /* the number of the token that gave the role; 0: none */
+    uint64_t mark;  /* the number of the reply's first byte in the output of the connection */
+    uint64_t lsn;   /* the change that the reply acknowledges (reply_hold.h); 0: none */
+    uint64_t shown; /* the last change that it shows (reply_hold.h); 0: none */
+    uint64_t owner; /* the id of the connection; 0: none */
+    struct client client;
     int64_t since_ns; /* when the request was first carried out, if it has waited; 0: it has not */
     const struct command *command; /* NULL: none of that name */
-    bool typed;  /* replies of the connection in RESP are typed; HELLO changes it */
-    bool multi;  /* the connection is in a transaction, all of which is refused; MULTI changes it */
-    bool waited; /* the request has waited for its time */
-    bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */
-    bool busy;         /* out of memory because of other requests */
+    bool waited;                   /* the request has waited for its time */
+    bool timed_out;                /* a cancelled request has exceeded its TIMEOUT */
+    bool busy;                     /* out of memory because of other requests */
     bool of_leader;    /* a change of the leader: limits of this daemon on counts do not hold */
     struct load *body; /* borrows: the complete body of the request; NULL: none, or not yet */
     const struct request_queue *turn; /* the queue that has called the request; NULL: none */

@@ -30,9 +30,7 @@ void redis_time(struct server *s, const struct request *q, struct answer *a)
 void redis_reset(struct server *s, const struct request *q, struct answer *a)
 {
     (void)q;
-    a->multi = a->typed = false;
-    a->role = auth_initial_role(&s->auth);
-    a->token = 0;
+    a->client = (struct client){.role = auth_initial_role(&s->auth)};
     client_set_name(s, a, &(struct word){"", 0});
     redis_simple(a, "+RESET");
 }

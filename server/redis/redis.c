@@ -167,7 +167,7 @@ static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listi
 
 static void slowlog(struct server *s, const struct request *q, struct answer *a)
 {
-    if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->role == ROLE_WRITE &&
+    if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->client.role == ROLE_WRITE &&
         slowlog_get(s, q, a, list_slow, LISTING_ARRAY))
         return;
     if (!redis_run(s, q, a))
@@ -197,7 +197,7 @@ static void auth(struct server *s, const struct request *q, struct answer *a)
 static void greet(const struct server *s, struct answer *a, uint32_t version)
 {
     enum { FACTS = 7 };
-    a->typed = version == 3;
+    a->client.typed = version == 3;
     redis_map(a, FACTS);
     redis_bulk_text(a, "server");
     redis_bulk_text(a, "delaunayd");
@@ -218,7 +218,7 @@ static void greet(const struct server *s, struct answer *a, uint32_t version)
 /* HELLO [2|3 [AUTH user token] [SETNAME name]]; other versions are our own HELLO's. */
 static void hello(struct server *s, const struct request *q, struct answer *a)
 {
-    uint32_t version = a->typed ? 3 : 2;
+    uint32_t version = a->client.typed ? 3 : 2;
     if (q->n >= 2 && (!proto_read_u32(q->word[1].text, q->word[1].len, &version) || version < 2 ||
                       version > 3)) {
         redis_error(a, "NOPROTO this server speaks RESP 2 and 3");
@@ -237,7 +237,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
             return;
         }
     }
-    if (a->role == ROLE_NONE)
+    if (a->client.role == ROLE_NONE)
         redis_error(a, "NOAUTH authenticate first: AUTH token");
     else
         greet(s, a, version);
@@ -309,7 +309,7 @@ static bool is_ours(const struct request *q, const struct answer *a)
 {
     const struct word *name = &q->word[0];
     /* Events are pushes, which RESP 2 does not have. */
-    if (a->typed && (word_is(name, "WATCH") || word_is(name, "UNWATCH")))
+    if (a->client.typed && (word_is(name, "WATCH") || word_is(name, "UNWATCH")))
         return true;
     /* `HELLO 1` asks for the version of our protocol. */
     if (q->n == 2 && word_is(name, "HELLO") && word_is(&q->word[1], "1"))
@@ -337,7 +337,7 @@ static const struct row *choose(struct server *s, const struct request *q, const
     const struct row *row = find(q, a);
     if (row == NULL && command_find_again(s, a->reactor, &q->word[0]) == NULL)
         return &unknown;
-    return a->multi && !redis_ends_multi(&q->word[0]) ? &queued : row;
+    return a->client.multi && !redis_ends_multi(&q->word[0]) ? &queued : row;
 }
 
 /* Whether the request is allowed before AUTH: as the command of ours of that name is. */
@@ -356,7 +356,7 @@ static void say(struct answer *a, const char *text)
 static void answer_row(struct server *s, const struct row *row, const struct request *q,
                        struct answer *a)
 {
-    if (a->role == ROLE_NONE && !is_open(a, row->handler))
+    if (a->client.role == ROLE_NONE && !is_open(a, row->handler))
         redis_error(a, "NOAUTH authenticate first: AUTH token");
     else if (row->usage != NULL && (q->n < row->least || (row->most > 0 && q->n > row->most)))
         redis_usage(a, row->usage);

@@ -26,7 +26,7 @@ static void put_own_row(struct server *s, struct answer *a)
         client_row(&row, me);
         buf_rewind(&row, buf_len(&row) - 1); /* its LF */
         buf_append(&row, facts, sizeof facts - 1);
-        buf_append_text(&row, a->typed ? "3\n" : "2\n");
+        buf_append_text(&row, a->client.typed ? "3\n" : "2\n");
     }
     if (row.failed)
         answer_out_of_memory(a);
@@ -49,7 +49,7 @@ static bool answer_alone(struct server *s, const struct request *q, struct answe
 {
     const struct word *what = &q->word[1], *how = &q->word[q->n - 1];
     bool off = word_is(how, "OFF"), on = word_is(how, "ON");
-    if (q->n == 2 && word_is(what, "LIST") && a->role == ROLE_WRITE)
+    if (q->n == 2 && word_is(what, "LIST") && a->client.role == ROLE_WRITE)
         client_list(s, a, LISTING_BULK);
     else if (q->n == 2 && word_is(what, "INFO"))
         put_own_row(s, a);

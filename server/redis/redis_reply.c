@@ -42,7 +42,7 @@ void redis_usage(struct answer *a, const char *text)
 
 void redis_map(struct answer *a, size_t n)
 {
-    if (a->typed)
+    if (a->client.typed)
         resp3_map(a->out, n);
     else
         resp_array(a->out, 2 * n);
@@ -50,7 +50,7 @@ void redis_map(struct answer *a, size_t n)
 
 void redis_null(struct answer *a)
 {
-    if (a->typed)
+    if (a->client.typed)
         resp3_null(a->out);
     else
         redis_simple(a, "$-1");

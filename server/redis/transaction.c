@@ -4,31 +4,31 @@
 void redis_multi(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    if (a->multi)
+    if (a->client.multi)
         redis_error(a, "ERR MULTI calls can not be nested");
     else
         redis_simple(a, "+OK");
-    a->multi = true;
+    a->client.multi = true;
 }
 
 void redis_exec(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    redis_error(a, a->multi
+    redis_error(a, a->client.multi
                        ? "EXECABORT there are no transactions: nothing was carried out; send the "
                          "commands without MULTI and EXEC (redis-py: pipeline(transaction=False))"
                        : "ERR EXEC without MULTI");
-    a->multi = false;
+    a->client.multi = false;
 }
 
 void redis_discard(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s, (void)q;
-    if (a->multi)
+    if (a->client.multi)
         redis_simple(a, "+OK");
     else
         redis_error(a, "ERR DISCARD without MULTI");
-    a->multi = false;
+    a->client.multi = false;
 }
 
 bool redis_ends_multi(const struct word *name)

@@ -28,7 +28,8 @@ enum {
 /* Whether a request is too long before AUTH. */
 static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 {
-    return s->role == ROLE_NONE && (bytes > LIMIT_STRANGER_BYTES || words > LIMIT_STRANGER_WORDS);
+    return s->client.role == ROLE_NONE &&
+           (bytes > LIMIT_STRANGER_BYTES || words > LIMIT_STRANGER_WORDS);
 }
 
 static bool refuse_stranger(struct session *s)
@@ -347,7 +348,7 @@ struct session *session_new(struct server *server, struct reactor *reactor, int 
         return NULL;
     s->server = server;
     s->reactor = reactor;
-    s->role = auth_initial_role(&server->auth);
+    s->client.role = auth_initial_role(&server->auth);
     s->since_ms = reactor->loop.awake_ms;
     s->peer = *peer;
     s->command = NULL;

@@ -23,7 +23,7 @@ static bool reframe(struct session *s)
     struct buf *lines = &s->reactor->lines, *out = &s->conn.out;
     const char *head = buf_head(lines);
     size_t n = buf_len(lines);
-    bool ok = s->typed ? reframe_typed(s, head, n) : resp_reframe(&s->reader, head, n, out);
+    bool ok = s->client.typed ? reframe_typed(s, head, n) : resp_reframe(&s->reader, head, n, out);
     buf_rewind(lines, 0);
     if (lines->cap > LINES_KEPT) /* there was a long row */
         buf_free(lines);
@@ -151,10 +151,7 @@ bool session_take_over(struct session *s, struct answer *a)
 {
     account(s, a);
     bool delivered = session_deliver(s, a);
-    s->role = a->role;
-    s->token = a->token;
-    s->typed = a->typed;
-    s->multi = a->multi;
+    s->client = a->client;
     s->state = arrange(s, a);
     if (!delivered)
         conn_close(&s->conn);

@@ -17,10 +17,7 @@ static inline void session_answer(struct session *s, struct answer *a)
     a->out = s->resp ? &s->reactor->lines : &s->conn.out;
     a->mark = conn_out_end(&s->conn);
     a->owner = s->id;
-    a->role = s->role;
-    a->token = s->token;
-    a->typed = s->typed;
-    a->multi = s->multi;
+    a->client = s->client;
     a->since_ns = s->pause.began_ns;
     a->command = s->command;
     a->turn = queue_turn(&s->waiter);

@@ -32,7 +32,7 @@ void session_check_timeouts(struct session *s)
     conn_check_timeouts(c);
     if (c->closed || c->finishing)
         return;
-    if (s->role == ROLE_NONE && s->state != SESSION_WAITING &&
+    if (s->client.role == ROLE_NONE && s->state != SESSION_WAITING &&
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
         notice_client(s, NOTICE_INFO, "has not authenticated in time: closed");
         session_refuse(s, ERR_TIMEOUT, "not authenticated within 10 seconds");

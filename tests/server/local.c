@@ -79,7 +79,7 @@ static void wait_for_job(struct local *l, struct answer *a)
 
 struct answer local_run(struct local *l, const char *request)
 {
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     buf_consume(&l->out, buf_len(&l->out));
     CHECK(request_split(&l->server.reactor->request, request, strlen(request)));
     command_run(&l->server, &l->server.reactor->request, &a);
@@ -127,7 +127,7 @@ static bool complete(struct local *l, struct answer *a)
 
 static struct answer new_answer(struct local *l)
 {
-    return (struct answer){.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    return (struct answer){.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
 }
 
 static size_t load(struct local *l, struct load *load, const char *text, size_t n)

@@ -470,7 +470,7 @@ TEST(snapshot_holds_the_set_as_it_was_whatever_edits_come_meanwhile)
 static void deliver(void *ctx, struct job *j)
 {
     struct local *l = ctx;
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     job_finish(&l->server, j, &a);
 }
 
@@ -478,7 +478,7 @@ static void deliver(void *ctx, struct job *j)
 TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
 {
     struct local l;
-    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l.out, .owner = 1, .client.role = ROLE_WRITE};
     local_start(&l, 1);
     struct request *q = &l.server.reactor->request;
     local_ask(&l, "ADD t 0 0  1 1\nADD other 5 5\n");

@@ -29,7 +29,7 @@ static struct job *begin(struct local *l)
 {
     static const char line[] = "TRIANGULATE t";
     struct request *q = &l->server.reactor->request;
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
     CHECK(a.next == ANSWER_WORK && a.job == local_set(l, "t")->writer);

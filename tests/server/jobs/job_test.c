@@ -134,7 +134,7 @@ TEST(set_that_is_about_to_be_created_does_not_exist_for_readers)
 static struct load *begin_load(struct local *l, const char *line)
 {
     struct request *q = &l->server.reactor->request;
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
     CHECK(a.next == ANSWER_BODY);
@@ -149,7 +149,7 @@ TEST(load_whose_points_have_arrived_waits_for_its_turn)
     struct dataset *set = local_set(&l, "t");
     set->writer = (struct job *)(void *)&l; /* only compared with NULL */
     struct load *load = begin_load(&l, "LOAD t 1");
-    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l.out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(load_feed(load, "2 2\n", 4, false) == 4 && load->body.complete);
     command_run_body(&l.server, load, &a);
     CHECK(a.next == ANSWER_WAIT && a.wait == &set->queue && set->current->sum.points == 1);

@@ -26,7 +26,7 @@ static void load(struct local *l, const char *last)
 static struct job *begin(struct local *l, const char *line)
 {
     struct request *q = &l->server.reactor->request;
-    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
     CHECK(a.next == ANSWER_WORK && job_first(&l->server) == a.job);

@@ -55,7 +55,8 @@ static void drop_t(struct waiter *w)
 {
     struct bench *b = (struct bench *)(void *)((char *)w - offsetof(struct bench, dropper));
     struct request *q = &b->l.server.reactor->request;
-    struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = queue_turn(w)};
+    struct answer a = {
+        .out = &b->l.out, .owner = 1, .client.role = ROLE_WRITE, .turn = queue_turn(w)};
     CHECK(request_split(q, "DROP t", 6));
     command_run(&b->l.server, q, &a);
     CHECK(a.next == ANSWER_DONE && set_t(b) == NULL);
@@ -282,7 +283,7 @@ static void begin_with_a_large_set(struct bench *b)
 static struct answer run(struct bench *b, const char *request)
 {
     struct request *q = &b->l.server.reactor->request;
-    struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &b->l.out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(request_split(q, request, strlen(request)));
     command_run(&b->l.server, q, &a);
     return a;
@@ -306,7 +307,7 @@ static void tell(void *ctx, struct job *j)
         server_finish_abandoned(&b->l.server, j);
         return;
     }
-    owned = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
+    owned = (struct answer){.out = &b->l.out, .owner = 1, .client.role = ROLE_WRITE};
     tellings++;
     job_finish(&b->l.server, j, &owned);
     if (owned.next == ANSWER_STREAM)

@@ -38,7 +38,7 @@ static void start_renewal(struct local *l)
 static void finish(void *ctx, struct job *j)
 {
     struct local *l = ctx;
-    struct answer a = {.out = &l->out, .owner = j->owner, .role = ROLE_WRITE};
+    struct answer a = {.out = &l->out, .owner = j->owner, .client.role = ROLE_WRITE};
     job_finish(&l->server, j, &a);
 }
 

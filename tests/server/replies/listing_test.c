@@ -58,7 +58,7 @@ TEST(long_listings_are_made_in_pieces)
     local_start(&l, 0);
     create_sets(&l, SETS);
     struct buf out = {0};
-    struct answer a = {.out = &out, .role = ROLE_WRITE};
+    struct answer a = {.out = &out, .client.role = ROLE_WRITE};
     CHECK(request_split(&l.server.reactor->request, "SETS", 4));
     command_run(&l.server, &l.server.reactor->request, &a);
     unsigned pieces = 0;
@@ -85,7 +85,7 @@ TEST(sets_that_stay_are_listed_once_while_others_come_and_go)
         local_ask(&l, line);
     }
     struct buf out = {0};
-    struct answer a = {.out = &out, .role = ROLE_WRITE};
+    struct answer a = {.out = &out, .client.role = ROLE_WRITE};
     CHECK(request_split(&l.server.reactor->request, "SETS", 4));
     command_run(&l.server, &l.server.reactor->request, &a);
     for (unsigned i = 0; a.next == ANSWER_STREAM; i++) {

@@ -257,7 +257,7 @@ static bool reads_its_moment(long n, struct text *rows)
     start_ladder(&l);
     local_ask(&l, text);
     local_ask(&l, "");
-    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    struct answer a = {.out = &l.out, .owner = 1, .client.role = ROLE_WRITE};
     CHECK(request_split(&l.server.reactor->request, text, strlen(text)));
     test_fail_alloc(n);
     command_run(&l.server, &l.server.reactor->request, &a);

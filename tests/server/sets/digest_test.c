@@ -395,7 +395,7 @@ static void ask(struct local *l, struct answer *a, const char *line)
 {
     struct word w = {line, strlen(line)};
     CHECK(request_split(&l->server.reactor->request, w.text, w.len));
-    *a = (struct answer){.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    *a = (struct answer){.out = &l->out, .owner = 1, .client.role = ROLE_WRITE};
     command_run(&l->server, &l->server.reactor->request, a);
 }
 
