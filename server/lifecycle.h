@@ -6,7 +6,7 @@
 /* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
 bool server_init(struct server *s, struct config *config);
 
-/* The server is stopping: from now on long jobs that change no points, builds and searches, are cancelled. */
+/* The server is stopping: builds, searches and plans of edits are cancelled from now on (job_drain). */
 void server_drain(struct server *s);
 
 /* Cancels the jobs of the workers, waits for their end, then frees everything. */

@@ -31,8 +31,7 @@ struct wire {
     int fd;
     struct incoming incoming;
     uint64_t acked, acked_bytes; /* what the leader knows */
-    bool streaming;              /* it sends its log, */
-    int64_t since_ms;            /* since then */
+    int64_t log_since_ms;        /* since when it sends its log; 0: it does not */
     int64_t heard_ms;
 };
 
@@ -63,7 +62,7 @@ static void set_state(struct link *l, enum link_state state, const char *why)
 static bool acknowledge(struct wire *w)
 {
     char line[64];
-    if (!w->streaming)
+    if (w->log_since_ms == 0)
         return true;
     pthread_mutex_lock(&w->l->mutex);
     uint64_t lsn = w->l->acked, bytes = w->l->acked_bytes;
@@ -95,7 +94,7 @@ static bool hear(struct wire *w)
         }
         if (n == 0 || (errno != EAGAIN && errno != EINTR))
             return false;
-        bool begun = w->streaming || w->incoming.in_snapshot;
+        bool begun = w->log_since_ms != 0 || w->incoming.in_snapshot;
         if (clock_ms() - w->heard_ms > (begun ? SILENCE_MS : PATIENCE_MS) ||
             !dial_wait(&w->l->dial, w->fd, POLLIN, 1000) || !acknowledge(w))
             return false;
@@ -263,14 +262,13 @@ static bool install(void *ctx, struct aside *aside, const struct segment *header
 static bool note_header(void *ctx, const struct segment *h)
 {
     struct wire *w = ctx;
-    bool log = h->kind == SEGMENT_LOG;
-    if (log && !w->streaming)
-        w->since_ms = clock_ms();
-    w->streaming = log;
-    if (!log) {
+    if (h->kind != SEGMENT_LOG) {
+        w->log_since_ms = 0;
         set_state(w->l, LINK_LOADING, "");
         return true;
     }
+    if (w->log_since_ms == 0)
+        w->log_since_ms = clock_ms();
     pthread_mutex_lock(&w->l->mutex);
     if (h->lsn > w->l->leader_lsn + 1)
         w->l->leader_lsn = h->lsn - 1;
@@ -324,7 +322,7 @@ static int64_t converse(struct link *l)
         receive(&w);
     incoming_clear(&w.incoming);
     close(w.fd);
-    return w.streaming ? clock_ms() - w.since_ms : 0;
+    return w.log_since_ms != 0 ? clock_ms() - w.log_since_ms : 0;
 }
 
 int link_pause(int before, bool repeats, int64_t lasted_ms)

@@ -31,7 +31,7 @@ enum answer_wait {
     WAIT_TIME     /* a time */
 };
 
-/* What AUTH, HELLO and MULTI have made of a connection; they change it in their answer. */
+/* The state of a connection that AUTH, HELLO and MULTI change, through their answer. */
 struct client {
     enum role role;
     unsigned token; /* the number of the token that gave the role (auth.h); 0: none */
