@@ -37,12 +37,12 @@ export const follower = new Follower({
   mesh,
   view,
   most: isLocal ? Infinity : Number(given('most') ?? MOST_POINTS),
-  onShow: (dots) => {
+  onShow: (squares) => {
     handlers.onSet(follower.set);
     const box = follower.kind === 'whole' ? mesh.box() : null;
     if (fitNext && box !== null) view.fit(box);
     if (box !== null) fitNext = false;
-    scene.show(mesh, dots);
+    scene.show(mesh, squares);
     overlay.lines.forget();
     showField(follower.field, box === null ? undefined : Math.max(box[2] - box[0], box[3] - box[1]));
     refreshSoon();

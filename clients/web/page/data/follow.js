@@ -22,7 +22,7 @@ export class Follower {
   #following = 0; // how often another set was chosen
 
   /** connection() returns the open one, fetchAll(requests, most) the replies. Sets of at most `most` points are mirrored whole. Calls
-   * onShow(dots) for another mesh, and onDropped(set). Calls onChange(box) when the set has changed, with the box that Mesh.apply returns, or null. */
+   * onShow(squares) for another mesh, and onDropped(set). Calls onChange(box) when the set has changed, with the box that Mesh.apply returns, or null. */
   constructor({ connection, fetchAll, mesh, view, most, onShow, onChange, onDropped }) {
     Object.assign(this, { connection, fetchAll, mesh, view, most, onShow, onChange, onDropped });
   }
@@ -68,9 +68,9 @@ export class Follower {
     await this.#watch(` SINCE ${this.mesh.version}`);
   }
 
-  #show(kind, dots) {
+  #show(kind, squares) {
     this.kind = kind;
-    this.onShow(dots);
+    this.onShow(squares);
   }
 
   /** The connection is another one. */
@@ -110,7 +110,7 @@ export class Follower {
     this.#seen = seen;
     this.#sampledAt = Date.now();
     this.#isStale = false;
-    this.#show('sample', sample.dots);
+    this.#show('sample', sample.squares);
     const box = await boxToShow(this.fetchAll, this.set, seen, sample, this.most);
     if (box !== null && turn === this.#following) {
       await this.#watch(` WITHIN ${box.join(' ')}`, () => {

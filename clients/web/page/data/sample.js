@@ -4,7 +4,7 @@
 
 const PLACES = 40000; // of the grid
 const LEAST_CELL = 3; // pixels
-const SMALL = 8; // cells: smaller triangles are dots, too, so that there are no holes between those of the sample
+const SMALL = 8; // cells: where triangles are smaller, squares fill the holes between those of the sample
 const MOST_IN_BOX = 200000; // triangles
 const MARGIN = 0.25; // of a box around the view, on each side
 const BYTES_OF_TRIANGLE = 12;
@@ -12,9 +12,9 @@ const LINE = 4000; // ids in a line of GET
 const FAR = 2 ** 201; // the largest coordinate of a point
 const NOWHERE = 0xffffffff;
 
-/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, dots, estimate}. triangles: three ids each.
- * places: Map id -> [x, y, value] of their corners. dots: {places, size}, x, y and value in the middle of each cell with a small
- * triangle, and the side of a cell. estimate: about how many triangles are in view. */
+/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, squares, estimate}. triangles: three ids each.
+ * places: Map id -> [x, y, value] of their corners. squares: {places, size}, x, y and value in the middle of each cell with a
+ * small triangle, and the side of a cell. estimate: about how many triangles are in view. */
 export async function sampleOf(fetchAll, set, view, field) {
   const size = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES)) / view.scale;
   const grid = gridOf(view.box(), size);
@@ -24,7 +24,7 @@ export async function sampleOf(fetchAll, set, view, field) {
   ids.delete(NOWHERE);
   const places = await placesOf(fetchAll, set, ids, field);
   const triangles = new Map();
-  const dots = [];
+  const squares = [];
   let estimate = 0;
   for (let k = 0; k < corners.length; k += 3) {
     const triangle = [...corners.subarray(k, k + 3)];
@@ -32,9 +32,9 @@ export async function sampleOf(fetchAll, set, view, field) {
     const cells = areaOf(triangle.map((id) => places.get(id))) / size ** 2;
     estimate += 1 / cells;
     triangles.set(triangle.join(' '), triangle);
-    if (cells < SMALL) dots.push(grid[(2 * k) / 3], grid[(2 * k) / 3 + 1], places.get(triangle[0])[2]);
+    if (cells < SMALL) squares.push(grid[(2 * k) / 3], grid[(2 * k) / 3 + 1], places.get(triangle[0])[2]);
   }
-  return { version: Number(keys.version), triangles: [...triangles.values()].flat(), places, dots: { places: dots, size }, estimate };
+  return { version: Number(keys.version), triangles: [...triangles.values()].flat(), places, squares: { places: squares, size }, estimate };
 }
 
 /** Decides what is shown of a view with this sample. Resolves to the box around the view in which everything is to be shown; null: it

@@ -13,31 +13,12 @@ export const VIRIDIS = [
 ];
 
 const NUMBERS = 3; // of a vertex: x and y in clip space, and its value
+const SQUARE = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5]]; // the corners of two triangles
 
 const HEAD = `#version 300 es
 precision highp float; precision highp int;`;
 
-/** The colour of the ground, mixed with the share `line` of a line on it. */
-const PAINT = `
-uniform vec2 range;      // the least value, and 1 / (greatest - least)
-uniform vec4 fill, edge;
-uniform bool coloured, edged;
-uniform float bands;     // the step between bands of one colour; 0: colours change steadily
-const vec3 term[7] = vec3[7](${VIRIDIS.map((term) => `vec3(${term})`)});
-vec3 viridis(float t) {
-  vec3 sum = term[6];
-  for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;
-  return clamp(sum, 0.0, 1.0);
-}
-/** light: how bright the slope of the ground is, beside level ground. */
-vec4 paint(float value, float line, float light) {
-  line *= edged ? edge.a : 0.0;
-  float level = bands > 0.0 ? (floor(value / bands) + 0.5) * bands : value;
-  vec4 ground = coloured && value == value ? vec4(viridis(clamp((level - range.x) * range.y, 0.0, 1.0)) * light, 1.0) : fill;
-  return vec4(edge.rgb * line + ground.rgb * ground.a * (1.0 - line), line + ground.a * (1.0 - line));
-}`;
-
-const MESH_VERTEX = `${HEAD}
+const VERTEX = `${HEAD}
 in vec3 vertex;
 out vec3 corner;
 out float value;
@@ -48,45 +29,40 @@ void main() {
   value = vertex.z;
 }`;
 
-const MESH_FRAGMENT = `${HEAD}${PAINT}
+const FRAGMENT = `${HEAD}
 in vec3 corner;
 in float value;
+uniform vec2 range;      // the least value, and 1 / (greatest - least)
+uniform vec4 fill, edge;
+uniform bool coloured, edged;
+uniform bool even;       // the colour of many small triangles, without lines
+uniform float bands;     // the step between bands of one colour; 0: colours change steadily
 uniform float relief;    // pixels that the ground rises for a unit of the value; 0: no hillshade
 out vec4 colour;
+const vec3 term[7] = vec3[7](${VIRIDIS.map((term) => `vec3(${term})`)});
+vec3 viridis(float t) {
+  vec3 sum = term[6];
+  for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;
+  return clamp(sum, 0.0, 1.0);
+}
 void main() {
   // Light from the north-west, 45 degrees above the ground [Horn 1981].
   vec3 normal = normalize(vec3(-relief * dFdx(value), -relief * dFdy(value), 1.0));
   float light = relief > 0.0 ? clamp(dot(normal, vec3(-0.5, 0.5, 0.7071)) * 1.4142, 0.25, 1.35) : 1.0;
   vec3 width = fwidth(corner);
   vec3 near = smoothstep(vec3(0.0), 1.2 * width, corner);
-  float line = 1.0 - min(near.x, min(near.y, near.z));
   // Lines fade where triangles become lower than 16 pixels: triangles of a few pixels would be nothing but lines.
-  colour = paint(value, line * (1.0 - 0.78 * smoothstep(0.06, 0.4, max(width.x, max(width.y, width.z)))), light);
+  float faded = 1.0 - 0.78 * smoothstep(0.06, 0.4, max(width.x, max(width.y, width.z)));
+  float line = (edged ? edge.a : 0.0) * (even ? 0.22 : faded * (1.0 - min(near.x, min(near.y, near.z))));
+  float level = bands > 0.0 ? (floor(value / bands) + 0.5) * bands : value;
+  vec4 ground = coloured && value == value ? vec4(viridis(clamp((level - range.x) * range.y, 0.0, 1.0)) * light, 1.0) : fill;
+  colour = vec4(edge.rgb * line + ground.rgb * ground.a * (1.0 - line), line + ground.a * (1.0 - line));
 }`;
 
-/** Dots are the cells of a sample that show small triangles. */
-const DOT_VERTEX = `${HEAD}${PAINT}
-in vec3 vertex;
-uniform float size;
-flat out vec4 dot_colour;
-void main() {
-  gl_PointSize = size;
-  gl_Position = vec4(vertex.xy, 0.0, 1.0);
-  dot_colour = paint(vertex.z, 0.22, 1.0);
-}`;
-
-const DOT_FRAGMENT = `${HEAD}
-flat in vec4 dot_colour;
-out vec4 colour;
-void main() { colour = dot_colour; }`;
-
-/** Begins to compile a program; use() waits for it. */
-function compile(gl, vertex, fragment) {
+/** Begins to compile the program; use() waits for it. */
+function compile(gl) {
   const program = gl.createProgram();
-  for (const [type, source] of [
-    [gl.VERTEX_SHADER, vertex],
-    [gl.FRAGMENT_SHADER, fragment],
-  ]) {
+  for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
     const shader = gl.createShader(type);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -97,7 +73,7 @@ function compile(gl, vertex, fragment) {
   return program;
 }
 
-/** Uses a program. Returns a function that returns the place of a uniform; null: the program does not have it. */
+/** Uses a program. Returns a function that returns the place of a uniform. */
 function use(gl, program) {
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
     throw new Error([gl.getProgramInfoLog(program), ...gl.getAttachedShaders(program).map((shader) => gl.getShaderInfoLog(shader))].join('\n'));
@@ -112,7 +88,7 @@ export class Scene {
   style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1], relief: 0, bands: 0 };
   #gl;
   #mesh = null;
-  #dots = null;
+  #squares = null; // of a sample
   #vertices = new Float32Array(0); // that are being sent
   #view = null; // that the picture shows; null: there is no picture
   #changed = emptyBox(); // of the plane: what events have changed since the last frame
@@ -138,18 +114,17 @@ export class Scene {
   /** The context is a new one: nothing is in the graphics memory. */
   #begin() {
     const gl = this.#gl;
-    this.meshProgram = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
-    this.dotProgram = null;
+    this.program = compile(gl);
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, NUMBERS, gl.FLOAT, false, 0, 0);
     gl.disable(gl.DEPTH_TEST);
   }
 
-  /** Shows another mesh, and below it the dots of a Sample. */
-  show(mesh, dots = null) {
+  /** Shows another mesh, and below it the squares of a sample. */
+  show(mesh, squares = null) {
     this.#mesh = mesh;
-    this.#dots = dots;
+    this.#squares = squares;
     this.stale();
   }
 
@@ -225,59 +200,49 @@ export class Scene {
     (pixels === null ? gl.disable : gl.enable).call(gl, gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    if (this.#dots !== null) this.#drawDots(this.#dots);
-    return this.#drawTriangles(box);
-  }
-
-  #drawTriangles(box) {
+    if (this.#squares !== null) this.#drawSquares(this.#squares);
     const { xy, values, triangles } = this.#mesh;
-    const { x, y } = this.#view;
-    const [across, up] = this.#clipScale();
-    this.#vertices = grown(this.#vertices, 3 * NUMBERS * triangles);
-    const vertices = this.#vertices;
-    let n = 0;
-    const put = (corner) => {
-      vertices[n++] = (xy[2 * corner] - x) * across;
-      vertices[n++] = (xy[2 * corner + 1] - y) * up;
-      vertices[n++] = values[corner];
-    };
-    this.#mesh.eachTriangleIn(box, (a, b, c) => {
-      put(a);
-      put(b);
-      put(c);
+    return this.#drawTriangles(false, triangles, (put) => {
+      const corner = (n) => put(xy[2 * n], xy[2 * n + 1], values[n]);
+      this.#mesh.eachTriangleIn(box, (a, b, c) => {
+        corner(a);
+        corner(b);
+        corner(c);
+      });
     });
-    this.#setUniforms(this.meshProgram);
-    this.#send(this.#gl.TRIANGLES, vertices.subarray(0, n));
-    return n / NUMBERS / 3;
   }
 
   /** {places: x, y, value ..., size: in units of the plane}. */
-  #drawDots({ places, size }) {
-    const { x, y, scale } = this.#view;
-    const [across, up] = this.#clipScale();
-    const vertices = Float32Array.from(places, (v, k) => [(v - x) * across, (v - y) * up, v][k % NUMBERS]);
-    this.dotProgram ??= compile(this.#gl, DOT_VERTEX, DOT_FRAGMENT);
-    const at = this.#setUniforms(this.dotProgram);
-    this.#gl.uniform1f(at('size'), size * scale * this.#ratio);
-    this.#send(this.#gl.POINTS, vertices);
+  #drawSquares({ places, size }) {
+    this.#drawTriangles(true, (2 * places.length) / 3, (put) => {
+      for (let k = 0; k < places.length; k += 3) {
+        for (const [dx, dy] of SQUARE) put(places[k] + dx * size, places[k + 1] + dy * size, places[k + 2]);
+      }
+    });
   }
 
-  /** Clip space in units of the plane, to the right and upwards. */
-  #clipScale() {
-    const { width, height, scale } = this.#view;
-    return [(2 * scale) / width, (2 * scale) / height];
-  }
-
-  #send(kind, vertices) {
+  /** Draws triangles, at most so many; each(put) calls put(x, y, value) for all their corners. even: in one colour, without lines. Returns
+   * their number. */
+  #drawTriangles(even, most, each) {
     const gl = this.#gl;
-    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
-    gl.drawArrays(kind, 0, vertices.length / NUMBERS);
+    const { x, y, scale, width, height } = this.#view;
+    const [across, up] = [(2 * scale) / width, (2 * scale) / height];
+    const vertices = (this.#vertices = grown(this.#vertices, 3 * NUMBERS * most));
+    let n = 0;
+    each((px, py, value) => {
+      vertices[n++] = (px - x) * across;
+      vertices[n++] = (py - y) * up;
+      vertices[n++] = value;
+    });
+    this.#setUniforms(even);
+    gl.bufferData(gl.ARRAY_BUFFER, vertices.subarray(0, n), gl.STREAM_DRAW);
+    gl.drawArrays(gl.TRIANGLES, 0, n / NUMBERS);
+    return n / NUMBERS / 3;
   }
 
-  /** Uses a program, and returns a function as use() does. */
-  #setUniforms(program) {
+  #setUniforms(even) {
     const gl = this.#gl;
-    const at = use(gl, program);
+    const at = use(gl, this.program);
     const { fill, edge, coloured, edged, range, relief, bands } = this.style;
     gl.uniform4fv(at('fill'), fill);
     gl.uniform4fv(at('edge'), edge);
@@ -286,6 +251,6 @@ export class Scene {
     gl.uniform1f(at('bands'), bands);
     gl.uniform1i(at('coloured'), coloured);
     gl.uniform1i(at('edged'), edged);
-    return at;
+    gl.uniform1i(at('even'), even);
   }
 }
