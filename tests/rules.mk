@@ -99,7 +99,7 @@ test_web bench-web soak-web: all site
 	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  printf 'SKIP the live page: npm cannot fetch packages here\n0 passed, 0 failed, 1 skipped\n'
-	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay SITE=$(O)/site \
+	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd SITE=$(O)/site \
 	  $(foreach v,OPENINGS POINTS SEED,$(if $($v),$v=$($v))) timeout $(if $(filter soak-web,$@),7200,1200) \
 	  $(if $(filter test_web,$@),tests/node.sh $(WEB_TESTS),node $(WEB_PROGRAM))
 

@@ -3,9 +3,9 @@ import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { WebSocket } from 'ws';
-import { ask, drawnShare, onPage, pagePort, says, start, stop, until, visit } from './stage.mjs';
+import { ask, closePages, drawnShare, onPage, pagePort, says, start, stop, until, visit } from './stage.mjs';
 
 let folder;
 
@@ -15,6 +15,7 @@ before(async () => {
   await start({ options: ['--auth-file', join(folder, 'tokens')] });
   await ask('AUTH writer', 'ADD set 0 0  4 0  4 4  0 4  1 2', 'TRIANGULATE set');
 });
+afterEach(closePages);
 after(async () => {
   await stop();
   rmSync(folder, { recursive: true });
@@ -37,7 +38,6 @@ test('with a token for reading the page shows sets, and says that it may not edi
   await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
   await says(page, 'message', 'your token is for reading only');
   assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
-  await page.close();
 });
 
 test('pointers are passed only between those whose token lets them see the set', async () => {
@@ -59,7 +59,6 @@ test('pointers are passed only between those whose token lets them see the set',
   assert.equal(await page.evaluate(() => window.app.marks.pointers.size), 1);
   for (const { socket } of [...strangers, known]) socket.close();
   await until(() => page.evaluate(() => window.app.marks.pointers.size === 0));
-  await page.close();
 });
 
 test('when the last set is dropped nothing is left of it, and no point can be added', async () => {
@@ -79,5 +78,4 @@ test('when the last set is dropped nothing is left of it, and no point can be ad
   await page.waitForFunction(() => document.getElementById('facts').textContent + document.getElementById('pointer').textContent === '');
   await page.mouse.click(300, 300, { count: 2 });
   assert.equal((await ask('AUTH writer', 'SETS'))[1], 'OK 0');
-  await page.close();
 });

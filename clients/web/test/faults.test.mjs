@@ -2,13 +2,14 @@
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import { connect, createServer } from 'node:net';
-import { after, before, test } from 'node:test';
-import { ask, drawnShare, listen, makeSet, open, port, says, signalGateway, start, stop, visit, waitFor } from './stage.mjs';
+import { after, afterEach, before, test } from 'node:test';
+import { ask, closePages, drawnShare, listen, makeSet, open, port, says, signalGateway, start, stop, visit, waitFor } from './stage.mjs';
 
 before(async () => {
   await start();
   await makeSet('set', 300);
 });
+afterEach(closePages);
 after(stop);
 
 const isWhole = (page) => waitFor(page, () => window.app.follower.kind === 'whole' && window.app.scene.counts.whole > 0);
@@ -46,8 +47,6 @@ test('when the graphics memory is lost the page waits for another one, and shows
   assert.ok(Math.abs(again - expected) < 0.02 * expected && again > 0.2, `${again} and ${expected}`);
   await ask('DEL set 300');
   await waitFor(page, () => window.app.mesh.points === 300 && window.app.scene.counts.part > 0);
-  assert.deepEqual(page.faults, []);
-  for (const p of [page, fresh]) await p.close();
 });
 
 test('the page says what it waits for, as long as it does', async () => {
@@ -56,7 +55,6 @@ test('the page says what it waits for, as long as it does', async () => {
   await says(page, 'waiting', 'waiting for ');
   signalGateway('SIGCONT');
   await says(page, 'waiting', '');
-  await page.close();
 });
 
 test('a daemon that is not ready is asked again', async () => {
@@ -68,7 +66,6 @@ test('a daemon that is not ready is asked again', async () => {
   const page = await visit('#set=set');
   await says(page, 'message', 'reading its data; trying again');
   await isWhole(page);
-  await page.close();
   server.close();
 });
 
@@ -81,6 +78,5 @@ test('replies that break off while a set is loaded are asked for again', async (
   const page = await visit('#set=set');
   await says(page, 'message', 'trying again');
   await isWhole(page);
-  await page.close();
   server.close();
 });

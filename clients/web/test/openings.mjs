@@ -30,7 +30,7 @@ async function opening(kind, random) {
   let paused;
   const page = await visit('#set=opened', {
     at: before.port,
-    visited: () => {
+    onDocument: () => {
       before.faulty = ['before', 'both'].includes(kind) ? FAULTY : 0;
       paused = PAUSES[kind] && sleep(300 * random()).then(() => PAUSES[kind](3000 * random()));
     },

@@ -1,5 +1,6 @@
 // For tests and measurements of the page: a daemon, a gateway and Chromium, sets and pages.
 // DELAUNAYD is the daemon, BROWSER is Chromium.
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { connect } from 'node:net';
@@ -8,6 +9,7 @@ import { setTimeout as sleep } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
 import puppeteer from 'puppeteer-core';
+import { sequence } from './rough.mjs';
 
 const { DELAUNAYD, BROWSER = '/usr/bin/chromium' } = process.env;
 const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
@@ -73,8 +75,7 @@ export function ask(...requests) {
 
 /** A set of n points in the unit square, always the same. */
 export async function makeSet(name, n, seed = 1) {
-  let state = seed;
-  const next = () => (state = (state * 48271) % 2147483647) / 2147483647;
+  const next = sequence(seed);
   const adds = [];
   for (let i = 0; i < n; i += 1000) {
     adds.push(`ADD ${name} ${Array.from({ length: 2 * Math.min(1000, n - i) }, next).join(' ')}`);
@@ -84,9 +85,20 @@ export async function makeSet(name, n, seed = 1) {
   if (refused !== undefined) throw new Error(refused);
 }
 
-/** A page at an address behind `/`; before() runs in it before its scripts, visited(page) is called when its document exists. */
-export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, before = null, visited = () => {} } = {}) {
+let visited = []; // pages of this test
+
+/** Closes the pages of a test. None may have had a fault. */
+export async function closePages() {
+  const pages = visited;
+  visited = [];
+  for (const page of pages) await page.browserContext().close();
+  assert.deepEqual(pages.flatMap(({ faults }) => faults), []);
+}
+
+/** A page at an address behind `/`; before() runs in it before its scripts, onDocument(page) is called when its document exists. */
+export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, before = null, onDocument = () => {} } = {}) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
+  visited.push(page);
   page.setDefaultTimeout(PATIENCE_MS);
   await page.setViewport(size);
   page.faults = [];
@@ -94,7 +106,7 @@ export async function visit(address, { size = { width: 900, height: 600 }, at = 
   page.on('error', (error) => page.faults.push(String(error))); // the page has crashed
   if (before !== null) await page.evaluateOnNewDocument(before);
   await page.goto(`http://127.0.0.1:${at}/${address}`, { waitUntil: 'domcontentloaded' });
-  visited(page);
+  onDocument(page);
   await page.evaluate(async () => {
     window.app = await import('./main.js');
   });
