@@ -157,7 +157,7 @@ bool dt_foot_sees(const struct dt *t, uint32_t ghost, struct dt_point q);
  * DT_CANCELLED, DT_TOOLONG. Cost: the number of edges between. */
 enum dt_status dt_foot_find(struct dt_valuer *v, struct dt_point q, uint32_t *ghost, bool *corner);
 
-/* ---- linear values in doubles (planes.c) ---- */
+/* ---- linear values in doubles (linear.c) ---- */
 
 /* The value at q, inside of the triangle; false: doubles are not exact enough. */
 bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half, double *out);

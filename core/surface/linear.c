@@ -1,4 +1,4 @@
-/* planes.c - linear values in doubles, two triangles or two cells at a time.
+/* linear.c - linear values in doubles, two triangles or two cells at a time.
  *
  * A triangle's plane is computed from its corners, counterclockwise from the smallest id, where rounding begins. The
  * ratio of the weights' sum is 1, so only differences to that corner's value matter.
