@@ -1,7 +1,7 @@
 /* view.h - the views of a set: readers of earlier moments, and what edits have saved for them; for the files of
  * core/ only.
  *
- * Three kinds of images are saved (core/set/images.h), each in an order of its own, so that none waits for the readers of
+ * Three kinds of images are saved (core/set/before_images.h), each in an order of its own, so that none waits for the readers of
  * another kind to be freed; under these keys:
  *
  *      rows       id -> its place, and of which group of aliases it is one
@@ -17,7 +17,7 @@
 
 #include "core/delaunay.h"
 #include "core/points/changes.h"
-#include "core/set/images.h"
+#include "core/set/before_images.h"
 
 enum dt_image_kind { DT_IMAGE_ROW, DT_IMAGE_FAMILY, DT_IMAGE_RING, DT_IMAGE_KINDS };
 

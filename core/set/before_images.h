@@ -1,4 +1,4 @@
-/* images.h - the values that keys had at earlier moments. They serve readers of an earlier state while the present state
+/* before_images.h - the values that keys had at earlier moments. They serve readers of an earlier state while the present state
  * changes [Reed 1978: versions of an object by time; the before-images of databases].
  *
  * A before-image is the value of a key as it was until an edit changed it. Images are one after the

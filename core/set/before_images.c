@@ -1,4 +1,4 @@
-/* images.c - see images.h.
+/* before_images.c - see before_images.h.
  *
  *      place      first                                                        end
  *                 |                                                             |
@@ -7,7 +7,7 @@
  *
  * An image has a header of three words: its key, the distance back to the previous image, and the length of its value.
  * Both are in words. The distance leads to the previous image of that key; 0: none that counts. */
-#include "core/set/images.h"
+#include "core/set/before_images.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,9 @@
-/* images_test.c - values of keys at earlier moments, compared with copies of all values at each
+/* before_images_test.c - values of keys at earlier moments, compared with copies of all values at each
  * moment. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/set/images.h"
+#include "core/set/before_images.h"
 #include "tests/test.h"
 
 enum { KEYS = 60, MOMENTS = 8, MOST_WORDS = 12 };
