@@ -10,7 +10,7 @@
  *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
  *                +---+---+---+        half edge 8t + k has set
  *
- * When it is made: core/set/renew.c.
+ * When it is made: core/set/hints_rebuild.c.
  *
  * A cell in which no small triangle has its centroid, and which has no vertex, is empty. It borrows the content of the
  * nearest cell that is not empty, marked by 3 in the two lowest bits. Of a half edge only the triangle counts. */

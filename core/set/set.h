@@ -87,7 +87,7 @@ static inline enum dt_status dt_readable_delaunay(const struct dt *t)
     return dt_is_constrained(t) ? DT_NOTDELAUNAY : DT_OK;
 }
 
-/* Whether it has no grid for searches and no attempt was made to build one (renew.c). */
+/* Whether it has no grid for searches and no attempt was made to build one (hints_rebuild.c). */
 static inline bool dt_lacks_grid(const struct dt *t)
 {
     return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
@@ -99,7 +99,7 @@ void dt_views_edit_begin(struct dt *t);
 void dt_views_values_begin(struct dt *t);
 
 /* To be called after each edit of a mesh, and before an edit that profits from a grid. Makes or rebuilds the grid if that
- * is due (renew.c), unless it takes more steps than are left, or the mesh is not current. */
+ * is due (hints_rebuild.c), unless it takes more steps than are left, or the mesh is not current. */
 void dt_tend(struct dt *t, const struct dt_stop *work);
 
 /* ---- what all readers share ---- */

@@ -1,4 +1,4 @@
-/* renew.c - the grid of hints is made when it is first needed, and rebuilt when it has degraded.
+/* hints_rebuild.c - the grid of hints is made when it is first needed, and rebuilt when it has degraded.
  *
  * A triangulation is complete without the grid, and many sets are never searched. So a build
  * makes no grid; the first search (dt_prepare) or edit makes it.

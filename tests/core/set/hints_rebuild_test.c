@@ -1,4 +1,4 @@
-/* renew_test.c - the grid of an edited set is rebuilt in time, by the set's current user. */
+/* hints_rebuild_test.c - the grid of an edited set is rebuilt in time, by the set's current user. */
 #include "core/set/set.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
