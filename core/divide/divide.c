@@ -2,7 +2,7 @@
  * the final arrays.
  *
  *     in --- sorted by tiles ---> spare --- each tile by cells ---> p --- in blocks of <= 6 ---> plan
- *                                   ^                               |      (few.c)                |
+ *                                   ^                               |      (small_sort.c)                |
  *                                   '----- zoom: a crowded cell ----'                             v
  *                                                                                               blocks
  *     mesh  <--- the halves of ever larger boxes joined along alternating cuts (merge.c) ---  (block.c)
@@ -30,7 +30,7 @@
  *
  * The recursion goes down the bits of the key; where one grid ends, the next one begins. A tile gets its own cells. A
  * crowded cell gets a grid on its own tight box (a zoom). A cell of at most a dozen points gets one cut between two
- * blocks (few.c). Along a curve, a grid is a row of strips (order.c).
+ * blocks (small_sort.c). Along a curve, a grid is a row of strips (order.c).
  * If there are a few outliers, the grid fits the other points, and its outermost cells contain the outliers. If
  * three zooms in a row leave more than half of the points in one cell, the range is cut at its median. Its halves
  * get grids again, so the depth is at most about four grids for every halving.

@@ -4,9 +4,9 @@
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
-#include "core/divide/few.h"
 #include "core/divide/order.h"
 #include "core/divide/plan.h"
+#include "core/divide/small_sort.h"
 
 #define DT_POINTS_PER_CELL 2.0
 #define DT_TILE 8192u /* points of a tile, which fits the second-level cache with its triangles */

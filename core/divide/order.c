@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "core/divide/few.h"
+#include "core/divide/small_sort.h"
 #include "core/memory/sort.h"
 
 #define MAX_BITS 24

@@ -2,7 +2,7 @@
  * each halving of all points (divide.c). */
 #include "core/divide/plan.h"
 
-#include "core/divide/few.h"
+#include "core/divide/small_sort.h"
 
 /* Marks n > 0 neighbours at one place, of which the one with the smallest name stays. */
 static void mark_place(const struct dt_plan *w, uint32_t *from, uint32_t n)

@@ -1,4 +1,4 @@
-/* few.h - the order of a few numbers or points: the points of a block (part.h), or of two blocks, which are then cut.
+/* small_sort.h - the order of a few numbers or points: the points of a block (part.h), or of two blocks, which are then cut.
  *
  * They are sorted by counting for each how many precede it: comparisons are unpredictable, and a branch that is
  * mispredicted costs more than all the rest. */

@@ -1,9 +1,9 @@
-/* few.c - see few.h.
+/* small_sort.c - see small_sort.h.
  *
  * A crowded cell holds a dozen points as often as not, wherever points lie along lines or in clusters. A grid
  * for them would cost more than all the rest, so they are sorted along the longer side of their box and cut in
  * the middle. For a block, whose number of points is unpredictable too, the sort is compiled for every number. */
-#include "core/divide/few.h"
+#include "core/divide/small_sort.h"
 
 #include "core/exact/box.h"
 
