@@ -1,4 +1,4 @@
-/* beside.c - places that rounding has put outside the hull. A place on an edge of the hull can rarely be expressed in doubles, so
+/* hull_tolerance.c - places that rounding has put outside the hull. A place on an edge of the hull can rarely be expressed in doubles, so
  * half of those that a caller computes there are outside.
  *
  * The distance of a place from the hull is at least its distance from the line of any hull edge that it sees. So the first
