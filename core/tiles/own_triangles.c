@@ -1,4 +1,4 @@
-/* rows.c - the triangles that a tile outputs: those whose corner with the smallest global id is own. They are counted by
+/* own_triangles.c - the triangles that a tile outputs: those whose corner with the smallest global id is own. They are counted by
  * that corner, whose local ids are in the order of the global ones, and then written where they belong. The rows of one corner are sorted
  * last. Vertices are in the order of the plane, so global ids are read by vertex. */
 #include "core/tiles/tile.h"
