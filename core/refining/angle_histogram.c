@@ -1,4 +1,4 @@
-/* measure.c - the distribution of the triangles' angles, as of the moment of a view; see core/delaunay_constraints.h.
+/* angle_histogram.c - the histogram of the triangles' angles, as of the moment of a view; see core/delaunay_constraints.h.
  *
  * Nothing depends on the order of the triangles: counts, extremes, and an area that is an exact sum. The area is summed up along the
  * edges of what counts; of the table, along all edges, where those between two triangles cancel out. */

@@ -1,4 +1,4 @@
-/* measure_test.c - the distribution of angles beside a recount with exact numbers, on all families; views, borders, any order. */
+/* angle_histogram_test.c - the distribution of angles beside a recount with exact numbers, on all families; views, borders, any order. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
