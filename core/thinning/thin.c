@@ -1,7 +1,7 @@
 /* thin.c - the greedy loop: the worst point of all becomes a vertex, until there is none that is too far off. */
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
-#include "core/thinning/first.h"
+#include "core/thinning/initial_points.h"
 #include "core/thinning/share.h"
 
 #include <math.h>
@@ -95,7 +95,7 @@ static enum dt_status begin(struct thin *t, struct dt_thinned *out)
     f->bound = t->in->error;
     dt_heap_pile(&f->heap, 0);
     if (status == DT_OK)
-        status = dt_first_points(&t->samples, t->in, t->opt, &f->set, &sample);
+        status = dt_initial_points(&t->samples, t->in, t->opt, &f->set, &sample);
     if (status == DT_OK)
         status = take_first(t, sample);
     dt_array_free(sample);

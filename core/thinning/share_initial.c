@@ -1,4 +1,4 @@
-/* homes.c - which facets of the beginning have which points; see share.h. */
+/* share_initial.c - which facets of the beginning have which points; see share.h. */
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/query/locate.h"

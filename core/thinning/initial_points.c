@@ -1,5 +1,5 @@
-/* first.c - see first.h. */
-#include "core/thinning/first.h"
+/* initial_points.c - see initial_points.h. */
+#include "core/thinning/initial_points.h"
 
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
@@ -292,8 +292,8 @@ static void choose_all(struct first *f)
         }
 }
 
-enum dt_status dt_first_points(const struct dt_samples *s, const struct dt_thinning *in,
-                               const struct dt_options *opt, struct dt **set, uint32_t **sample)
+enum dt_status dt_initial_points(const struct dt_samples *s, const struct dt_thinning *in,
+                                 const struct dt_options *opt, struct dt **set, uint32_t **sample)
 {
     struct first f = {.s = s, .in = in, .opt = opt};
     struct dt_stop stop = dt_stop_of(opt);
