@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/lines/lines.h"
+#include "clients/lines/text_lines.h"
 #include "proto/number.h"
 
 struct obj {
     struct points_file *f;
     struct table_fields *fields;
     struct obj_notes *notes;
-    struct lines_scan scan;
+    struct text_lines_scan scan;
     double z;
     bool named, border; /* the group has a name of our files */
     uint32_t number;
@@ -73,7 +73,7 @@ static bool read_line(struct obj *o)
         return false;
     for (size_t k = 1; k < o->scan.n; k++)
         if (!read_corner(o, o->scan.word[k])) {
-            lines_take_back(o->f);
+            text_lines_take_back(o->f);
             return false;
         }
     points_file_end_path(o->f, false);
@@ -99,15 +99,15 @@ static bool read_element(struct obj *o)
 /* Learns whether there are heights. */
 static void look(struct obj *o, const char *text, size_t n)
 {
-    struct lines_scan s = lines_begin(text, n);
+    struct text_lines_scan s = text_lines_begin(text, n);
     double z;
-    while (lines_next(&s, o->f))
+    while (text_lines_next(&s, o->f))
         if (s.n > 3 && value_is_word(s.word[0], "v"))
             o->notes->heights |= proto_read_double(s.word[3].text, s.word[3].len, &z) && z != 0;
     o->f->fault = NULL;
     o->f->fatal = false;
     o->scan = s;
-    lines_end(&o->scan);
+    text_lines_end(&o->scan);
 }
 
 bool obj_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
@@ -122,10 +122,10 @@ bool obj_text_read(struct points_file *f, const char *text, size_t n, struct tab
     f->fields = t->n;
     f->row = &o.z;
     f->paths.given = true;
-    o.scan = lines_begin(text, n);
-    while (ok && lines_next(&o.scan, f))
+    o.scan = text_lines_begin(text, n);
+    while (ok && text_lines_next(&o.scan, f))
         ok = read_element(&o) || points_file_skip(f, o.scan.text, o.scan.len);
-    lines_end(&o.scan);
+    text_lines_end(&o.scan);
     f->row = NULL;
     return ok && !f->fatal;
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/lines/lines.h"
+#include "clients/lines/text_lines.h"
 #include "clients/reading/number.h"
 #include "proto/number.h"
 
@@ -17,14 +17,14 @@ struct poly {
     struct points_file *f;
     struct poly_notes *notes;
     struct table_fields *fields;
-    struct lines_scan *scan;
+    struct text_lines_scan *scan;
     uint32_t first; /* the number of the first point, 0 or 1 */
     double row[FIELDS_MOST];
 };
 
 static bool next(struct poly *p, const char *what)
 {
-    if (lines_next(p->scan, p->f))
+    if (text_lines_next(p->scan, p->f))
         return true;
     return p->f->fault == NULL && points_file_stop(p->f, "the file ends before %s", what);
 }
@@ -121,7 +121,7 @@ static bool read_points(struct poly *p, uint32_t *count)
 
 static bool read_other_points(struct poly *p, const char *node, size_t n)
 {
-    struct lines_scan scan = lines_begin(node, n), *own = p->scan;
+    struct text_lines_scan scan = text_lines_begin(node, n), *own = p->scan;
     uint32_t count = 0;
     p->scan = &scan;
     bool ok = read_points(p, &count);
@@ -130,7 +130,7 @@ static bool read_other_points(struct poly *p, const char *node, size_t n)
         snprintf(fault, sizeof fault, "%s", p->f->fault);
         points_file_stop(p->f, "in the .node file: %s", fault);
     }
-    lines_end(&scan);
+    text_lines_end(&scan);
     p->scan = own;
     return ok;
 }
@@ -217,13 +217,13 @@ static bool read_all(struct poly *p, const char *node, size_t node_n)
         return false;
     if (!read_segments(p) || !next(p, "its holes") || !read_seeds(p, true))
         return false;
-    return lines_next(p->scan, p->f) ? read_seeds(p, false) : p->f->fault == NULL;
+    return text_lines_next(p->scan, p->f) ? read_seeds(p, false) : p->f->fault == NULL;
 }
 
 bool poly_text_read(struct points_file *f, const char *text, size_t n, const char *node,
                     size_t node_n, struct table_fields *t, struct poly_notes *notes)
 {
-    struct lines_scan scan = lines_begin(text, n);
+    struct text_lines_scan scan = text_lines_begin(text, n);
     struct poly *p = calloc(1, sizeof *p);
     *notes = (struct poly_notes){0};
     if (p == NULL)
@@ -234,7 +234,7 @@ bool poly_text_read(struct points_file *f, const char *text, size_t n, const cha
     p->scan = &scan;
     f->paths.given = f->paths.faces = true;
     bool ok = read_all(p, node, node_n);
-    lines_end(&scan);
+    text_lines_end(&scan);
     f->row = NULL;
     free(p);
     return ok;

@@ -1,17 +1,17 @@
-/* lines.c - see lines.h. */
-#include "clients/lines/lines.h"
+/* text_lines.c - see text_lines.h. */
+#include "clients/lines/text_lines.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/lib/array.h"
 
-struct lines_scan lines_begin(const char *text, size_t n)
+struct text_lines_scan text_lines_begin(const char *text, size_t n)
 {
-    return (struct lines_scan){.p = text + text_mark_length(text, n), .end = text + n};
+    return (struct text_lines_scan){.p = text + text_mark_length(text, n), .end = text + n};
 }
 
-static bool add_word(struct lines_scan *s, const char *from, const char *to)
+static bool add_word(struct text_lines_scan *s, const char *from, const char *to)
 {
     if (!array_reserve((void **)&s->word, &s->cap, s->n + 1, sizeof s->word[0]))
         return false;
@@ -19,7 +19,7 @@ static bool add_word(struct lines_scan *s, const char *from, const char *to)
     return true;
 }
 
-static bool split(struct lines_scan *s)
+static bool split(struct text_lines_scan *s)
 {
     const char *p = s->text, *end = s->text + s->len;
     s->n = 0;
@@ -35,7 +35,7 @@ static bool split(struct lines_scan *s)
     return true;
 }
 
-bool lines_next(struct lines_scan *s, struct points_file *f)
+bool text_lines_next(struct text_lines_scan *s, struct points_file *f)
 {
     s->n = 0;
     while (s->p < s->end) {
@@ -56,14 +56,14 @@ bool lines_next(struct lines_scan *s, struct points_file *f)
     return false;
 }
 
-void lines_end(struct lines_scan *s)
+void text_lines_end(struct text_lines_scan *s)
 {
     free(s->word);
     s->word = NULL;
     s->n = s->cap = 0;
 }
 
-void lines_take_back(struct points_file *f)
+void text_lines_take_back(struct points_file *f)
 {
     f->paths.n--;
     f->paths.corners = f->paths.path[f->paths.n].first;

@@ -1,10 +1,10 @@
-/* lines.h - the lines of a text file in memory, as words. */
+/* text_lines.h - the lines of a text file in memory, as words. */
 #pragma once
 
 #include "clients/points/points_file.h"
 #include "clients/reading/row.h"
 
-struct lines_scan {
+struct text_lines_scan {
     const char *p, *end;
     uint64_t line;
     const char *text; /* the line that was read last, without its end and without a comment */
@@ -13,11 +13,11 @@ struct lines_scan {
     size_t n, cap;
 };
 
-struct lines_scan lines_begin(const char *text, size_t n);
+struct text_lines_scan text_lines_begin(const char *text, size_t n);
 
 /* The next line that has words; what follows # is a comment. Sets f->line. False at the end, or, with a fault, out of memory. */
-bool lines_next(struct lines_scan *s, struct points_file *f);
-void lines_end(struct lines_scan *s);
+bool text_lines_next(struct text_lines_scan *s, struct points_file *f);
+void text_lines_end(struct text_lines_scan *s);
 
 /* Removes the path that has been begun. */
-void lines_take_back(struct points_file *f);
+void text_lines_take_back(struct points_file *f);
