@@ -6,13 +6,13 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
-#include "clients/pictures/film.h"
+#include "clients/pictures/animation.h"
 #include "proto/number.h"
 
 struct work {
     const char *set, *path;
     bool force;
-    struct film_options film;
+    struct animation_options animation;
     struct model model; /* owns */
     struct steps steps; /* owns */
 };
@@ -20,9 +20,9 @@ struct work {
 static int read_option(void *ctx, const char *option, char **argv)
 {
     struct work *w = ctx;
-    double *seconds = &w->film.seconds;
+    double *seconds = &w->animation.seconds;
     if (options_is(option, "numbers"))
-        w->film.numbers = true;
+        w->animation.numbers = true;
     else if (options_is(option, "force"))
         w->force = true;
     else if (!proto_read_double(optarg, strlen(optarg), seconds) ||
@@ -63,13 +63,14 @@ static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
     return delaunay_request(c, line, take_row, &w->steps);
 }
 
-static int write_film(void *ctx, FILE *out)
+static int write_animation(void *ctx, FILE *out)
 {
     const struct work *w = ctx;
     char title[120];
     snprintf(title, sizeof title, "%.64s: circular shelling of %zu points", w->set, w->model.n);
-    return film_write(out, &w->steps, title, &w->film) ? EXIT_DONE
-                                                       : output_fault("", "out of memory");
+    return animation_write(out, &w->steps, title, &w->animation)
+               ? EXIT_DONE
+               : output_fault("", "out of memory");
 }
 
 static void report(const struct work *w)
@@ -97,8 +98,8 @@ int command_trace(struct delaunay_client *c, int argc, char **argv)
     if (r == DELAUNAY_STOPPED)
         status = output_fault("", w.steps.fault);
     else
-        status =
-            r == DELAUNAY_OK ? output_write(w.path, write_film, &w, NULL) : command_outcome(c, r);
+        status = r == DELAUNAY_OK ? output_write(w.path, write_animation, &w, NULL)
+                                  : command_outcome(c, r);
     if (status == EXIT_DONE && !output_is_standard(w.path))
         report(&w);
     steps_free(&w.steps);

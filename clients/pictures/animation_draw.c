@@ -1,9 +1,9 @@
-/* film_draw.c - an SVG that plays the shelling algorithm. See film.h.
+/* animation_draw.c - an SVG that plays the shelling algorithm. See animation.h.
  *
- * Every element has one animation as long as the whole film, which steps through a few values at the moments when
+ * Every element has one animation as long as the whole of it, which steps through a few values at the moments when
  * the element changes. No animation depends on the end of another one, so a
  * viewer may begin anywhere. Without animation an element has its last value. */
-#include "clients/pictures/film.h"
+#include "clients/pictures/animation.h"
 
 #include "clients/meshes/bounds.h"
 #include "clients/pictures/labels.h"
@@ -32,7 +32,7 @@ static const char *const value[] = {
 /* ---- animations ---- */
 
 /* A moment as a part of the whole, without the 0 before the point. */
-static void put_moment(const struct film *f, double at)
+static void put_moment(const struct animation *f, double at)
 {
     char text[16];
     int n = snprintf(text, sizeof text, "%.5f", at / f->beats);
@@ -41,17 +41,17 @@ static void put_moment(const struct film *f, double at)
     fprintf(f->out, ";%s", text[0] == '0' && n > 2 ? text + 1 : text);
 }
 
-static void end_animation(const struct film *f)
+static void end_animation(const struct animation *f)
 {
     fprintf(f->out, "\" calcMode=\"discrete\" dur=\"%.4gs\" repeatCount=\"indefinite\"/>",
             f->seconds);
 }
 
 /* Animates the attribute of the element that is open: `first`, then the item's changes. */
-static void animate(const struct film *f, const char *attribute, enum ink first, size_t item)
+static void animate(const struct animation *f, const char *attribute, enum ink first, size_t item)
 {
     size_t n;
-    const struct change *c = film_changes(f, item, &n);
+    const struct change *c = animation_changes(f, item, &n);
     fprintf(f->out, "<animate attributeName=\"%s\" values=\"%s", attribute, value[first]);
     for (size_t i = 0; i < n; i++)
         if (i + 1 == n || c[i + 1].at > c[i].at)
@@ -63,15 +63,15 @@ static void animate(const struct film *f, const char *attribute, enum ink first,
     end_animation(f);
 }
 
-static enum ink last_ink(const struct film *f, size_t item, enum ink first)
+static enum ink last_ink(const struct animation *f, size_t item, enum ink first)
 {
     size_t n;
-    const struct change *c = film_changes(f, item, &n);
+    const struct change *c = animation_changes(f, item, &n);
     return n > 0 ? c[n - 1].ink : first;
 }
 
 /* Shows the element that is open, which is hidden, from one moment to another. */
-static void show(const struct film *f, double from, double to)
+static void show(const struct animation *f, double from, double to)
 {
     fputs("<animate attributeName=\"visibility\" values=\"hidden;visible;hidden\" keyTimes=\"0",
           f->out);
@@ -82,28 +82,28 @@ static void show(const struct film *f, double from, double to)
 
 /* ---- places ---- */
 
-static double place_x(const struct film *f, double x)
+static double place_x(const struct animation *f, double x)
 {
     return (x - f->x0) * f->scale;
 }
 
-static double place_y(const struct film *f, double y)
+static double place_y(const struct animation *f, double y)
 {
     return (f->y1 - y) * f->scale;
 }
 
-static long point_x(const struct film *f, uint32_t p)
+static long point_x(const struct animation *f, uint32_t p)
 {
     return lround(place_x(f, f->m->xy[2 * (size_t)p]));
 }
 
-static long point_y(const struct film *f, uint32_t p)
+static long point_y(const struct animation *f, uint32_t p)
 {
     return lround(place_y(f, f->m->xy[2 * (size_t)p + 1]));
 }
 
 /* The box of the points and of the grid fits into the drawing. */
-static void fit(struct film *f)
+static void fit(struct animation *f)
 {
     double box[4] = {0};
     bounds_of(f->m->xy, f->m->n, box);
@@ -123,7 +123,7 @@ static void fit(struct film *f)
 
 /* ---- drawing ---- */
 
-static void draw_grids(const struct film *f)
+static void draw_grids(const struct animation *f)
 {
     for (size_t i = 0; i < f->t->n && f->t->step[i].kind == STEP_GRID; i++) {
         const struct step *g = &f->t->step[i];
@@ -140,23 +140,23 @@ static void draw_grids(const struct film *f)
     }
 }
 
-static void draw_triangles(const struct film *f)
+static void draw_triangles(const struct animation *f)
 {
     for (size_t i = 0; i < f->triangles; i++) {
         const uint32_t *v = f->t->step[f->triangle[i]].v;
         fprintf(f->out, "<path fill=\"%s\" d=\"M%ld %ldL%ld %ld %ld %ldz\">", value[INK_TRIANGLE],
                 point_x(f, v[0]), point_y(f, v[0]), point_x(f, v[1]), point_y(f, v[1]),
                 point_x(f, v[2]), point_y(f, v[2]));
-        animate(f, "fill", INK_NONE, film_triangle(f, i));
+        animate(f, "fill", INK_NONE, animation_triangle(f, i));
         fputs("</path>\n", f->out);
     }
 }
 
-static void draw_edges(const struct film *f)
+static void draw_edges(const struct animation *f)
 {
     for (size_t e = 0; e < f->edges; e++) {
         uint32_t a = f->edge[2 * e], b = f->edge[2 * e + 1];
-        size_t item = film_edge(f, e);
+        size_t item = animation_edge(f, e);
         fprintf(f->out, "<path stroke=\"%s\" d=\"M%ld %ldL%ld %ld\">",
                 value[last_ink(f, item, INK_NONE)], point_x(f, a), point_y(f, a), point_x(f, b),
                 point_y(f, b));
@@ -166,7 +166,7 @@ static void draw_edges(const struct film *f)
 }
 
 /* Draws the ids beside their points, smaller where there is little room, and none over another. */
-static void draw_numbers(const struct film *f)
+static void draw_numbers(const struct animation *f)
 {
     struct labels l;
     struct label_box box;
@@ -189,11 +189,11 @@ static void draw_numbers(const struct film *f)
     labels_free(&l);
 }
 
-static void draw_points(const struct film *f, bool numbers)
+static void draw_points(const struct animation *f, bool numbers)
 {
     for (uint32_t i = 0; i < f->m->n; i++) {
         size_t n;
-        film_changes(f, i, &n);
+        animation_changes(f, i, &n);
         fprintf(f->out, "<circle cx=\"%ld\" cy=\"%ld\" r=\"%d\" fill=\"%s\"", point_x(f, i),
                 point_y(f, i), f->m->n <= 200 ? 8 : 4, value[last_ink(f, i, INK_GRID)]);
         fputs(n > 0 ? ">" : "/>\n", f->out);
@@ -208,7 +208,7 @@ static void draw_points(const struct film *f, bool numbers)
 
 /* The part of the circle on the left of a->b: the chord, then the arc back, counterclockwise; a very large one
  * counts as a half plane or as nothing. */
-static void draw_search(const struct film *f, const struct step *s)
+static void draw_search(const struct animation *f, const struct step *s)
 {
     double ax = place_x(f, f->m->xy[2 * (size_t)s->v[0]]),
            ay = place_y(f, f->m->xy[2 * (size_t)s->v[0] + 1]),
@@ -240,7 +240,7 @@ static bool same_search(const struct step *a, const struct step *b)
            a->y == b->y && !(a->size < b->size || a->size > b->size);
 }
 
-static void draw_searches(const struct film *f)
+static void draw_searches(const struct animation *f)
 {
     for (size_t i = 0; i < f->t->n; i++) {
         const struct step *s = &f->t->step[i];
@@ -256,7 +256,7 @@ static void draw_searches(const struct film *f)
 }
 
 /* The current edge, for as long as it is current; and the triangle that would enclose a cave. */
-static void draw_looks(const struct film *f)
+static void draw_looks(const struct animation *f)
 {
     for (size_t i = 0, first; i < f->t->n; i++) {
         const struct step *s = &f->t->step[i];
@@ -285,7 +285,7 @@ static void draw_looks(const struct film *f)
     }
 }
 
-static void draw_legend(const struct film *f)
+static void draw_legend(const struct animation *f)
 {
     static const struct {
         enum step_kind kind;
@@ -298,14 +298,14 @@ static void draw_legend(const struct film *f)
     double step = f->width / 7;
     for (unsigned i = 0; i < sizeof line / sizeof line[0]; i++) {
         size_t n;
-        film_changes(f, film_legend(f, line[i].kind), &n);
+        animation_changes(f, animation_legend(f, line[i].kind), &n);
         fprintf(f->out,
                 "<g><rect x=\"%.0f\" y=\"%.0f\" width=\"18\" height=\"18\" fill=\"%s\"/>"
                 "<text " LETTERS " x=\"%.0f\" y=\"%.0f\">%s</text>",
                 MARGIN + i * step, f->height + 2 * MARGIN, value[line[i].ink],
                 MARGIN + i * step + 24, f->height + 2 * MARGIN + 16, line[i].text);
         if (n > 0)
-            animate(f, "opacity", INK_DIM, film_legend(f, line[i].kind));
+            animate(f, "opacity", INK_DIM, animation_legend(f, line[i].kind));
         fputs("</g>\n", f->out);
     }
     fprintf(f->out,
@@ -320,7 +320,7 @@ static const char arrow[] =
     "markerHeight=\"4\" orient=\"auto\"><path d=\"M0 0L10 5 0 10z\" fill=\"#17324f\" "
     "stroke=\"none\"/></marker>\n";
 
-void film_draw(struct film *f, const char *title, bool numbers)
+void animation_draw(struct animation *f, const char *title, bool numbers)
 {
     fit(f);
     double wide = f->width + 2 * MARGIN, high = f->height + 2 * MARGIN + LEGEND;

@@ -1,5 +1,5 @@
-/* film.c - the plan of a film: when every step happens, and what it changes. See film.h. */
-#include "clients/pictures/film.h"
+/* animation.c - the plan of an animation: when every step happens, and what it changes. See animation.h. */
+#include "clients/pictures/animation.h"
 
 #include <stdlib.h>
 
@@ -22,7 +22,7 @@ static double length_of(enum step_kind kind)
     }
 }
 
-static void make_schedule(struct film *f, double seconds)
+static void make_schedule(struct animation *f, double seconds)
 {
     double at = 2;
     for (size_t i = 0; i < f->t->n; i++) {
@@ -38,13 +38,13 @@ static void make_schedule(struct film *f, double seconds)
 
 /* ---- what changes ---- */
 
-static void change(struct film *f, size_t item, double at, enum ink ink)
+static void change(struct animation *f, size_t item, double at, enum ink ink)
 {
     f->change[f->changes++] = (struct change){(uint32_t)item, ink, at};
 }
 
 /* The item of the edge, which is new unless it came up before. */
-static size_t edge_item(struct film *f, uint32_t a, uint32_t b)
+static size_t edge_item(struct animation *f, uint32_t a, uint32_t b)
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     size_t e = f->edges;
@@ -55,18 +55,18 @@ static size_t edge_item(struct film *f, uint32_t a, uint32_t b)
         f->edge[2 * e - 2] = low;
         f->edge[2 * e - 1] = high;
     }
-    return film_edge(f, e - 1);
+    return animation_edge(f, e - 1);
 }
 
-static void add_triangle(struct film *f, size_t i, enum ink flash)
+static void add_triangle(struct animation *f, size_t i, enum ink flash)
 {
-    size_t item = film_triangle(f, f->triangles);
+    size_t item = animation_triangle(f, f->triangles);
     f->triangle[f->triangles++] = (uint32_t)i;
     change(f, item, f->start[i], flash);
     change(f, item, f->end[i], INK_TRIANGLE);
 }
 
-static void see_triangle(struct film *f, size_t i)
+static void see_triangle(struct animation *f, size_t i)
 {
     const struct step *s = &f->t->step[i];
     uint32_t a = s->v[0], b = s->v[1], c = s->v[2];
@@ -81,7 +81,7 @@ static void see_triangle(struct film *f, size_t i)
                                         : INK_POINT);
 }
 
-static void see_hull(struct film *f, size_t i)
+static void see_hull(struct animation *f, size_t i)
 {
     const struct step *s = &f->t->step[i];
     bool more = i + 1 < f->t->n;
@@ -94,7 +94,7 @@ static void see_hull(struct film *f, size_t i)
         change(f, edge_item(f, s->v[0], f->t->step[first].v[0]), f->start[i], INK_HULL);
 }
 
-static void see_step(struct film *f, size_t i)
+static void see_step(struct animation *f, size_t i)
 {
     const struct step *s = &f->t->step[i];
     switch (s->kind) {
@@ -125,8 +125,8 @@ static void see_step(struct film *f, size_t i)
         break;
     }
     if (f->end[i] > f->start[i] && s->kind != STEP_REMOVE) {
-        change(f, film_legend(f, s->kind), f->start[i], INK_LIT);
-        change(f, film_legend(f, s->kind), f->end[i], INK_DIM);
+        change(f, animation_legend(f, s->kind), f->start[i], INK_LIT);
+        change(f, animation_legend(f, s->kind), f->end[i], INK_DIM);
     }
 }
 
@@ -141,7 +141,7 @@ static int compare_changes(const void *a, const void *b)
                            : x->ink > y->ink; /* an element is hidden before it is shown again */
 }
 
-const struct change *film_changes(const struct film *f, size_t item, size_t *n)
+const struct change *animation_changes(const struct animation *f, size_t item, size_t *n)
 {
     size_t lo = 0, hi = f->changes, end;
     while (lo < hi) {
@@ -157,10 +157,10 @@ const struct change *film_changes(const struct film *f, size_t item, size_t *n)
     return f->change + lo;
 }
 
-bool film_write(FILE *out, const struct steps *t, const char *title,
-                const struct film_options *options)
+bool animation_write(FILE *out, const struct steps *t, const char *title,
+                     const struct animation_options *options)
 {
-    struct film f = {.out = out, .t = t, .m = t->m};
+    struct animation f = {.out = out, .t = t, .m = t->m};
     f.start = malloc((t->n + 1) * sizeof *f.start);
     f.end = malloc((t->n + 1) * sizeof *f.end);
     f.change = malloc((7 * t->n + 1) * sizeof *f.change);
@@ -173,7 +173,7 @@ bool film_write(FILE *out, const struct steps *t, const char *title,
         for (size_t i = 0; i < t->n; i++)
             see_step(&f, i);
         qsort(f.change, f.changes, sizeof f.change[0], compare_changes);
-        film_draw(&f, title, options->numbers);
+        animation_draw(&f, title, options->numbers);
     }
     free(f.start);
     free(f.end);

@@ -1,4 +1,4 @@
-/* film.h - the schedule of the animation of a trace; film.c makes it, film_draw.c draws it.
+/* animation.h - the schedule of the animation of a trace; animation.c makes it, animation_draw.c draws it.
  *
  * Items that change are numbered: first the points, then the edges in the order in which they come
  * up, then the triangles, then the kinds of steps in the legend. */
@@ -8,17 +8,17 @@
 
 #include "clients/pictures/steps.h"
 
-struct film_options {
+struct animation_options {
     double seconds; /* 0: as long as it takes to follow */
     bool numbers;   /* ids beside the points */
 };
 
 /* Writes the trace as an SVG that plays in a loop, without a script; where animations are not played, it shows
  * the triangulation. `title` contains no markup. False when out of memory; ferror() reports failed writes. */
-bool film_write(FILE *out, const struct steps *t, const char *title,
-                const struct film_options *options);
+bool animation_write(FILE *out, const struct steps *t, const char *title,
+                     const struct animation_options *options);
 
-/* ---- for film.c and film_draw.c ---- */
+/* ---- for animation.c and animation_draw.c ---- */
 
 enum ink {
     INK_NONE,
@@ -44,7 +44,7 @@ struct change {
     double at; /* beats */
 };
 
-struct film {
+struct animation {
     FILE *out;
     const struct steps *t;
     const struct model *m;
@@ -60,24 +60,24 @@ struct film {
 };
 
 /* The items of edge e, of a triangle, of a kind of step. */
-static inline size_t film_edge(const struct film *f, size_t e)
+static inline size_t animation_edge(const struct animation *f, size_t e)
 {
     return f->m->n + e;
 }
 
 /* The other items have numbers beyond those of all edges that a planar graph can have. */
-static inline size_t film_triangle(const struct film *f, size_t triangle)
+static inline size_t animation_triangle(const struct animation *f, size_t triangle)
 {
     return 4 * f->m->n + triangle;
 }
 
-static inline size_t film_legend(const struct film *f, enum step_kind kind)
+static inline size_t animation_legend(const struct animation *f, enum step_kind kind)
 {
     return 6 * f->m->n + kind;
 }
 
 /* The changes of an item, *n of them, by time. Cost: O(log changes). */
-const struct change *film_changes(const struct film *f, size_t item, size_t *n);
+const struct change *animation_changes(const struct animation *f, size_t item, size_t *n);
 
-/* Draws the film as planned. */
-void film_draw(struct film *f, const char *title, bool numbers);
+/* Draws the animation as planned. */
+void animation_draw(struct animation *f, const char *title, bool numbers);
