@@ -57,12 +57,12 @@ static int choose_map(struct export_work *w)
     struct picture *p = &w->e->picture;
     if (!p->geographic || w->e->format != NULL)
         return EXIT_DONE;
-    if (!degrees_choose(&p->degrees, w->m->xy, w->m->n))
+    if (!map_projection_choose(&p->projection, w->m->xy, w->m->n))
         return output_fault("", "--geographic: there are latitudes beyond 90 degrees");
     fprintf(
         stderr,
         "delaunay: a map of degrees, true to scale at latitude %.4g (--planar: x and y alike)\n",
-        p->degrees.middle);
+        p->projection.middle);
     return EXIT_DONE;
 }
 
@@ -70,7 +70,7 @@ static int choose_map(struct export_work *w)
 static int write_world(void *ctx, FILE *out)
 {
     const struct picture *p = &((const struct export_work *)ctx)->e->picture;
-    double x = p->geographic ? p->degrees.x : 1, y = p->geographic ? p->degrees.y : 1;
+    double x = p->geographic ? p->projection.x : 1, y = p->geographic ? p->projection.y : 1;
     world_write(out, p->pixel / x, p->pixel / y, p->left / x, p->top / y);
     return EXIT_DONE;
 }

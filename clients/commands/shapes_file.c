@@ -6,7 +6,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
-#include "clients/meshes/degrees.h"
+#include "clients/meshes/map_projection.h"
 #include "clients/reading/word_list.h"
 
 int shapes_file_option(void *file, const char *option, char **argv)
@@ -40,16 +40,16 @@ int shapes_file_choose(struct shapes_file *f, char **argv, const char *path, con
 
 bool shapes_file_project(struct shapes_file *f)
 {
-    struct degrees d;
+    struct map_projection d;
     if (!f->geographic || f->model.n == 0)
         return true;
-    if (!degrees_choose(&d, f->model.xy, f->model.n)) {
+    if (!map_projection_choose(&d, f->model.xy, f->model.n)) {
         output_fault("", "--geographic: there are latitudes beyond 90 degrees");
         return false;
     }
-    degrees_project(&d, f->shapes.xy, f->shapes.corners);
-    degrees_project(&d, f->box, 2);
-    degrees_project(&d, f->model.xy, f->model.n);
+    map_projection_project(&d, f->shapes.xy, f->shapes.corners);
+    map_projection_project(&d, f->box, 2);
+    map_projection_project(&d, f->model.xy, f->model.n);
     return true;
 }
 

@@ -14,7 +14,7 @@
 #include "clients/cli/output.h"
 #include "clients/commands/show_relief.h"
 #include "clients/meshes/bounds.h"
-#include "clients/meshes/degrees.h"
+#include "clients/meshes/map_projection.h"
 #include "clients/meshes/model.h"
 #include "proto/number.h"
 
@@ -240,12 +240,12 @@ static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *
     enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL | MODEL_CONSTRAINTS, &m);
     if (r == DELAUNAY_OK && has_borders(&m))
         r = model_fetch(c, set, MODEL_MESH | MODEL_CONSTRAINTS | MODEL_REGIONS, &m);
-    struct degrees d;
-    if (r == DELAUNAY_OK && v->geographic && !degrees_choose(&d, m.xy, m.n)) {
+    struct map_projection d;
+    if (r == DELAUNAY_OK && v->geographic && !map_projection_choose(&d, m.xy, m.n)) {
         status = output_fault("", "--geographic: there are latitudes beyond 90 degrees");
     } else {
         if (r == DELAUNAY_OK && v->geographic)
-            degrees_project(&d, m.xy, m.n);
+            map_projection_project(&d, m.xy, m.n);
         if (r == DELAUNAY_OK)
             r = draw_canvas(v, &m);
         if (r == DELAUNAY_STOPPED)

@@ -10,7 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/output.h"
-#include "clients/meshes/degrees.h"
+#include "clients/meshes/map_projection.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/raster_fetch.h"
 
@@ -149,12 +149,12 @@ static void print_legend(const struct screen *s, const char *field, bool plain)
 static enum delaunay_result squeeze(struct delaunay_client *c, const char *set,
                                     struct raster_request *request, const char **fault)
 {
-    struct degrees d;
+    struct map_projection d;
     enum delaunay_result r = raster_bounds(c, set, request->box, fault);
     if (r != DELAUNAY_OK)
         return r;
     request->has_box = true;
-    if (!degrees_choose(&d, request->box, 2)) {
+    if (!map_projection_choose(&d, request->box, 2)) {
         *fault = "--geographic: there are latitudes beyond 90 degrees";
         return DELAUNAY_STOPPED;
     }

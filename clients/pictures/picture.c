@@ -147,8 +147,8 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     struct svg s;
     struct legend legend;
     if (e->geographic) {
-        degrees_project(&e->degrees, m->xy, m->n);
-        degrees_project(&e->degrees, e->box, 2);
+        map_projection_project(&e->projection, m->xy, m->n);
+        map_projection_project(&e->projection, e->box, 2);
     }
     e->shown = count_shown(e, m);
     if (e->shown < m->n)

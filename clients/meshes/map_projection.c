@@ -1,5 +1,5 @@
-/* degrees.c - see degrees.h. */
-#include "clients/meshes/degrees.h"
+/* map_projection.c - see map_projection.h. */
+#include "clients/meshes/map_projection.h"
 
 #include <math.h>
 
@@ -7,7 +7,7 @@
 
 #define KILOMETRES (6371.0088 * M_PI / 180) /* per degree on a sphere of the earth's mean radius */
 
-bool degrees_choose(struct degrees *d, const double *xy, size_t n)
+bool map_projection_choose(struct map_projection *d, const double *xy, size_t n)
 {
     double box[4];
     if (!bounds_of(xy, n, box) || box[1] < -90 || box[3] > 90)
@@ -19,7 +19,7 @@ bool degrees_choose(struct degrees *d, const double *xy, size_t n)
     return true;
 }
 
-void degrees_project(const struct degrees *d, double *xy, size_t n)
+void map_projection_project(const struct map_projection *d, double *xy, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         xy[2 * i] *= d->x;

@@ -1,5 +1,5 @@
-/* degrees_test.c - maps of longitudes and latitudes, and the pictures that show them. */
-#include "clients/meshes/degrees.h"
+/* map_projection_test.c - maps of longitudes and latitudes, and the pictures that show them. */
+#include "clients/meshes/map_projection.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,12 +11,12 @@
 TEST(a_degree_of_longitude_at_60_north_is_half_as_long_as_one_of_latitude)
 {
     double xy[] = {10, 59, 11, 61}, beyond[] = {0, 0, 0, 90.5};
-    struct degrees d;
-    CHECK(degrees_choose(&d, xy, 2) && d.middle == 60);
-    degrees_project(&d, xy, 2);
+    struct map_projection d;
+    CHECK(map_projection_choose(&d, xy, 2) && d.middle == 60);
+    map_projection_project(&d, xy, 2);
     CHECK(fabs((xy[2] - xy[0]) / (xy[3] - xy[1]) - 0.25) < 1e-12);
     CHECK(fabs((xy[3] - xy[1]) - 2 * 111.195) < 1e-2);
-    CHECK(!degrees_choose(&d, beyond, 2) && !degrees_choose(&d, xy, 0));
+    CHECK(!map_projection_choose(&d, beyond, 2) && !map_projection_choose(&d, xy, 0));
 }
 
 /* The frame of an SVG. */
