@@ -31,8 +31,8 @@ struct dt_thinned {
     uint32_t *kept; /* owns n (dt_pages_release): indices of points, ascending; NULL unless DT_OK */
     uint32_t n;
     uint32_t least; /* how many points must stay */
-    double
-        error; /* the largest of any point, rounded: in thin triangles within 2^-15 of the largest value */
+    /* the largest of any point, rounded: in thin triangles within 2^-15 of the largest value */
+    double error;
 };
 
 /* Chooses the points that are kept. These points must stay: the corners of the hull of the points with a value and of the ends of

@@ -43,8 +43,8 @@ struct body_memory {
 struct body {
     enum body_form form;
     uint64_t left; /* BODY_LINES: lines to come; BODY_BINARY: points to come */
-    double
-        *xy; /* owns: x, y and the values of each point read so far; NULL once there is a fault */
+    /* owns: x, y and the values of each point read so far; NULL once there is a fault */
+    double *xy;
     size_t n, cap;             /* points */
     size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
     bool paths;                /* the last number is a mark (body_paths) */

@@ -21,8 +21,8 @@ enum resp_fault { RESP_WHOLE, RESP_BROKEN, RESP_TOO_LONG, RESP_NOMEM };
 
 struct resp {
     size_t need; /* if 0 is returned: with fewer bytes than this it would return 0 again */
-    bool
-        has_body; /* the last word is a body (resp.c says of which requests) and has not been read yet: */
+    /* the last word is a body (resp.c says of which requests) and has not been read yet: */
+    bool has_body;
     size_t body; /* its bytes, followed by \r\n; of 5, all are needed to tell it from PATHS */
     enum resp_fault fault; /* if -1 is returned */
 };

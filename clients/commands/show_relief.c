@@ -18,8 +18,8 @@ enum { NO_COLOUR = 1 << 24 };
 
 struct screen {
     const struct grid *g;
-    const struct grid *
-        inside; /* the same cells, with values inside of borders alone; NULL: there are no borders */
+    /* the same cells, with values inside of borders alone; NULL: there are no borders */
+    const struct grid *inside;
     struct relief relief;
     bool all_colours;
 };

@@ -26,8 +26,8 @@ bool las_is_compressed(struct points_file *f, int fd, bool *compressed);
 
 struct las_notes {
     uint64_t withheld; /* points that are marked so: they are loaded */
-    uint64_t
-        behind; /* whole points for which there is room behind the last one: the header may count too few */
+    /* whole points for which there is room behind the last one: the header may count too few */
+    uint64_t behind;
     uint64_t noise; /* points of the classes 7 and 18: they are loaded */
 };
 

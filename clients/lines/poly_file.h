@@ -6,8 +6,8 @@
 
 struct poly_notes {
     uint64_t negative; /* markers of segments below 0, which become 0 */
-    uint64_t
-        unnamed; /* regions whose attribute is no number that a border can have; they get their place in the file */
+    /* regions whose attribute is no number that a border can have; they get their place in the file */
+    uint64_t unnamed;
     uint64_t areas; /* regions with a greatest area, which is not used */
 };
 

@@ -6,8 +6,8 @@
 struct faces {
     uint32_t *face; /* owns: of each triangle */
     size_t n;
-    bool *
-        enclosed; /* owns n: no triangle of the face is at the hull without a constrained edge between */
+    /* owns n: no triangle of the face is at the hull without a constrained edge between */
+    bool *enclosed;
 };
 
 /* The model has triangles and fixed edges; sides are sides of the model. False when out of memory; faces_free in any case. Cost:

@@ -9,8 +9,8 @@
 enum { MODEL_NAME = 65, MODEL_MOST_FIELDS = 64 };
 
 struct model {
-    const char *
-        inside; /* the caller's: fetch only the triangles and edges inside a border of this number, or `any`; NULL: all */
+    /* the caller's: fetch only the triangles and edges inside a border of this number, or `any`; NULL: all */
+    const char *inside;
     const struct crs *crs; /* the caller's: of the coordinates; may be NULL */
     uint32_t *id;          /* owns n, ascending */
     double *xy;            /* owns 2n */
@@ -25,16 +25,16 @@ struct model {
     size_t edges;
     uint32_t *hull; /* owns hull_n places, counterclockwise */
     size_t hull_n;
-    uint32_t *
-        constraint; /* owns 3 * constraints: the places of both ends, and 2 k for a line of number k, 2 k + 1 for a border; sorted
-                             as CONSTRAINTS sorts them */
+    /* owns 3 * constraints: the places of both ends, and 2 k for a line of number k, 2 k + 1 for a border; sorted as CONSTRAINTS sorts
+     * them */
+    uint32_t *constraint;
     size_t constraints;
-    uint32_t *
-        fixed; /* owns 2 * fixed_n: the edges that are parts of constraints; places, the smaller first, sorted */
+    /* owns 2 * fixed_n: the edges that are parts of constraints; places, the smaller first, sorted */
+    uint32_t *fixed;
     size_t fixed_n;
     uint64_t version; /* of the set */
-    int64_t *
-        region; /* owns: of each triangle the number of the smallest closed border around it; MODEL_OUTSIDE */
+    /* owns: of each triangle the number of the smallest closed border around it; MODEL_OUTSIDE */
+    int64_t *region;
     bool regions;      /* there are borders, and the server says what is inside them */
     bool one_region;   /* there are so many that all are number 0 */
     bool torn;         /* while it is fetched: its parts are of several states of the set */

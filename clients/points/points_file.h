@@ -16,13 +16,12 @@ struct points_file {
     size_t n, cap;
     double *value; /* owns n * fields: what else is known of each point; nan: missing */
     size_t fields; /* to be set before the first point */
-    const double
-        *row; /* borrows `fields` values for the point that is read next; NULL: none known */
+    /* borrows `fields` values for the point that is read next; NULL: none known */
+    const double *row;
     struct paths paths; /* owns */
     uint64_t line;      /* lines read so far; the last one's number, from 1 */
-    const char
-        *fault; /* why reading failed: a sentence, about line `line` if that is not 0; static or
-                          in `text` */
+    /* why reading failed: a sentence, about line `line` if that is not 0; static or in `text` */
+    const char *fault;
     char text[1200];
     bool skip_bad; /* bad lines are counted and left out */
     bool fatal;    /* the fault is not one of a single line */

@@ -22,8 +22,8 @@ struct plan {
     const struct dt_options *opt;
     struct dt_stop *work;
     struct dt_refiner r;
-    uint32_t
-        *id; /* owns n: the representatives, ascending; point i of the refiner's set is id[i] */
+    /* owns n: the representatives, ascending; point i of the refiner's set is id[i] */
+    uint32_t *id;
     uint32_t *index; /* owns: of each vertex of t, that i */
     uint32_t n;
     struct dt_constraint_list old; /* owns: declared ones, and the hull's */

@@ -52,8 +52,8 @@ struct dt_refiner {
     void *ctx;
     struct dt_halved *halved; /* owns */
     size_t n_halved, halved_cap;
-    struct dt_part *
-        edge; /* owns; of each new vertex, the first edge that it divides: a and b; a == DT_NONE: none */
+    /* owns; of each new vertex, the first edge that it divides: a and b; a == DT_NONE: none */
+    struct dt_part *edge;
     size_t edge_cap;
     struct dt_queue queue;
     struct dt_part_list encroached; /* edges to be divided */

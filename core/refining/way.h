@@ -8,8 +8,8 @@
 
 struct dt_way_end {
     enum dt_where where; /* DT_OUTSIDE: the way does not lead there */
-    uint32_t
-        half; /* as of dt_walk; else the fixed edge that the way would cross, DT_NONE if that is unknown */
+    /* as of dt_walk; else the fixed edge that the way would cross, DT_NONE if that is unknown */
+    uint32_t half;
 };
 
 /* Where the way from the triangle with base half edge h to q ends. It leaves the hull only through fixed edges. DT_OUTSIDE with

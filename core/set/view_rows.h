@@ -43,8 +43,8 @@ uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t
 
 enum {
     DT_ROW_WORDS = 5, /* of an image: group of aliases or DT_NONE, x, y */
-    DT_FAMILY_WORDS =
-        2 /* the group that it is part of, DT_NONE for a root; a root's representative */
+    /* the group that it is part of, DT_NONE for a root; a root's representative */
+    DT_FAMILY_WORDS = 2
 };
 
 void dt_view_save_row(const struct dt *t, uint32_t id, uint32_t *image);

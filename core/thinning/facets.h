@@ -26,8 +26,8 @@ struct dt_facet {
     uint32_t blocks; /* of which the first ones are blocks */
     uint32_t worst;  /* point; DT_NONE: there are none */
     bool heaped;     /* an entry of the heap is about it as it is */
-    bool
-        rough; /* the worst point is off by at most `off`, which is measured when the facet may be the next one */
+    /* the worst point is off by at most `off`, which is measured when the facet may be the next one */
+    bool rough;
 };
 
 enum { DT_HEAP_FACTOR = 2, DT_FACETS_GAPS = 64 };

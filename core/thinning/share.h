@@ -27,8 +27,8 @@ struct dt_share {
     struct dt_sector *sector; /* owns cap */
     uint32_t sectors, cap;
     struct dt_coarse coarse; /* the first sectors again */
-    uint32_t
-        half; /* sectors before it begin less than a half turn after the first one; open stars: all */
+    /* sectors before it begin less than a half turn after the first one; open stars: all */
+    uint32_t half;
     bool on_line; /* the sectors are two parts of an edge */
     struct dt_rounded
         *point;   /* owns point_cap, as the next two: those of facets that are replaced */

@@ -49,8 +49,8 @@ struct homes {
     const bool *kept;
     struct dt_stop *stop;
     uint32_t near; /* a half edge where the last point was */
-    uint32_t *
-        base; /* owns: of points, then of blocks in the order of samples.h; DT_NONE: of none, or parts have their own */
+    /* owns: of points, then of blocks in the order of samples.h; DT_NONE: of none, or parts have their own */
+    uint32_t *base;
 };
 
 static uint32_t *home_of(const struct homes *h, uint32_t item)

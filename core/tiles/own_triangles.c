@@ -17,8 +17,8 @@ struct rows {
     const uint32_t *half, *local; /* of the mesh; local ids by vertex */
     uint64_t *global;             /* owns; by vertex */
     uint32_t *end; /* owns own + 1: by local id, where its rows are written, or end */
-    uint32_t *
-        key; /* owns; by record of the mesh: 4 * local id + corner of the smallest; DT_NONE: none */
+    /* owns; by record of the mesh: 4 * local id + corner of the smallest; DT_NONE: none */
+    uint32_t *key;
     bool wide;
     void *out;
 };

@@ -15,8 +15,8 @@ _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pai
 enum {
     PARSED_FROM = 256 * 1024, /* bytes of a text that are fed before workers parse it */
     MANY = 1 << 17,           /* points from which on pages are prefaulted */
-    BYTES_PER_POINT =
-        80, /* for adding them (50) and for what their mesh (68) takes beyond what is then released */
+    /* for adding them (50) and for what their mesh (68) takes beyond what is then released */
+    BYTES_PER_POINT = 80,
     BYTES_WHILE_ADDING = 28 /* of these, what adding leaves */
 };
 
@@ -352,9 +352,8 @@ size_t load_end_parser(struct load *l, struct buf *in)
 
 bool load_stalls(struct load *l, int64_t now_ms)
 {
-    enum {
-        SHARE = 1024
-    }; /* of its memory has to come: a client cannot hold much by sending little */
+    /* of its memory has to come: a client cannot hold much by sending little */
+    enum { SHARE = 1024 };
     int64_t limit_ms = (int64_t)l->server->config->load_timeout_s * 1000;
     bool busy = l->parser != NULL && parser_is_busy(l->parser);
     if (busy || l->seen_ms == 0 || l->came - l->seen > l->memory.bytes / SHARE) {

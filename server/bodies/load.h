@@ -20,13 +20,13 @@ enum load_rows {
 struct load_shape {
     enum load_rows rows; /* LOAD_NOTHING: no body */
     unsigned count;      /* the index of the word that counts the rows */
-    bool
-        lines; /* the rows are lines; without a count they end with `.`. Otherwise they are binary */
-    bool
-        fields; /* the last two words may be FIELDS and names: each row has values of these fields, too */
+    /* the rows are lines; without a count they end with `.`. Otherwise they are binary */
+    bool lines;
+    /* the last two words may be FIELDS and names: each row has values of these fields, too */
+    bool fields;
     bool paths; /* the word PATHS may follow the count, and then others about constraints */
-    bool
-        constraints; /* CONSTRAINTS m [SPLIT] may follow the count: m constraints follow the points */
+    /* CONSTRAINTS m [SPLIT] may follow the count: m constraints follow the points */
+    bool constraints;
 };
 
 struct load {

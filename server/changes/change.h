@@ -82,8 +82,8 @@ enum {
     CHANGE_EXISTING = 1, /* the set must be there */
     CHANGE_NEW = 2,      /* the set must not be there */
     CHANGE_GROWS = 4,    /* the points get the next ids of the set; a missing set is created */
-    CHANGE_FREES =
-        8 /* it makes the set smaller: possible as long as there is any space on the disk */
+    /* it makes the set smaller: possible as long as there is any space on the disk */
+    CHANGE_FREES = 8
 };
 
 /* The part of the change that a record's items hold. */

@@ -19,8 +19,8 @@
 #include "server/system/loop.h"
 
 enum {
-    CONN_IN_LIMIT =
-        160 * 1024, /* unconsumed bytes from which on nothing is read; more than the longest line */
+    /* unconsumed bytes from which on nothing is read; more than the longest line */
+    CONN_IN_LIMIT = 160 * 1024,
     CONN_OUT_LIMIT = 64 * 1024, /* unsent bytes from which on the owner should produce no more */
     CONN_SMALL = 4 * 1024       /* both limits when memory is short */
 };
@@ -41,8 +41,8 @@ struct conn {
     struct reservation memory; /* of its owner, and of the buffers */
     size_t owner_bytes;        /* the owner's share */
     uint64_t sent;             /* bytes sent so far */
-    struct hold
-        hold; /* bytes of `out` that must not be sent before the log is durable; see reply_hold.h */
+    /* bytes of `out` that must not be sent before the log is durable; see reply_hold.h */
+    struct hold hold;
     struct task turn, disposal;
     uint32_t interest;   /* the events that epoll watches */
     int64_t heard_ms;    /* when bytes last came in; this and the next two in time awake (loop.h) */

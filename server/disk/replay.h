@@ -8,9 +8,8 @@
 #include <stdatomic.h>
 
 struct replay {
-    struct registry
-        sets; /* owns; each set's lsn, version and triangulated are those of its records; its life is
-                                  that of the segment that is being read */
+    /* owns; each set's lsn, version and triangulated are those of its records; its life is that of the segment that is being read */
+    struct registry sets;
     uint64_t snapshot;         /* changes up to this lsn are in the snapshot */
     bool out_of_memory;        /* a record was refused for this reason; the data may be good */
     const atomic_bool *cancel; /* borrows; when it is set, any record may fail; NULL: never */

@@ -36,8 +36,8 @@ struct hold {
  * the world (loop.h). */
 struct holders {
     struct list holds[HOLD_REACTORS];
-    uint64_t
-        durable; /* replies about changes up to this lsn may be sent: the lesser of the next two */
+    /* replies about changes up to this lsn may be sent: the lesser of the next two */
+    uint64_t durable;
     uint64_t saved;       /* changes up to this lsn are durable here, */
     uint64_t followed;    /* and up to this one they are on enough followers, */
     bool needs_followers; /* if any are needed */

@@ -32,8 +32,8 @@ struct saver {
     int lost; /* errno: the directory is not in its place (datadir_in_place); 0: it is */
     struct snapshot *snapshot; /* owns; from ROTATING or MENDING on, until it is in place */
     uint64_t cut;              /* the lsn of `snapshot`, or of the last one */
-    const uint64_t *
-        applied; /* borrows: the digest of all changes, of a follower (server/follow); NULL: unknown */
+    /* borrows: the digest of all changes, of a follower (server/follow); NULL: unknown */
+    const uint64_t *applied;
     uint64_t cut_digest; /* after a failure: what the log continues from */
     uint64_t cut_bytes;  /* bytes of log up to there */
     uint64_t base_bytes; /* bytes of log that the snapshot in place covers */

@@ -21,8 +21,8 @@ struct follower {
     uint64_t identity;             /* random: of this process */
     struct apply apply;
     struct remembered_role role;
-    int64_t
-        settled_ms; /* when a promoted follower has certainly informed it; 0: it never needs to */
+    /* when a promoted follower has certainly informed it; 0: it never needs to */
+    int64_t settled_ms;
     bool unsaved;   /* the directory does not remember the newer history that was met */
     bool following; /* records are carried out */
     bool drops;     /* what comes until the link asks for the position is dropped */

@@ -22,8 +22,8 @@ struct leader {
     struct request_queue queue; /* of WAIT */
     struct timer timer;         /* the next one of these that ends */
     int64_t timer_ms;           /* when; 0: none */
-    int64_t
-        missing_ms; /* since when there have been fewer than --min-followers; 0: there are enough */
+    /* since when there have been fewer than --min-followers; 0: there are enough */
+    int64_t missing_ms;
 };
 
 /* ---- what waits for followers ---- */

@@ -58,8 +58,8 @@ struct link {
     struct position from;      /* from link_go */
     struct list pieces;        /* those to take, */
     struct reservation queued; /* their bytes, and those of the buffer for input */
-    struct link_arrival
-        *arrival; /* owns until link_installed; not NULL: the thread waits for that */
+    /* owns until link_installed; not NULL: the thread waits for that */
+    struct link_arrival *arrival;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
     bool works;                  /* a reactor works on a change: that is to be acknowledged, too */
     uint64_t leader_lsn;         /* the last one that is known of the leader */

@@ -47,8 +47,8 @@ struct sender {
     atomic_bool stop;
     /* to a reactor */
     _Atomic uint64_t acked, acked_bytes, sent, sent_bytes;
-    _Atomic uint64_t
-        wants_snapshot; /* not 0: it waits for a snapshot of changes up to at least this lsn - 1 */
+    /* not 0: it waits for a snapshot of changes up to at least this lsn - 1 */
+    _Atomic uint64_t wants_snapshot;
     _Atomic int state;
     /* since when it has acknowledged nothing more of what was sent, in milliseconds; 0: it has everything */
     _Atomic int64_t silent_ms;

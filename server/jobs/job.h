@@ -32,8 +32,8 @@ struct job {
     int64_t queued_ns;   /* when it was submitted to the workers; 0: it ran at once */
     int64_t began_ns;    /* when a worker began */
     struct dataset *set; /* its edits wait while a worker has the job; NULL: they do not */
-    struct request_queue *
-        waiting; /* borrows; of requests that wait for its end, beside those that wait for the set; NULL: none */
+    /* borrows; of requests that wait for its end, beside those that wait for the set; NULL: none */
+    struct request_queue *waiting;
     bool changes;          /* it was submitted by job_change */
     bool acknowledges;     /* the reply acknowledges the last change of the set, else it shows it */
     struct change *change; /* borrows; for the log if the job succeeds; NULL: none */

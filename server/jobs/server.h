@@ -57,8 +57,8 @@ struct server {
     struct holders held;     /* replies that wait for the disk (reply_hold.h) */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */
-    struct leader
-        *leader; /* owns; the followers of this daemon (server/follow); NULL: none can follow */
+    /* owns; the followers of this daemon (server/follow); NULL: none can follow */
+    struct leader *leader;
     struct follower *follower; /* owns; its leader; NULL: it has none */
     struct {
         enum reply_code code;

@@ -380,9 +380,8 @@ static size_t points_of(const struct dataset *set, const struct change *c)
  * in place the change would take about as long. If so, the memory of that is reserved. */
 static bool keeps_live(struct server *s, const struct dataset *set, struct submission *x)
 {
-    enum {
-        SHARE = 32
-    }; /* of the points: an edit in place takes about as long as a build of so many */
+    /* of the points: an edit in place takes about as long as a build of so many */
+    enum { SHARE = 32 };
     const struct version *v = set->current;
     const uint32_t points = v->sum.points;
     if (!v->asked || !v->sum.current || points == 0 || s->workers == NULL ||

@@ -23,8 +23,8 @@ struct config {
     const char *backup_dir;   /* where BACKUP may write; NULL: nowhere */
     enum log_policy fsync;
     size_t compact_at; /* bytes of log after which a snapshot is made */
-    const char *
-        follow; /* ADDR:PORT of the leader; NULL: none, or the one that the data directory remembers */
+    /* ADDR:PORT of the leader; NULL: none, or the one that the data directory remembers */
+    const char *follow;
     const char *follow_token_file; /* the token for it; NULL: none */
     unsigned min_followers;        /* that have a change on disk before it is acknowledged */
     unsigned follower_timeout_s;   /* a follower that acknowledges nothing for so long is missing */

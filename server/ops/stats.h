@@ -18,8 +18,8 @@ enum {
 
 struct command_stats {
     uint64_t calls, errors;
-    struct histogram
-        work; /* ns from the start of a request to the start of its reply, without `wait` */
+    /* ns from the start of a request to the start of its reply, without `wait` */
+    struct histogram work;
     struct histogram wait; /* ns in queues; only of requests that had to wait */
 };
 

@@ -20,9 +20,8 @@ struct query_job {
     struct job job;
     struct query query;
     uint32_t steps; /* limit of the search in one visit; 0: none */
-    struct dt_view *
-        view; /* owns, until it moves to a stream: the moment of the result. That of the job is open for longer: so edits
-                           * keep the triangulation */
+    /* owns, until it moves to a stream: the moment of the result. That of the job is open for longer: so edits keep the triangulation */
+    struct dt_view *view;
 };
 
 /* ---- searching ---- */

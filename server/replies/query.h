@@ -32,13 +32,12 @@ struct query {
     uint32_t corner[3];    /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
     unsigned corners;
     bool cw; /* QUERY_LISTS, QUERY_TRIANGLES */
-    bool
-        within; /* QUERY_LISTS: the points in the box from place.at to hi; QUERY_TRIANGLES: those that meet it */
+    /* QUERY_LISTS: the points in the box from place.at to hi; QUERY_TRIANGLES: those that meet it */
+    bool within;
     bool binary;               /* with `within` only */
     enum dt_interpolation how; /* QUERY_WEIGHTS */
-    struct dt_ids
-        ids; /* owns: the result; of QUERY_LISTS and QUERY_CONSTRAINTS first the ids of the request; of QUERY_WEIGHTS
-                          the words of ROW_VALUE */
+    /* owns: the result; of QUERY_LISTS and QUERY_CONSTRAINTS first the ids of the request; of QUERY_WEIGHTS the words of ROW_VALUE */
+    struct dt_ids ids;
     size_t interior; /* QUERY_LISTS: the number of interior points in the result */
     uint64_t words;  /* of the rows in binary */
 };

@@ -24,11 +24,11 @@ struct surface {
     bool beyond;          /* OUTSIDE nearest */
     bool skip;            /* MISSING skip */
     enum dt_quantity quantity;
-    struct places
-        places; /* SURFACE_PLACES, SURFACE_PROFILE; SURFACE_RASTER: the cells that are kept */
+    /* SURFACE_PLACES, SURFACE_PROFILE; SURFACE_RASTER: the cells that are kept */
+    struct places places;
     struct dt_raster raster;
-    double
-        *level; /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
+    /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
+    double *level;
     uint32_t levels;
     double step, base;
     bool bands;               /* SURFACE_CONTOUR: polygons between neighbouring levels, not lines */

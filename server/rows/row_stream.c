@@ -25,8 +25,8 @@ struct row_stream {
     struct stream stream; /* first */
     struct rows rows; /* owns their ids and fields; those that have not been cut into parts yet */
     struct places places; /* owns: those of the rows */
-    struct piece
-        piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
+    /* a ring: `used` of them from `head` on, in the order of their rows */
+    struct piece piece[PIECES];
     unsigned head, used, most;
     struct job *copying;                         /* borrows; not NULL: a worker makes the copy */
     const struct dt_field *field[DT_MAX_FIELDS]; /* of the rows of a surface */

@@ -93,8 +93,8 @@ struct rows {
     const char *format; /* ROW_WORDS */
     size_t width;       /* words of the list or of the reply in a row; 1 if they differ */
     bool cw;            /* ROW_RING */
-    const struct dt_field *
-        *field; /* DT_POINTS: borrows; fields whose values follow the coordinates, `fields` */
+    /* DT_POINTS: borrows; fields whose values follow the coordinates, `fields` */
+    const struct dt_field **field;
     size_t fields;
     struct dt_point from;         /* ROW_NEIGHBOUR */
     struct dt_ids ids;            /* the list; a part borrows it */

@@ -18,8 +18,8 @@ struct inside {
 /* The source of a surface. */
 struct surface_source {
     struct version *version; /* borrows */
-    struct dataset *
-        set; /* borrows: edits of it must wait for jobs that read for long; NULL: nobody edits the version */
+    /* borrows: edits of it must wait for jobs that read for long; NULL: nobody edits the version */
+    struct dataset *set;
 };
 
 struct surface_rows {
@@ -41,8 +41,8 @@ struct surface_rows {
     double *value; /* owns: the numbers of the next `found` places, of rows that are not complete */
     size_t found;
     size_t room; /* bytes of `value`, if it is not NULL */
-    bool
-        passed; /* the points, or borders that count, have been edited since the view began: nothing was written */
+    /* the points, or borders that count, have been edited since the view began: nothing was written */
+    bool passed;
 };
 
 /* The bytes of a piece, about. */

@@ -30,10 +30,10 @@ struct version {
     struct gate gate;          /* of dt, see above */
     struct dt_summary sum;     /* of dt after the last completed edit */
     struct reservation memory; /* sum.memory */
-    _Atomic uint64_t
-        lsn; /* of its last change in the log; 0: none, or without --data. A worker that edits in place sets it */
-    atomic_bool
-        asked; /* a request has read its triangulation; reactors that share the world set it */
+    /* of its last change in the log; 0: none, or without --data. A worker that edits in place sets it */
+    _Atomic uint64_t lsn;
+    /* a request has read its triangulation; reactors that share the world set it */
+    atomic_bool asked;
 };
 
 /* The result of a job on a set, for requests that waited for it. */
@@ -72,11 +72,11 @@ struct registry {
     size_t buckets, sets;
     size_t expiring;           /* sets that are dropped at some time, */
     struct list expiring_sets; /* in the order of registry_next_expiring */
-    const struct gate
-        *world; /* borrows; closed while sets come and go, which is checked; NULL: none */
+    /* borrows; closed while sets come and go, which is checked; NULL: none */
+    const struct gate *world;
     struct budget *budget; /* borrows; of all versions; NULL: none */
-    struct lanes
-        lanes; /* owns; of reactors that are inside the gate of a version; empty: there is one reactor */
+    /* owns; of reactors that are inside the gate of a version; empty: there is one reactor */
+    struct lanes lanes;
     struct dt_pages *pages;    /* borrows; for the large arrays of sets; NULL: none */
     uint32_t life;             /* the number of this life of the daemon (record.h) */
     _Atomic uint64_t unlogged; /* changes that are in no log */

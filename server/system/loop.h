@@ -55,9 +55,9 @@ struct loop {
     unsigned lane;      /* of this loop */
     bool inside;        /* it shares the world, or is alone in it */
     bool alone;         /* it is alone in the world */
-    bool
-        changed; /* turn_end is due: it has been alone in this turn, or has called loop_end_alone */
-    bool asleep; /* it waits for events; only changed by who may change the loop */
+    /* turn_end is due: it has been alone in this turn, or has called loop_end_alone */
+    bool changed;
+    bool asleep;        /* it waits for events; only changed by who may change the loop */
     struct source wake; /* an eventfd by which other loops end that */
     bool stopped;
     struct list deferred, yielded, disposals;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 enum {
-    BOX_KEYS =
-        256, /* with a box, more changes than this are found by a sweep: few points are in it */
+    /* with a box, more changes than this are found by a sweep: few points are in it */
+    BOX_KEYS = 256,
     BOX_STEPS = 10000,   /* a box whose search takes longer, or of which more points */
     BOX_KNOWN = 10000,   /* may be known, is swept like the whole set */
     LINE_STEPS = 100000, /* rings on a line that take more are sent in parts */

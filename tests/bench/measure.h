@@ -10,9 +10,8 @@ struct build {
     size_t n;
     enum dt_method method;
     unsigned threads;
-    bool
-        warm; /* pages are used again from set to set, of large arrays and of small ones; else every
-                  one is fresh */
+    /* pages are used again from set to set, of large arrays and of small ones; else every one is fresh */
+    bool warm;
 };
 
 struct cost {
@@ -25,8 +24,8 @@ struct cost {
 /* A program in a comparison: an engine of ours or CGAL. */
 struct contender {
     struct build build;
-    const char
-        *cgal; /* NULL: ours; else the program (cgal_speed.cpp), of build's family, n, warm */
+    /* NULL: ours; else the program (cgal_speed.cpp), of build's family, n, warm */
+    const char *cgal;
     bool list; /* CGAL with ids and the list of triangles, as ours always has; else bare */
     unsigned rounds;
     struct cost best; /* of CGAL build_ns and peak_bytes; all 0: it could not be measured */

@@ -13,8 +13,8 @@ struct brute {
     uint32_t *rep;      /* owns, by id: the representative, DT_NONE for a deleted id */
     uint32_t *apex; /* owns n * n: of the edge from a to b the corner left of it, DT_NONE if it has
                         no triangle */
-    uint32_t
-        *line; /* owns; if all points are on one line: the representatives along it; else NULL */
+    /* owns; if all points are on one line: the representatives along it; else NULL */
+    uint32_t *line;
     uint32_t points; /* representatives */
 };
 

@@ -6,9 +6,8 @@
 #include "tests/core/threads.h"
 #include "tests/test.h"
 
-enum {
-    N = (1 << 19) + 999
-}; /* ids in a block of pages and beyond it, and enough for several threads */
+/* ids in a block of pages and beyond it, and enough for several threads */
+enum { N = (1 << 19) + 999 };
 
 /* A permutation of 0 .. N - 1. */
 static uint32_t *shuffled(void)
