@@ -19,7 +19,7 @@ struct F(polygon) {
     int n;
 };
 
-/* The place between a and b at which a number is 0 that is `at_a` there and `at_b` here, of different signs. */
+/* The place on a-b where a linear function is 0 that is *at_a at a and *at_b at b: different signs. */
 static struct F(corner) F(between)(const struct F(corner) * a, const struct F(corner) * b,
                                    const NUMBER *at_a, const NUMBER *at_b)
 {
@@ -30,21 +30,21 @@ static struct F(corner) F(between)(const struct F(corner) * a, const struct F(co
     return r;
 }
 
-/* Keeps what is not below the bound along an axis; above: not above it. */
-static void F(cut)(struct F(polygon) * p, int axis, const NUMBER *bound, bool above)
+/* Keeps the part of *p where along[axis] is at least the bound or, unless `from` is true, at most the bound. */
+static void F(cut)(struct F(polygon) * p, int axis, const NUMBER *bound, bool from)
 {
     struct F(polygon) q;
-    NUMBER beyond[CORNERS];
+    NUMBER inside[CORNERS];
     q.n = 0;
     for (int i = 0; i < p->n; i++)
-        beyond[i] = above ? MINUS(*bound, p->v[i].along[axis]) : MINUS(p->v[i].along[axis], *bound);
+        inside[i] = from ? MINUS(p->v[i].along[axis], *bound) : MINUS(*bound, p->v[i].along[axis]);
     for (int i = 0; i < p->n; i++) {
         int next = i + 1 < p->n ? i + 1 : 0;
-        bool in = SIGN(beyond[i]) >= 0, next_in = SIGN(beyond[next]) >= 0;
+        bool in = SIGN(inside[i]) >= 0, next_in = SIGN(inside[next]) >= 0;
         if (in)
             q.v[q.n++] = p->v[i];
-        if (in != next_in && SIGN(beyond[i]) != 0 && SIGN(beyond[next]) != 0)
-            q.v[q.n++] = F(between)(&p->v[i], &p->v[next], &beyond[i], &beyond[next]);
+        if (in != next_in && SIGN(inside[i]) != 0 && SIGN(inside[next]) != 0)
+            q.v[q.n++] = F(between)(&p->v[i], &p->v[next], &inside[i], &inside[next]);
     }
     *p = q;
 }
@@ -77,15 +77,15 @@ static void F(clip)(const struct dt_slab *s, struct dt_point lo, struct dt_point
         in.v[k].along[2] = DIFFERENCE(s->top[k], s->base[k]);
     }
     for (int axis = 0; axis < 2; axis++) {
-        F(cut)(&in, axis, &least[axis], false);
-        F(cut)(&in, axis, &most[axis], true);
+        F(cut)(&in, axis, &least[axis], true);
+        F(cut)(&in, axis, &most[axis], false);
     }
     F(measure)(&in, area, &unused);
     part = in;
-    F(cut)(&part, 2, &zero, false);
+    F(cut)(&part, 2, &zero, true);
     F(measure)(&part, &unused, above);
     part = in;
-    F(cut)(&part, 2, &zero, true);
+    F(cut)(&part, 2, &zero, false);
     F(measure)(&part, &unused, below);
     *below = MINUS(zero, *below);
 }

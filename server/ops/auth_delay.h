@@ -22,8 +22,8 @@ enum {
     AUTH_DELAY_BURST = 20,
     AUTH_DELAY_EACH_MS = 100,
     AUTH_DELAY_LONGEST_MS = 3000,
-    AUTH_DELAY_SETS = 256,
-    AUTH_DELAY_WAYS = 4
+    AUTH_DELAY_SETS = 256, /* of the cache: an address is in one of them */
+    AUTH_DELAY_WAYS = 4    /* entries of a set */
 };
 
 struct auth_delay_entry {

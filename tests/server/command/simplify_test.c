@@ -103,7 +103,7 @@ static int load_values(const struct daemon *d, double most)
     return fd;
 }
 
-/* Says so, and returns when a worker has begun. */
+/* Sends the request, and returns when a worker has begun with it. */
 static void begin(const struct daemon *d, int fd, const char *request)
 {
     await_info(d, "jobs_running", 0);
