@@ -18,7 +18,7 @@ const struct command commands[] = {
     {"SETS", 1, 1, CMD_ALL_SETS, cmd_sets, "SETS", .help = "the sets, with their number of points",
      .rows = "m"},
     {"CREATE", 2, 5, EDITS, cmd_create, "CREATE set [TOL t] [TEMPORARY]",
-     .help = "a new, empty set with coincidence tolerance t, for good or as long as the connection",
+     .help = "a new, empty set with a coincidence tolerance, for good or as long as the connection",
      .change = CHANGE_CREATE},
     {"DROP", 2, 2, EDITS, cmd_change, "DROP set", .help = "deletes a set", .change = CHANGE_DROP},
     {"EXPIRE", 3, 3, EDITS, cmd_change, "EXPIRE set seconds",
@@ -32,7 +32,7 @@ const struct command commands[] = {
      .result = "points:i coincident:i triangulated:b triangles:i edges:i hull:i memory:i tol:d "
                "fields:i? temporary:b? ttl:d? version:i"},
     {"DIGEST", 2, 2, READS, cmd_digest, "DIGEST set",
-     .help = "a number of everything in a set: equal sets have the same", .result = "digest:s"},
+     .help = "a number of the whole set: equal sets have equal numbers", .result = "digest:s"},
     {"ADD", 4, 0, EDITS | CMD_SHARES, cmd_change,
      "ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]",
      .help = "adds points, with values of fields", .result = "first:i", .prefetch = PREFETCH_PLACE,

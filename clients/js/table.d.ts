@@ -14,7 +14,7 @@ export interface Table {
   persist(set: string, options?: RequestOptions): Promise<boolean>;
   /** Counts and memory of a set. */
   stat(set: string, options?: RequestOptions): Promise<{ points: number; coincident: number; triangulated: boolean; triangles: number; edges: number; hull: number; memory: number; tol: number; fields?: number; temporary?: boolean; ttl?: number; version: number }>;
-  /** A number of everything in a set: equal sets have the same. Resolves with `digest`. */
+  /** A number of the whole set: equal sets have equal numbers. Resolves with `digest`. */
   digest(set: string, options?: RequestOptions): Promise<string>;
   /** Deletes points; with CASCADE also the constraints that end there. Resolves with `deleted`. */
   delete(set: string, ids: Iterable<number>, options?: RequestOptions & { cascade?: boolean }): Promise<number>;

@@ -32,7 +32,7 @@ class Table {
     return typedKeys(await this._ask(['STAT', checkSet(set)], options));
   }
 
-  /** A number of everything in a set: equal sets have the same. Resolves with `digest`. */
+  /** A number of the whole set: equal sets have equal numbers. Resolves with `digest`. */
   async digest(set, options) {
     return text('digest')(await this._ask(['DIGEST', checkSet(set)], options));
   }

@@ -23,7 +23,7 @@ class Table(Asking):
     """The commands that need no more than their words."""
 
     def create(self, name: str, tolerance: Optional[float] = None, temporary: bool = False) -> None:
-        """A new, empty set with coincidence tolerance t, for good or as long as the connection."""
+        """A new, empty set with a coincidence tolerance, for good or as long as the connection."""
         return self._ask(protocol.nothing, "CREATE", set_name(name), *option("TOL", tolerance, real), *flag("TEMPORARY", temporary))
 
     def drop(self, name: str) -> None:
@@ -47,7 +47,7 @@ class Table(Asking):
         return self._ask(protocol.values, "STAT", set_name(name))
 
     def digest(self, name: str) -> str:
-        """A number of everything in a set: equal sets have the same. Returns `digest`."""
+        """A number of the whole set: equal sets have equal numbers. Returns `digest`."""
         return self._ask(protocol.fact("digest", str), "DIGEST", set_name(name))
 
     def delete(self, name: str, ids: Iterable[int], cascade: bool = False) -> int:
