@@ -14,8 +14,8 @@ struct dt_tile {
     uint32_t coincident; /* own points that are aliases of others */
     uint32_t judged;     /* faces without a corner from this local id on have been judged */
     bool opened;         /* dt_tile_open has been called */
-    struct dt_ids
-        postponed; /* owns; half edges of triangles: the first ones of faces that outgoing.c has postponed */
+    /* owns; half edges of triangles: the first ones of faces that outgoing.c has postponed */
+    struct dt_ids postponed;
     struct dt_box box; /* of the own points, if any */
     struct dt_pairs sent;
 };

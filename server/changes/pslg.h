@@ -21,8 +21,8 @@ void pslg_lists_clear(struct pslg_lists *d);
 
 struct pslg {
     struct pslg_lists lists; /* `added` are those asked for, until the change has been applied */
-    uint64_t *
-        line; /* owns; of each that is asked for: the line of its second end; NULL: they have none */
+    /* owns; of each that is asked for: the line of its second end; NULL: they have none */
+    uint64_t *line;
     bool loads;   /* it is a LOAD, */
     bool thins;   /* or the points that SIMPLIFY has kept */
     bool counts;  /* `line` has the numbers of constraints in a LOADB instead */

@@ -30,8 +30,8 @@ struct skip_copy {
     struct skip_copy_moment of; /* the moment of the last build that has ended, */
     enum dt_status status;      /* its outcome, */
     struct dt_crossed crossed;  /* of DT_CROSSES, */
-    struct version
-        *version; /* and its result: owns a reference; NULL unless the outcome is DT_OK */
+    /* and its result: owns a reference; NULL unless the outcome is DT_OK */
+    struct version *version;
     struct skip_copy_moment build; /* of the build that is under way; at_ns 0: none is */
     atomic_bool *cancel;           /* borrows; of that build */
     struct request_queue queue;    /* of requests that wait for its end */
