@@ -12,9 +12,11 @@ const LINE = 4000; // ids in a line of GET
 const FAR = 2 ** 201; // the largest coordinate of a point
 const NOWHERE = 0xffffffff;
 
-/** fetchAll(requests) resolves to the replies. Resolves to {version, triangles, places, squares, estimate}. triangles: three ids each.
- * places: Map id -> [x, y, value] of their corners. squares: {places, size}, x, y and value in the middle of each cell with a
- * small triangle, and the side of a cell. estimate: about how many triangles are in view. */
+/** fetchAll(requests) resolves to the replies. Resolves to:
+ * - version;
+ * - triangles: three ids each, and places: Map id -> [x, y, value] of their corners;
+ * - squares: {places, size}: x, y and value in the middle of each cell with a small triangle, and the side of a cell;
+ * - estimate: about how many triangles are in view. */
 export async function sampleOf(fetchAll, set, view, field) {
   const size = Math.max(LEAST_CELL, Math.sqrt((view.width * view.height) / PLACES)) / view.scale;
   const grid = gridOf(view.box(), size);

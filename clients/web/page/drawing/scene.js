@@ -221,8 +221,8 @@ export class Scene {
     });
   }
 
-  /** Draws triangles, at most so many; each(put) calls put(x, y, value) for all their corners. even: in one colour, without lines. Returns
-   * their number. */
+  /** Draws triangles and returns their number, which is at most `most`. each(put) calls put(x, y, value) for all their corners. even: in one
+   * colour, without lines. */
   #drawTriangles(even, most, each) {
     const gl = this.#gl;
     const { x, y, scale, width, height } = this.#view;
