@@ -90,14 +90,14 @@ class Commands(ConstraintCommands):
         """Every point, ascending: the ids, and the coordinates with shape (n, 2). With `fields`, names of fields, their values
         are the third, with shape (n, k), NaN where one is missing; all is of one state of the set."""
         if fields is None:
-            return self._ask(lambda reply: protocol.points_table(reply.data)[:2], "POINTS", set_name(name), "BINARY")
+            return self._ask(lambda reply: protocol.records(reply.data, 2), "POINTS", set_name(name), "BINARY")
         names = field_names(fields)
         words = ("FIELDS", ",".join(names)) if names else ()
-        return self._ask(_points_table(len(names)), "POINTS", set_name(name), *words, "BINARY")
+        return self._ask(lambda reply: protocol.records(reply.data, 2, len(names)), "POINTS", set_name(name), *words, "BINARY")
 
     def coincident(self, name: str) -> List[Tuple[int, int]]:
         """Every point that coincides with another one, and the point that represents both in the triangulation."""
-        return self._ask(_pairs_of_ids, "COINCIDENT", set_name(name))
+        return self._ask(protocol.table("i"), "COINCIDENT", set_name(name))
 
     # ---- fields: values at points ----
 
@@ -111,7 +111,7 @@ class Commands(ConstraintCommands):
 
     def field(self, name: str, field: str) -> Tuple[Uint32s, Floats]:
         """The values of all points, of one state of the set: the ids, ascending, and the values, NaN where one is missing."""
-        return self._ask(_field_column, "POINTS", set_name(name), "FIELDS", field_name(field), "BINARY")
+        return self._ask(_ids_and_values(2, 1), "POINTS", set_name(name), "FIELDS", field_name(field), "BINARY")
 
     def set_field(self, name: str, field: str, values: Any, first: int = 0) -> None:
         """Sets the values of the ids first, first + 1, ..., all or none. NaN takes a value away. The field is created if need
@@ -321,7 +321,7 @@ class Commands(ConstraintCommands):
 
     def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Uint32s, Floats]:
         """The areas of the cells of voronoi(): the ids, and the areas."""
-        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *option("BOX", box, box_of), "BINARY")
+        return self._ask(_ids_and_values(1), "AREAS", set_name(name), *option("BOX", box, box_of), "BINARY")
 
     def alpha(self, name: str, radius: float) -> List[Loop]:
         """The boundary of the alpha shape: of the union of the triangles whose circumradius is at most the radius."""
@@ -371,26 +371,26 @@ def _levels(levels: Optional[Iterable[float]], every: Optional[float], base: flo
     return tuple(each(levels, real))
 
 
-def _points_table(fields: int) -> Callable[[Reply], Any]:
-    return lambda reply: protocol.points_table(reply.data, fields)
+def _ids_and_values(*widths: int) -> Callable[[Reply], Tuple[Uint32s, Floats]]:
+    """Reads ids, and the last of several columns."""
 
+    def read(reply: Reply) -> Tuple[Uint32s, Floats]:
+        ids, *_, values = protocol.records(reply.data, *widths)
+        return ids, protocol.flat(values)
 
-def _field_column(reply: Reply) -> Tuple[Uint32s, Floats]:
-    ids, _, values = protocol.points_table(reply.data, 1)
-    return ids, protocol.flat(values)
+    return read
 
 
 def _fields(reply: Reply) -> Dict[str, Field]:
-    split = map(str.split, reply.rows)
-    return {name: Field(int(count), float(least), float(most)) for name, count, least, most in split}
+    return {name: Field(*facts) for name, *facts in protocol.table("sidd")(reply)}
 
 
 def _weights(reply: Reply) -> Dict[int, float]:
-    return {int(id): float(weight) for id, weight in map(str.split, reply.rows)}
+    return dict(protocol.table("id")(reply))
 
 
 def _second_words(reply: Reply) -> List[float]:
-    return [float(row.split()[1]) for row in reply.rows]
+    return [value for _, value in protocol.table("id")(reply)]
 
 
 def _info(reply: Reply) -> Dict[str, Value]:
@@ -399,8 +399,4 @@ def _info(reply: Reply) -> Dict[str, Value]:
 
 
 def _coordinates(reply: Reply) -> List[Tuple[float, float]]:
-    return [(float(x), float(y)) for _, x, y in map(str.split, reply.rows)]
-
-
-def _pairs_of_ids(reply: Reply) -> List[Tuple[int, int]]:
-    return [(int(a), int(b)) for a, b in map(str.split, reply.rows)]
+    return [(x, y) for _, x, y in protocol.table("idd")(reply)]

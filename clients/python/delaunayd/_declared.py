@@ -91,8 +91,8 @@ def declare(segments: Ints, border: Any, number: Any) -> NDArray[Any]:
         raise ValueError("number must be a whole number, or one for each segment")
     if numbers.size > 0 and not (numbers.min() >= 0 and numbers.max() < 2**31):
         raise ValueError("numbers are from 0 to 2^31 - 1")
-    kinds = np.asarray(border, dtype=bool)
-    if kinds.shape not in ((), (len(segments),)):
+    kinds = np.asarray(border)
+    if kinds.shape not in ((), (len(segments),)) or (kinds.size > 0 and (kinds.dtype.kind not in "biu" or not np.isin(kinds, (0, 1)).all())):
         raise ValueError("border must be true or false, or that for each segment")
     declared = np.zeros(len(segments), dtype=_CONSTRAINT)
     declared["a"], declared["b"] = segments[:, 0], segments[:, 1]

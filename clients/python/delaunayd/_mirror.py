@@ -151,7 +151,7 @@ class Mirror:
         """As Client.points: the ids, the coordinates, and with fields the values with shape (n, k). Cost: that of all points."""
         order = sorted(self._points)
         rows = b"".join(struct.pack("<I", id) + self._points[id] for id in order)
-        table = protocol.points_table(rows, len(self.fields))
+        table = protocol.records(rows, 2, len(self.fields))
         return table if self.fields else table[:2]
 
     def lists(self) -> Dict[int, Any]:

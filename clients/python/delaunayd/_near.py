@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
+from ._values import doubles, each, whole
+
 if TYPE_CHECKING:
     from ._types import ArrayLike, Floats, Numbers
 
@@ -60,7 +62,7 @@ def query(
 ) -> Tuple[Any, Any]:
     _check(eps, p)
     one = k is not None and np.ndim(k) == 0
-    ranks = np.arange(1, int(k) + 1) if one else np.asarray(k, dtype=np.int64)
+    ranks = np.arange(1, whole(k) + 1) if one else np.array(each(k, whole), dtype=np.int64)
     if ranks.ndim != 1 or len(ranks) == 0 or ranks.min() < 1:
         raise ValueError("k must be an integer greater than zero or a sequence of such integers")
     flat, most = places.reshape(-1, 2), int(ranks.max())
@@ -84,7 +86,7 @@ def query_ball_point(
     _check(eps, p)
     shape = places.shape[:-1]
     flat = places.reshape(-1, 2)
-    radius = np.broadcast_to(np.asarray(r, dtype=np.float64), shape).ravel()
+    radius = np.broadcast_to(doubles(r), shape).ravel()
     wide = np.ascontiguousarray(_euclidean(radius, p))
     ids, end = now.triangulation.within(flat, wide, workers)
     if p != 2:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from array import array
+from itertools import accumulate
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
@@ -242,8 +243,8 @@ def truth(text: str) -> bool:
     return text in ("yes", "1")
 
 
-def table(types: str) -> Callable[[Reply], List[Tuple[Any, ...]]]:
-    """The rows, each word of the type of its letter, the last one's for the rest: i, d, s; others have that of their form."""
+def table(types: str) -> Callable[[Reply], List[Any]]:
+    """The rows as tuples, each word of the type of its letter, the last one's for the rest: i, d, s; others have that of their form."""
     reads: List[Callable[[str], Any]] = [{"i": int, "d": float, "s": str}.get(letter, value) for letter in types]
 
     def row(text: str) -> Tuple[Any, ...]:
@@ -360,27 +361,17 @@ def _line(words: List[str]) -> Any:
     return array("d", map(float, words))
 
 
-def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:
-    """The rows of POINTS BINARY: ids, coordinates with shape (n, 2), and values with shape (n, fields)."""
-    width = 20 + 8 * fields
+def records(data: bytes, *widths: int) -> Tuple[Any, ...]:
+    """Rows of an id and columns of doubles: the ids, and arrays of the shapes (n, width)."""
     if numpy is not None:
-        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("xy", "<f8", (2,)), ("values", "<f8", (fields,))])
-        return table["id"].copy(), table["xy"].copy(), table["values"].copy()
-    ids, xy, found = array("I"), array("d"), array("d")
-    for at in range(0, len(data), width):
-        ids.frombytes(data[at : at + 4])
-        xy.frombytes(data[at + 4 : at + 20])
-        found.frombytes(data[at + 20 : at + width])
-    return little(ids), little(xy), little(found)
-
-
-def areas(data: bytes) -> Tuple[Any, Any]:
-    """The rows of AREAS BINARY."""
-    if numpy is not None:
-        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("area", "<f8")])
-        return table["id"].copy(), table["area"].copy()
-    found = [struct.unpack_from("<Id", data, at) for at in range(0, len(data), 12)]
-    return array("I", [id for id, _ in found]), array("d", [area for _, area in found])
+        form: List[Any] = [("id", "<u4"), *(("column %d" % k, "<f8", (width,)) for k, width in enumerate(widths))]
+        table = numpy.frombuffer(data, dtype=form)
+        return tuple(table[name].copy() for name, *_ in form)
+    columns, ends = [array("I"), *(array("d") for _ in widths)], list(accumulate((8 * width for width in widths), initial=4))
+    for at in range(0, len(data), ends[-1]):
+        for found, first, end in zip(columns, [0, *ends], ends):
+            found.frombytes(data[at + first : at + end])
+    return tuple(map(little, columns))
 
 
 def rings(data: bytes) -> Dict[int, Any]:
@@ -403,7 +394,7 @@ def located(reply: Reply) -> Located:
 
 
 def neighbours(reply: Reply) -> List[Neighbour]:
-    return [Neighbour(int(i), float(a), float(b), float(d)) for i, a, b, d in map(str.split, reply.rows)]
+    return [Neighbour(*row) for row in table("iddd")(reply)]
 
 
 def first_words(reply: Reply) -> List[int]:

@@ -11,6 +11,7 @@ from . import _library
 from ._declared import checked_heights, checked_points, checked_segments, declare, segments_of
 from ._library import Quality, TOOBIG, byref, check
 from ._triangulation import Triangulation
+from ._values import real, truth, whole
 
 if TYPE_CHECKING:
     from ._types import ArrayLike, Numbers
@@ -21,9 +22,9 @@ _EACH = 16  # points that may be added for each one
 
 
 def _limit(value: Optional[float]) -> float:
-    if value is not None and not value > 0:
+    if value is not None and not real(value) > 0:
         raise ValueError("limits are above 0")
-    return 0.0 if value is None else float(value)
+    return 0.0 if value is None else real(value)
 
 
 def refined(
@@ -40,8 +41,8 @@ def refined(
         angle = 25
     if angle is not None and angle >= 60:
         raise ValueError("no triangle has all angles above 60 degrees")
-    most = _EACH * d.npoints if limit is None else int(limit)
-    quality = Quality(_limit(angle), _limit(area), _limit(length), _ANY if number is None else number, keep, most, None, None)
+    most = _EACH * d.npoints if limit is None else whole(limit)
+    quality = Quality(_limit(angle), _limit(area), _limit(length), _ANY if number is None else whole(number), truth("keep", keep), most, None, None)
     points, declared, counts = d._now.triangulation.refined(quality)
     return points, segments_of(declared), float(counts.angle), int(counts.unrefined)
 
@@ -54,16 +55,16 @@ def simplify(
     ConstrainedDelaunay. The first of coincident points counts; a value that is NaN does not. ValueError: Crossing, also if more than
     `most` points must stay."""
     library, found = _library.library(), _library.Thinned()
-    if not 0 <= error < np.inf:
+    if not 0 <= real(error) < np.inf:
         raise ValueError("error must be finite and not negative")
-    if most is not None and most < 0:
+    if most is not None and whole(most) < 0:
         raise ValueError("most must be a number of points")
     places = checked_points(points)
     heights = checked_heights(values, len(places))
     declared = declare(checked_segments([] if segments is None else segments), False, 0)
     thinning = _library.Thinning(
         places.ctypes.data, heights.ctypes.data, len(places), declared.ctypes.data, len(declared), error,
-        _ANY if most is None else min(int(most), _ANY), None, None
+        _ANY if most is None else min(whole(most), _ANY), None, None
     )
     try:
         status = library.dt_arrays_thin(byref(thinning), byref(found))

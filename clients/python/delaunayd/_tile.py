@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _library
 from ._library import byref, check
+from ._values import first_bad
 
 if TYPE_CHECKING:
     from ._types import Floats, NDArray
@@ -46,11 +47,10 @@ def _ids(ids: Any, n: int) -> NDArray[Any]:
 
 def _check_points(points: Floats, status: int, otherwise: str) -> None:
     if status == _library.RANGE:
-        size = np.abs(points)
-        bad = ~((size == 0) | ((size >= 2.0**-142) & (size <= 2.0**201))).all(axis=1)
-        if not bad.any():
+        row = first_bad(points)
+        if row < 0:
             raise ValueError(otherwise)
-        check(status, "point %d is %s" % (bad.argmax(), points[bad.argmax()]))
+        check(status, "point %d is %s" % (row, points[row]))
     check(status, "%d points" % len(points))
 
 

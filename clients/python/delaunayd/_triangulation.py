@@ -12,6 +12,7 @@ import numpy as np
 from . import _library
 from ._declared import crossing
 from ._library import COINCIDENT, CROSSES, EDGES, HULL, NOEDGE, NOPOINT, byref, check
+from ._values import first_bad, whole
 
 if TYPE_CHECKING:
     from ._types import Floats, Ints, NDArray, Numbers
@@ -30,15 +31,14 @@ def workers_of(workers: Optional[int]) -> int:
     """As for cKDTree, -1 is as many as there are processors; so is None."""
     if workers is None or workers == -1:
         return processors()
-    if workers < 1:
+    if whole(workers) < 1:
         raise ValueError("workers must be at least 1, or -1 for all processors")
-    return int(workers)
+    return whole(workers)
 
 
 def _first_bad(points: Floats) -> str:
-    size = np.abs(points)
-    bad = ~((size == 0) | ((size >= 2.0**-142) & (size <= 2.0**201))).all(axis=1)
-    return "points[%d] is %s" % (bad.argmax(), points[bad.argmax()]) if bad.any() else "%d points" % len(points)
+    row = first_bad(points)
+    return "points[%d] is %s" % (row, points[row]) if row >= 0 else "%d points" % len(points)
 
 
 def _check_declared(status: int, points: Floats, wrong: Any) -> None:

@@ -19,6 +19,7 @@ Word = Union[str, int, float]
 Inside = Union[None, bool, int]
 _T = TypeVar("_T")
 
+LEAST, MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates other than 0
 _EXACT = 2**53  # whole numbers up to this one are doubles
 
 
@@ -117,7 +118,7 @@ def little(numbers: array[Any]) -> array[Any]:
     return numbers
 
 
-def _plain(values: Any) -> Any:
+def plain(values: Any) -> Any:
     """An array of NumPy."""
     if isinstance(values, numpy.ma.MaskedArray) and numpy.ma.is_masked(values):  # type: ignore[no-untyped-call]
         raise ValueError("an array with masked values: fill it, or leave them out")
@@ -126,7 +127,7 @@ def _plain(values: Any) -> Any:
 
 def doubles(values: Any, dtype: str = "f8") -> Any:
     """Numbers as a contiguous array of NumPy of doubles, in the order of bytes of `dtype`: the same memory if it is one. O(n)."""
-    found: Any = _plain(values)
+    found: Any = plain(values)
     if found.dtype.kind == "O":
         return numpy.array([real(value) for value in found.ravel()], dtype).reshape(found.shape)
     if found.dtype.kind not in "fiu":
@@ -180,7 +181,7 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
 def id_pairs(ends: Any) -> Tuple[memoryview, int]:
     """Pairs of ids as little-endian words, and their number."""
     if numpy is not None:
-        a = _rows(ends, _plain(ends))
+        a = _rows(ends, plain(ends))
         if a.ndim != 2 or a.shape[1] != 2 or (a.size > 0 and a.dtype.kind not in "iu"):
             raise ValueError("ends must have the shape (n, 2) and be ids")
         if a.size > 0 and not (a.min() >= 0 and a.max() < 2**32):
@@ -219,11 +220,18 @@ def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview
     return _bytes(flat), n
 
 
+def first_bad(points: Any) -> int:
+    """The first row of an array of points that has a coordinate which no set takes; -1: there is none."""
+    size = numpy.abs(points)
+    bad = ~((size == 0) | ((size >= LEAST) & (size <= MOST))).all(axis=1)
+    return int(bad.argmax()) if bad.any() else -1
+
+
 def check_rows(data: memoryview, width: int) -> None:
     """Raises ValueError where the server would refuse a number of rows x, y, value ...: for requests that change something before."""
     for i, v in enumerate(numbers_of(data)):
         row, column = divmod(i, width)
-        if column < 2 and not (v == 0 or 2.0**-142 <= abs(v) <= 2.0**201):
+        if column < 2 and not (v == 0 or LEAST <= abs(v) <= MOST):
             raise ValueError("points[%d]: a coordinate is 0 or has a magnitude from 2^-142 to 2^201, not %r" % (row, v))
         if abs(v) == float("inf"):
             raise ValueError("a value of points[%d] is infinite" % row)

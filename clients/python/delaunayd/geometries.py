@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
+from ._values import doubles
+
 if TYPE_CHECKING:
     from ._types import Floats, NDArray
 
@@ -170,7 +172,7 @@ def _parts_of_geojson(geometry: Any, feature: int, where: str) -> Iterator[_Part
 
 
 def _part(kind: int, feature: int, name: str, coords: Any) -> _Part:
-    found = np.asarray(coords, dtype=np.float64)
+    found: Floats = doubles(coords)
     if found.size == 0:
         found = found.reshape(0, 2)
     if found.ndim != 2 or found.shape[1] not in (2, 3):

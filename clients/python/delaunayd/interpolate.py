@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 
 from ._library import LAPLACE, LINEAR, NATURAL, SMOOTH
-from ._values import doubles, real
+from ._values import doubles, real, truth
 from .spatial import Delaunay
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class _Scale:
     def __init__(self, points: Any, rescale: bool):
         self.points = points
         self.offset: Any = None
-        if rescale:
+        if truth("rescale", rescale):
             flat = doubles(points)
             self.offset = flat.mean(axis=0)
             self.width = np.ptp(flat, axis=0)

@@ -29,7 +29,7 @@ from . import _declared, _near, _planes, _refined
 from ._declared import Crossing, checked_points
 from ._refined import simplify
 from ._triangulation import TOLERANCE, Triangulation, split as split_crossing
-from ._values import doubles
+from ._values import doubles, real, truth
 
 if TYPE_CHECKING:
     from ._constraints import Regions
@@ -112,7 +112,7 @@ class Delaunay:
             raise NotImplementedError("QJ would move coincident points apart; delaunayd lists them in `coplanar`")
 
     def _begin(self, points: Floats, incremental: bool, workers: Optional[int]) -> None:
-        self._incremental = incremental
+        self._incremental = truth("incremental", incremental)
         self._workers = workers
         self._adding = threading.Lock()
         self._now = _Moment(points, workers)
@@ -288,7 +288,7 @@ class Delaunay:
         `tol`: a place outside the hull that is at most tol times the width and height of all points, added, away from an edge
         of the hull belongs to the triangle there, because places on an edge can rarely be expressed in doubles; 100 times the
         machine epsilon if it is None. 0: none does. `bruteforce` has no effect."""
-        return self._now.triangulation.locate(_places(xi), TOLERANCE if tol is None else tol, self._workers)
+        return self._now.triangulation.locate(_places(xi), TOLERANCE if tol is None else real(tol), self._workers)
 
     # ---- the nearest points ----
 
@@ -356,7 +356,7 @@ class ConstrainedDelaunay(Delaunay):
         self.least_angle: Optional[float] = None
         self.unrefined: Optional[int] = None
         self._shared, self.ids = None, None
-        self._begin(self._split(checked) if split else checked, False, workers)
+        self._begin(self._split(checked) if truth("split", split) else checked, False, workers)
 
     def _split(self, points: Floats) -> Floats:
         found = split_crossing(points, self.z, _declared.declare(self.segments, self.border, self.number))

@@ -14,7 +14,7 @@ try:
     import numpy as np
 
     from delaunayd.interpolate import LinearNDInterpolator
-    from delaunayd.spatial import ConstrainedDelaunay, Delaunay, simplify
+    from delaunayd.spatial import ConstrainedDelaunay, Delaunay, simplify, triangulate_polygon
 except ImportError:
     np = None
 
@@ -124,6 +124,26 @@ class Arrays(unittest.TestCase):
                     take(bad)
         with self.assertRaises(TypeError):
             Delaunay(points + 1j)
+
+    def test_arguments_of_classes_in_process(self):
+        points = np.array(SQUARE, dtype="f8")
+        d, c = Delaunay(points), ConstrainedDelaunay(points, [(0, 1), (1, 2), (2, 3), (3, 0)], True)
+        takers = (
+            lambda v: Delaunay(points, workers=v), lambda v: Delaunay(points, incremental=v), lambda v: d.query([(0, 0)], v), lambda v: d.query_ball_point([(0, 0)], v),
+            lambda v: d.find_simplex([(0, 0)], tol=v), lambda v: ConstrainedDelaunay(points, [(0, 1)], v), lambda v: ConstrainedDelaunay(points, [(0, 1)], split=v),
+            lambda v: ConstrainedDelaunay(points, [(0, 1)], number=v), lambda v: c.refine(v), lambda v: c.refine(limit=v), lambda v: c.refine(keep=v),
+            lambda v: simplify(points, points[:, 0], v), lambda v: simplify(points, points[:, 0], most=v), lambda v: LinearNDInterpolator(d, points[:, 0], max_edge=v),
+            lambda v: LinearNDInterpolator(points, points[:, 0], rescale=v),
+            lambda v: triangulate_polygon({"type": "Polygon", "coordinates": [[(0, 0), (v, 0), (0, v)]]}),
+        )
+        for k, take in enumerate(takers):
+            for value in ("3", "no", "", b"1", {}, 2j):
+                with self.subTest(taker=k, value=value), self.assertRaises((TypeError, ValueError)):
+                    take(value)
+        self.assertEqual(len(ConstrainedDelaunay(points, [], border=[], number=[]).simplices), 4)
+        for take in takers[:1] + takers[9:10] + takers[12:13]:
+            with self.assertRaises(ValueError):
+                take(1.5)
 
 
 if __name__ == "__main__":

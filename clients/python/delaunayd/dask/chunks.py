@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple, cast
 
 import numpy as np
 
+from .._values import MOST, first_bad
+
 if TYPE_CHECKING:
     from .._types import Floats, Numbers
 
 ROWS = 1 << 21  # rows of a chunk, where the input does not have chunks of its own
-
-LEAST, MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates other than 0
 
 
 class Chunk(NamedTuple):
@@ -37,10 +37,8 @@ class Chunk(NamedTuple):
         return xy, np.asarray(rows[:, 2:], dtype=np.float64)
 
     def _check(self, xy: Floats) -> None:
-        size = np.abs(xy)
-        good = ((size >= LEAST) & (size <= MOST)) | (size == 0)
-        if not good.all():
-            row = int((~good.all(axis=1)).argmax())
+        row = first_bad(xy)
+        if row >= 0:
             raise ValueError(
                 "%s, row %d: %r, %r is not a point: magnitudes other than 0 are at least 2^-142 and at most 2^201"
                 % (self.name, self.first_row + row, float(xy[row, 0]), float(xy[row, 1]))

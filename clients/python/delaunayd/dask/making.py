@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, List, Optional
 
 import numpy as np
 
+from .._values import whole
 from . import limits, reading
 from .chunks import Chunk
 from .engine import Engine
@@ -49,7 +50,7 @@ def triangulate(
 
     ValueError names a row that is not a point; MemoryError and OSError say what does not suffice; TimeoutError: there were no workers;
     RuntimeError: workers died again and again."""
-    if tile < 1:
+    if whole(tile) < 1:
         raise ValueError("a tile must have at least 1 point")
     engine = Engine(client, progress, timeout)
     folder = new_folder(spill)

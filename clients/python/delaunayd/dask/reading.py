@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple, Opti
 
 import numpy as np
 
+from .._values import doubles, plain
 from . import chunks, laser, spill
 from .chunks import Chunk
 from .engine import Engine
@@ -39,7 +40,7 @@ def chunks_of(points: Any, values: Optional[Any], engine: Engine, folder: str) -
         return _of_files([os.fspath(path) for path in points], values, engine, folder)
     if dask.is_dask_collection(points):
         return _of_collection(points, values, engine, folder)
-    return _of_array(np.asarray(points), values, folder)
+    return _of_array(plain(points), values, folder)
 
 
 # ---- arrays ----
@@ -60,7 +61,7 @@ def _of_array(rows: Any, values: Optional[Any], folder: str) -> Input:
 
 def _table(rows: Any, z: Any) -> Floats:
     """The coordinates in rows with values behind them, contiguous."""
-    table: Floats = np.ascontiguousarray(np.column_stack([rows[:, :2], z]), dtype=np.float64)
+    table: Floats = np.column_stack([doubles(rows[:, :2]), doubles(z)])
     return table
 
 
@@ -78,11 +79,11 @@ def _third(width: int) -> Tuple[str, ...]:
 def _columns(values: Any) -> Tuple[Any, Tuple[str, ...]]:
     """Values as an array of shape (n, fields), and the names of the fields."""
     if isinstance(values, Mapping):
-        columns = [np.asarray(column, dtype=np.float64) for column in values.values()]
+        columns = [doubles(column) for column in values.values()]
         if len(columns) == 0 or any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
             raise ValueError("values of fields must have the same shape (n,)")
         return np.column_stack(columns), tuple(map(str, values))
-    z: Floats = np.asarray(values, dtype=np.float64)
+    z: Floats = doubles(values)
     if z.ndim not in (1, 2):
         raise ValueError("values must have the shape (n,) or (n, fields), not %s" % (z.shape,))
     z = z[:, None] if z.ndim == 1 else z
@@ -139,7 +140,7 @@ def _blocks(points: Any, values: Any) -> Tuple[List[Any], Tuple[str, ...]]:
 
 def write_block(folder: str, number: int, block: Any, column: Any) -> int:
     """Writes a block, with its columns of values if they are apart; returns the number of rows."""
-    rows: Floats = np.asarray(block, dtype=np.float64)
+    rows: Floats = doubles(block)
     spill.write_array(spill.path_of(folder, "block", number), rows if column is None else _table(rows, column))
     return len(rows)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 import numpy as np
 
 from .._triangulation import Triangulation
+from .._values import doubles
 from . import contours, nearest, rasters, spill, surfaces
 from .band import points_type, xy_of
 from .chunks import npy_header
@@ -68,7 +69,7 @@ class Tin:
         """The corners of the triangle that contains each place of shape (k, 2), as a row of `triangles` has them: shape (k, 3); rows of
         places outside have the greatest number of the type, 2^32 - 1 or 2^64 - 1. Exact. On an edge or a point it is the first of the
         triangles that meet there."""
-        wanted = np.ascontiguousarray(places, dtype=np.float64)
+        wanted = doubles(places)
         if wanted.ndim != 2 or wanted.shape[1] != 2:
             raise ValueError("places must have the shape (k, 2), not %s" % (wanted.shape,))
         self._needs_points()
