@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
+#include "clients/cli/request.h"
 #include "clients/reading/plan_make.h"
 #include "proto/number.h"
 

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/message.h"
+#include "clients/cli/request.h"
 #include "clients/cli/subcommand.h"
 #include "clients/reading/word_list.h"
 #include "proto/number.h"

@@ -2,11 +2,13 @@
 #include "clients/cli/output.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/message.h"
 #include "clients/cli/part_file.h"
+#include "clients/cli/request.h"
 
 int output_fault(const char *about, const char *what)
 {
@@ -17,6 +19,12 @@ int output_fault(const char *about, const char *what)
 int output_failed(const char *path)
 {
     return output_fault(path, strerror(errno));
+}
+
+bool output_is_plain(void)
+{
+    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
+    return !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
 }
 
 bool output_is_standard(const char *path)

@@ -10,6 +10,9 @@
 int output_fault(const char *about, const char *what);
 int output_failed(const char *path);
 
+/* Whether the standard output takes no colours: it is not a terminal, or NO_COLOR is set. */
+bool output_is_plain(void);
+
 /* Whether the path is "-", the standard output; and whether it may be written: with `force` always, else if no other
  * program's file is there, which is said. Returns the exit status. */
 bool output_is_standard(const char *path);

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
+#include "clients/cli/request.h"
 #include "clients/files/progress.h"
 #include "clients/meshes/faces.h"
 #include "clients/points/clean_paths.h"
@@ -34,7 +34,7 @@ static enum delaunay_result ask(struct sending *s, const char *command, const ch
 {
     char line[200];
     snprintf(line, sizeof line, "%s %.100s%s", command, s->set, rest);
-    return delaunay_request(s->c, line, command_show_comment, NULL);
+    return delaunay_request(s->c, line, request_show_comment, NULL);
 }
 
 static bool is_refused_with(const struct sending *s, enum delaunay_result r, const char *code)
@@ -99,7 +99,7 @@ static enum delaunay_result send_file(struct sending *s)
     enum delaunay_result result = send_request(s, names, &bar);
     progress_end(&bar);
     if (result == DELAUNAY_OK)
-        result = delaunay_receive(s->c, command_show_comment, NULL);
+        result = delaunay_receive(s->c, request_show_comment, NULL);
     if (result == DELAUNAY_REFUSED)
         snprintf(s->refusal, sizeof s->refusal, "%s", delaunay_status(s->c)->text);
     if (result != DELAUNAY_OK)
@@ -189,7 +189,7 @@ static enum delaunay_result receive_declared(struct sending *s, size_t n)
 {
     enum delaunay_result result = DELAUNAY_OK;
     for (size_t i = 0; i < n; i++) {
-        enum delaunay_result r = delaunay_receive(s->c, command_show_comment, NULL);
+        enum delaunay_result r = delaunay_receive(s->c, request_show_comment, NULL);
         if (r != DELAUNAY_OK && r != DELAUNAY_REFUSED)
             return r;
         if (r == DELAUNAY_REFUSED && result == DELAUNAY_OK)
@@ -370,7 +370,7 @@ static bool undo(struct sending *s)
         for (size_t i = 0; i < IDS_IN_A_LINE && id < end; i++)
             n += (size_t)snprintf(line + n, sizeof line - n, " %ju", (uintmax_t)id++);
         snprintf(line + n, sizeof line - n, " CASCADE");
-        if (delaunay_request(s->c, line, command_show_comment, NULL) != DELAUNAY_OK)
+        if (delaunay_request(s->c, line, request_show_comment, NULL) != DELAUNAY_OK)
             return false;
     }
     return true;
@@ -425,7 +425,7 @@ static int send_lines(struct sending *s)
         r = ask(s, "PERSIST", "");
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
-    int status = s->refusal[0] != '\0' ? fail(s, r) : command_outcome(s->c, r);
+    int status = s->refusal[0] != '\0' ? fail(s, r) : request_outcome(s->c, r);
     if (r == DELAUNAY_REFUSED && (s->sent || s->is_new) && !undo(s))
         message_print("the points could not be taken back: %s", delaunay_status(s->c)->text);
     return status;
@@ -436,7 +436,7 @@ int sending_send(struct file_options *r, struct delaunay_client *c, const char *
 {
     struct sending s = {.r = r, .c = c, .set = set, .status = status};
     status[0] = '\0';
-    int result = r->file.paths.n > 0 ? send_lines(&s) : command_outcome(c, send_file(&s));
+    int result = r->file.paths.n > 0 ? send_lines(&s) : request_outcome(c, send_file(&s));
     free(s.segment);
     return result;
 }

@@ -2,8 +2,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/shapes_file.h"
 #include "clients/pictures/surface_picture.h"
 #include "clients/surfaces/rings.h"
@@ -35,7 +35,7 @@ static bool take_row(void *ctx, const struct delaunay_part *part)
 {
     struct work *w = ctx;
     if (part->kind == DELAUNAY_PART_COMMENT)
-        return command_show_comment(NULL, part);
+        return request_show_comment(NULL, part);
     if (part->kind == DELAUNAY_PART_OK)
         take_radius(w, part);
     return part->kind != DELAUNAY_PART_ROW ||
@@ -125,7 +125,7 @@ int command_alpha(struct delaunay_client *c, int argc, char **argv)
 {
     struct work w = {.file = {.shapes = {.kind = SHAPE_RING}}};
     if (!options_name_file(argc, argv))
-        return command_any(c, argc, argv);
+        return request_send_words(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;

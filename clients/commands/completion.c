@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "clients/cli/request.h"
 #include "clients/cli/subcommand.h"
 #include "clients/meshes/line_formats.h"
 #include "clients/reading/program.h"

@@ -2,8 +2,8 @@
  * between levels as polygons or a filled picture. */
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/shapes_file.h"
 #include "clients/lib/words.h"
 #include "clients/pictures/legend.h"
@@ -191,7 +191,7 @@ int command_contour(struct delaunay_client *c, int argc, char **argv)
 {
     struct work w = {.file = {.shapes = {.kind = SHAPE_CONTOUR}}};
     if (!options_name_file(argc, argv))
-        return command_any(c, argc, argv);
+        return request_send_words(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;

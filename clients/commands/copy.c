@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 #include "clients/lib/url.h"
 #include "clients/meshes/model.h"
 #include "proto/buf.h"
@@ -104,7 +104,7 @@ static enum delaunay_result send_rows(struct copy *y, size_t first, size_t n)
     free(xy);
     free(value);
     free(row);
-    return r == DELAUNAY_OK ? delaunay_receive(y->c[1], command_show_comment, NULL) : r;
+    return r == DELAUNAY_OK ? delaunay_receive(y->c[1], request_show_comment, NULL) : r;
 }
 
 static enum delaunay_result send_line(struct copy *y, struct buf *line)
@@ -204,7 +204,7 @@ static int fetch(struct copy *y)
     if (r == DELAUNAY_OK)
         r = model_fetch(y->c[0], y->from, MODEL_FIELDS | MODEL_CONSTRAINTS, &y->m);
     if (r != DELAUNAY_STOPPED)
-        return command_outcome(y->c[0], r);
+        return request_outcome(y->c[0], r);
     message_print("%s", y->m.fault);
     return EXIT_REFUSED;
 }
@@ -229,7 +229,7 @@ static enum delaunay_result finish(struct copy *y, bool *equal)
     enum delaunay_result r = DELAUNAY_OK;
     snprintf(line, sizeof line, "TRIANGULATE %s", y->to);
     if (y->triangulated)
-        r = delaunay_request(y->c[1], line, command_show_comment, NULL);
+        r = delaunay_request(y->c[1], line, request_show_comment, NULL);
     if (r == DELAUNAY_OK)
         r = compare_aliases(y, equal);
     bool expires = y->ttl[0] != '\0';
@@ -257,7 +257,7 @@ static int store(struct copy *y)
         snprintf(line + n, sizeof line - (size_t)n, " TOL %s", y->tol);
     enum delaunay_result r = delaunay_request(y->c[1], line, NULL, NULL);
     if (r != DELAUNAY_OK)
-        return command_outcome(y->c[1], r);
+        return request_outcome(y->c[1], r);
     snprintf(line, sizeof line, "EXPIRE %s %d", y->to, EXPIRY_S);
     r = delaunay_request(y->c[1], line, NULL, NULL);
     if (r == DELAUNAY_OK)
@@ -269,7 +269,7 @@ static int store(struct copy *y)
     else if (r == DELAUNAY_OK)
         message_print("%s: which points coincide depends on deleted points; nothing was copied",
                       y->from);
-    int status = equal ? command_outcome(y->c[1], r) : EXIT_REFUSED;
+    int status = equal ? request_outcome(y->c[1], r) : EXIT_REFUSED;
     if (status != EXIT_DONE)
         abandon(y);
     return status;
@@ -279,7 +279,7 @@ static int connect_both(struct copy *y)
 {
     char why[256];
     for (int i = 0; i < 2; i++) {
-        y->c[i] = command_connect(&y->url[i], why, sizeof why);
+        y->c[i] = request_connect(&y->url[i], why, sizeof why);
         if (y->c[i] == NULL) {
             message_print("%s", why);
             return EXIT_NO_CONNECTION;

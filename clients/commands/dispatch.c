@@ -43,7 +43,8 @@ static int run_connected(struct delaunay_client *c, const struct subcommand *s, 
 {
     if (words == 0)
         return command_prompt(c);
-    return s != NULL && s->run != NULL ? s->run(c, words, word) : command_any(c, words, word);
+    return s != NULL && s->run != NULL ? s->run(c, words, word)
+                                       : request_send_words(c, words, word);
 }
 
 /* With a private server, which ends with this process. */
@@ -77,7 +78,7 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
     char why[256];
     if (url_is_private(where))
         return run_alone(s, words, word);
-    struct delaunay_client *c = command_connect(where, why, sizeof why);
+    struct delaunay_client *c = request_connect(where, why, sizeof why);
     if (c == NULL && is_default(where) && needs_no_sets(words, word)) {
         if (words == 0)
             fprintf(stderr, "%s. This is a private server; its sets end with this prompt.\n", why);

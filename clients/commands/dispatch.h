@@ -1,7 +1,7 @@
 /* dispatch.h - carries out the words of a command: a subcommand, or a request of the protocol. */
 #pragma once
 
-#include "clients/cli/command.h"
+#include "clients/cli/request.h"
 #include "clients/lib/url.h"
 
 /* With c NULL it connects to *where, which a set's URL among the words changes. With c, from the prompt, where is

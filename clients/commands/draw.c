@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/sending.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/export.h"
 #include "clients/lib/words.h"
 #include "proto/number.h"
@@ -82,9 +82,9 @@ static int refining_refine(struct delaunay_client *c, const char *set, const str
         n = words_put(line, n, sizeof line, "INSIDE", inside);
     if (n >= sizeof line)
         return options_wrong("", "a limit has too many digits");
-    enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);
+    enum delaunay_result result = delaunay_request(c, line, request_show_comment, NULL);
     if (result != DELAUNAY_OK)
-        return command_outcome(c, result);
+        return request_outcome(c, result);
     report_refining(delaunay_status(c));
     return EXIT_DONE;
 }
@@ -149,9 +149,9 @@ static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s
     n = words_put(line, n, sizeof line, "INTO", few_points);
     if (n >= sizeof line)
         return options_wrong("", "a limit has too many digits");
-    enum delaunay_result result = delaunay_request(c, line, command_show_comment, NULL);
+    enum delaunay_result result = delaunay_request(c, line, request_show_comment, NULL);
     if (result != DELAUNAY_OK)
-        return command_outcome(c, result);
+        return request_outcome(c, result);
     delaunay_key_number(delaunay_status(c), "points", &kept);
     if (delaunay_key(delaunay_status(c), "error", &text, &len))
         proto_read_double(text, len, &s->reached);
@@ -242,8 +242,8 @@ static int triangulate(struct delaunay_client *c, const struct drawing *d, const
     if (d->input.file.paths.n > 0 && set == all_points)
         return EXIT_DONE;
     snprintf(line, sizeof line, "TRIANGULATE %s", set);
-    enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
-    return r == DELAUNAY_OK ? EXIT_DONE : command_outcome(c, r);
+    enum delaunay_result r = delaunay_request(c, line, request_show_comment, NULL);
+    return r == DELAUNAY_OK ? EXIT_DONE : request_outcome(c, r);
 }
 
 /* In the terminal. */

@@ -6,10 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/output.h"
+#include "clients/cli/subcommand.h"
 #include "clients/meshes/line_formats.h"
 #include "clients/reading/program.h"
 #include "clients/surfaces/grid_file.h"
@@ -166,7 +166,7 @@ static int choose_heights(struct export_work *w)
 /* After a refusal. A set of lines without borders has no inside. */
 static int no_mesh(struct delaunay_client *c, enum delaunay_result r, const struct export *e)
 {
-    int status = command_outcome(c, r);
+    int status = request_outcome(c, r);
     if (r == DELAUNAY_REFUSED && e->inside != NULL && !json_chosen() &&
         strstr(delaunay_status(c)->text, "NOREGION the set has no borders") != NULL)
         message_print("--inside needs borders: load lines with --border, or leave --inside out");

@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/sending.h"
+#include "clients/cli/subcommand.h"
 
 static int read_option(void *ctx, const char *option, char **argv)
 {

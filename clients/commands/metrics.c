@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 #include "proto/number.h"
 
 /* LEFT_OUT: text that changes all the time; as a label each value of it would be a time series of its own. */
@@ -318,5 +318,5 @@ int command_metrics(struct delaunay_client *c, int argc, char **argv)
         if (!m.sample[i].printed)
             print_from(&m, i);
     free(m.sample);
-    return command_outcome(c, r);
+    return request_outcome(c, r);
 }

@@ -74,7 +74,7 @@ static int carry_out(struct delaunay_client *c, char *line)
         return EXIT_USAGE;
     }
     if (!is_ours(line))
-        return command_any(c, 1, &line);
+        return request_send_words(c, 1, &line);
     int words = split(line, word);
     if (words < 0) {
         message_print("a quote is open, or too many words");

@@ -5,11 +5,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
 #include "clients/cli/part_file.h"
+#include "clients/cli/subcommand.h"
 #include "clients/pictures/png_file.h"
 #include "clients/pictures/relief.h"
 #include "clients/reading/program.h"
@@ -275,14 +275,14 @@ int command_raster(struct delaunay_client *c, int argc, char **argv)
 {
     struct work w = {.form = RASTER_ASC};
     if (!options_name_file(argc, argv))
-        return command_any(c, argc, argv);
+        return request_send_words(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
     const char *fault = NULL;
     enum delaunay_result r = raster_fetch(c, w.set, w.field, &w.request, &w.grid, &fault);
     if (r != DELAUNAY_OK)
-        return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
+        return r == DELAUNAY_STOPPED ? output_fault("", fault) : request_outcome(c, r);
     if ((w.form == RASTER_BIL || w.form == RASTER_TIFF) && !fits_floats(&w.grid))
         status =
             output_fault(w.path, "there are values beyond those of 32-bit floats; asc has all");

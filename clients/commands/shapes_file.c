@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
+#include "clients/cli/request.h"
 #include "clients/meshes/map_projection.h"
 #include "clients/reading/word_list.h"
 
@@ -66,7 +66,7 @@ bool shapes_file_is_picture(const struct shapes_file *f)
 static bool take_row(void *ctx, const struct delaunay_part *part)
 {
     if (part->kind == DELAUNAY_PART_COMMENT)
-        return command_show_comment(NULL, part);
+        return request_show_comment(NULL, part);
     return part->kind != DELAUNAY_PART_ROW || shapes_take(ctx, part->text, part->len);
 }
 
@@ -127,7 +127,7 @@ int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum de
     if (r == DELAUNAY_STOPPED)
         status = output_fault("", f->shapes.fault != NULL ? f->shapes.fault : f->model.fault);
     else if (r != DELAUNAY_OK)
-        status = command_outcome(c, r);
+        status = request_outcome(c, r);
     else if (shapes_file_is_picture(f))
         status = output_write(f->path, draw, ctx, NULL);
     else

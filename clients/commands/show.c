@@ -7,11 +7,11 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/show_relief.h"
 #include "clients/meshes/bounds.h"
 #include "clients/meshes/map_projection.h"
@@ -205,7 +205,7 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
         v->columns = size.ws_col;
         v->lines = size.ws_row - 1u;
     }
-    v->plain = command_is_plain();
+    v->plain = output_is_plain();
     return options_read(argc, argv, read_option, v, 1, "a set");
 }
 
@@ -251,7 +251,7 @@ static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *
         if (r == DELAUNAY_STOPPED)
             message_print("%s", m.fault);
         else
-            status = command_outcome(c, r);
+            status = request_outcome(c, r);
     }
     model_free(&m);
     return status;

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/output.h"
+#include "clients/cli/request.h"
 #include "clients/meshes/map_projection.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/raster_fetch.h"
@@ -175,7 +175,7 @@ int show_relief(struct delaunay_client *c, const char *set, const char *field, u
     if (r == DELAUNAY_OK)
         r = raster_fetch(c, set, field, &request, &g, &fault);
     if (r != DELAUNAY_OK)
-        return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
+        return r == DELAUNAY_STOPPED ? output_fault("", fault) : request_outcome(c, r);
     struct screen s = {.g = &g};
     struct grid inside = {0};
     s.relief.style = RELIEF_BOTH;

@@ -10,9 +10,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
+#include "clients/cli/output.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/top_screen.h"
 
 static bool take_fact(void *ctx, const struct delaunay_part *part)
@@ -48,7 +49,7 @@ static int print_lines(struct delaunay_client *c, bool once)
     for (;; sleep(1)) {
         enum delaunay_result r = ask(c, &now);
         if (r != DELAUNAY_OK)
-            return command_outcome(c, r);
+            return request_outcome(c, r);
         for (size_t i = 0; i < now.n; i++)
             print_fact(&now, &before, i);
         if (fflush(stdout) != 0 || once)
@@ -61,7 +62,7 @@ static int print_json(struct delaunay_client *c, bool once)
 {
     char info[] = "INFO", *words[] = {info};
     for (;; sleep(1)) {
-        int status = command_any(c, 1, words);
+        int status = request_send_words(c, 1, words);
         if (status != EXIT_DONE || fflush(stdout) != 0 || once)
             return status;
     }
@@ -131,7 +132,7 @@ static enum delaunay_result watch(struct delaunay_client *c, struct top_view *v)
 static int show_screen(struct delaunay_client *c)
 {
     struct termios before, keys;
-    struct top_view v = {.plain = command_is_plain()};
+    struct top_view v = {.plain = output_is_plain()};
     struct sigaction action = {.sa_handler = end}; /* without SA_RESTART: poll returns */
     tcgetattr(STDIN_FILENO, &before);
     keys = before;
@@ -144,7 +145,7 @@ static int show_screen(struct delaunay_client *c)
     fputs("\033[?25h\033[?1049l", stdout);
     fflush(stdout);
     tcsetattr(STDIN_FILENO, TCSANOW, &before);
-    return command_outcome(c, r);
+    return request_outcome(c, r);
 }
 
 int command_top(struct delaunay_client *c, int argc, char **argv)

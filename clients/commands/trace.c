@@ -2,10 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/output.h"
+#include "clients/cli/subcommand.h"
 #include "clients/pictures/animation.h"
 #include "proto/number.h"
 
@@ -44,7 +44,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
 static bool take_row(void *ctx, const struct delaunay_part *part)
 {
     if (part->kind == DELAUNAY_PART_COMMENT)
-        return command_show_comment(NULL, part);
+        return request_show_comment(NULL, part);
     return part->kind != DELAUNAY_PART_ROW || steps_take(ctx, part->text, part->len);
 }
 
@@ -90,7 +90,7 @@ int command_trace(struct delaunay_client *c, int argc, char **argv)
 {
     struct work w = {.steps = {.m = &w.model}};
     if (argc == 2 && argv[1][0] != '-')
-        return command_any(c, argc, argv);
+        return request_send_words(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
@@ -99,7 +99,7 @@ int command_trace(struct delaunay_client *c, int argc, char **argv)
         status = output_fault("", w.steps.fault);
     else
         status = r == DELAUNAY_OK ? output_write(w.path, write_animation, &w, NULL)
-                                  : command_outcome(c, r);
+                                  : request_outcome(c, r);
     if (status == EXIT_DONE && !output_is_standard(w.path))
         report(&w);
     steps_free(&w.steps);

@@ -1,8 +1,8 @@
 /* voronoi.c - `delaunay voronoi SET FILE`: Voronoi cells as GeoJSON, WKT or a picture. */
 #include <math.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 #include "clients/commands/shapes_file.h"
 #include "clients/pictures/surface_picture.h"
 #include "clients/surfaces/raster_fetch.h"
@@ -82,7 +82,7 @@ int command_voronoi(struct delaunay_client *c, int argc, char **argv)
 {
     struct work w = {.file = {.shapes = {.kind = SHAPE_CELL}}};
     if (!options_name_file(argc, argv))
-        return command_any(c, argc, argv);
+        return request_send_words(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;

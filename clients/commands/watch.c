@@ -2,9 +2,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
 
 struct printer {
     struct json_reply json;
@@ -42,9 +42,9 @@ int command_watch(struct delaunay_client *c, int argc, char **argv)
     if (argc < 2)
         return options_wrong(argv[0], "watch needs a set");
     delaunay_expect_events(c);
-    int status = command_any(c, argc, argv);
+    int status = request_send_words(c, argc, argv);
     enum delaunay_result r = fflush(stdout) == 0 ? DELAUNAY_OK : DELAUNAY_STOPPED;
     while (status == EXIT_DONE && r == DELAUNAY_OK && !(p.dropped && last))
         r = delaunay_receive_part(c, -1, print_part, &p, &last);
-    return status != EXIT_DONE ? status : command_outcome(c, r);
+    return status != EXIT_DONE ? status : request_outcome(c, r);
 }

@@ -1,8 +1,7 @@
-/* command.c - sends any command of the protocol unchanged. */
-#include "clients/cli/command.h"
+/* request.c - see request.h. */
+#include "clients/cli/request.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
@@ -11,13 +10,7 @@
 #include "clients/cli/message.h"
 #include "proto/buf.h"
 
-bool command_is_plain(void)
-{
-    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
-    return !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
-}
-
-bool command_show_comment(void *ctx, const struct delaunay_part *part)
+bool request_show_comment(void *ctx, const struct delaunay_part *part)
 {
     (void)ctx;
     if (part->kind == DELAUNAY_PART_COMMENT && isatty(STDERR_FILENO))
@@ -25,7 +18,7 @@ bool command_show_comment(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-struct delaunay_client *command_connect(const struct url *where, char *why, size_t room)
+struct delaunay_client *request_connect(const struct url *where, char *why, size_t room)
 {
     struct delaunay_client *c = delaunay_connect(where->host, where->port, why, room);
     if (c == NULL || where->token[0] == '\0')
@@ -42,7 +35,7 @@ struct delaunay_client *command_connect(const struct url *where, char *why, size
 static bool print_part(void *ctx, const struct delaunay_part *part)
 {
     if (part->kind == DELAUNAY_PART_COMMENT)
-        return command_show_comment(ctx, part);
+        return request_show_comment(ctx, part);
     if (json_chosen())
         return json_part(ctx, part);
     fwrite(part->text, 1, part->len, stdout);
@@ -51,7 +44,7 @@ static bool print_part(void *ctx, const struct delaunay_part *part)
     return !ferror(stdout);
 }
 
-int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
+int request_outcome(const struct delaunay_client *c, enum delaunay_result r)
 {
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
@@ -77,7 +70,7 @@ static bool asks_for_bytes(int words, char **word)
     return n >= 6 && strcasecmp(word[words - 1] + n - 6, "binary") == 0;
 }
 
-int command_any(struct delaunay_client *c, int words, char **word)
+int request_send_words(struct delaunay_client *c, int words, char **word)
 {
     struct buf line = {0};
     struct json_reply j = {.text = strncasecmp(word[0], "help", 4) == 0};
@@ -102,5 +95,5 @@ int command_any(struct delaunay_client *c, int words, char **word)
         json_end(&j);
     if (r == DELAUNAY_REFUSED) /* the ERR line is printed: it is the reply */
         return EXIT_REFUSED;
-    return command_outcome(c, r);
+    return request_outcome(c, r);
 }
