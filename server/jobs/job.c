@@ -368,29 +368,37 @@ static bool needs_world(const struct job *j, const struct dataset *set, enum job
            dt_view_blocks(set->current->dt, j->points);
 }
 
+/* Decides whether the job changes a copy, and whether a worker carries it out. False: the answer says why it cannot begin. */
+static bool prepare(struct server *s, struct answer *a, struct job *j, enum job_weight *weight)
+{
+    const struct dt_summary *sum = &j->set->current->sum;
+    if (a != NULL && needs_world(j, j->set, *weight) && !world_alone(a))
+        return false;
+    if (*weight == JOB_LIGHT && makes_grid(j, sum)) {
+        *weight = JOB_SHORT;
+        count_grid(s, j, j->set->current->dt);
+    }
+    if (!choose_copy(s, a, j, j->set))
+        return false;
+    if (j->fresh != NULL && *weight == JOB_LIGHT && !cost_at_once(COST_COPY, sum->points))
+        *weight = JOB_LONG;
+    return true;
+}
+
 void job_change(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 enum job_weight weight)
 {
-    const struct dt_summary *sum = &set->current->sum;
-    bool ready = a == NULL || !needs_world(j, set, weight) || world_alone(a);
     j->changes = true;
     j->set = set;
-    if (ready && weight == JOB_LIGHT && makes_grid(j, sum)) {
-        weight = JOB_SHORT;
-        count_grid(s, j, set->current->dt);
-    }
-    if (!ready || !choose_copy(s, a, j, set)) {
+    if (!prepare(s, a, j, &weight)) {
         take_back(s, j);
         return;
     }
-    bool in_place = j->fresh == NULL;
-    if (!in_place && weight == JOB_LIGHT && !cost_at_once(COST_COPY, sum->points))
-        weight = JOB_LONG;
     j->base = version_pin(set->current);
-    j->dt = in_place ? j->base->dt : NULL;
+    j->dt = j->fresh == NULL ? j->base->dt : NULL;
     j->log = j->change != NULL && set->born ? durable_log_of(s, set) : NULL;
     set->writer = j;
-    set->exclusive = in_place;
+    set->exclusive = j->fresh == NULL;
     start(s, a, j, weight);
 }
 
