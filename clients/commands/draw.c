@@ -1,6 +1,7 @@
 /* draw.c - `delaunay draw FILE OUT` and `delaunay run FILE OUT`: from a file of points to a picture or a mesh,
  * by a private daemon. */
 #include <ctype.h>
+#include <float.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,37 +17,57 @@
 
 static const char all_points[] = "points", few_points[] = "light";
 
-/* ---- the mesh may be refined before it is written ---- */
+/* ---- limits: points may be left out, and then the mesh may be refined ---- */
 
 /* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
-struct refining {
-    const char *angle, *area, *length, *limit;
+struct limits {
+    const char *error, *most;                  /* of simplifying */
+    const char *angle, *area, *length, *limit; /* of refining */
     bool keep;
+    double reached; /* by how much the worst point is off; after simplify */
 };
 
-/* Takes an option of refining. *known: it is one. */
-static int refining_option(struct refining *r, const char *option, char **argv, bool *known)
+/* Takes an option of limits. *known: it is one. */
+static int limits_option(struct limits *l, const char *option, char **argv, bool *known)
 {
-    const char **to = options_is(option, "angle")    ? &r->angle
-                      : options_is(option, "area")   ? &r->area
-                      : options_is(option, "length") ? &r->length
-                      : options_is(option, "limit")  ? &r->limit
-                                                     : NULL;
+    const struct {
+        const char *name, **to;
+        double least;
+        bool whole;
+        const char *says;
+    } rows[] = {{"error", &l->error, 0, false, "--error is a height from 0 on"},
+                {"most", &l->most, 1, true, "--most is a number of points"},
+                {"angle", &l->angle, DBL_TRUE_MIN, false, "a limit is a number above 0"},
+                {"area", &l->area, DBL_TRUE_MIN, false, "a limit is a number above 0"},
+                {"length", &l->length, DBL_TRUE_MIN, false, "a limit is a number above 0"},
+                {"limit", &l->limit, 0, true, "--limit is a number of points"}};
     double v;
-    *known = to != NULL || options_is(option, "keep");
-    r->keep |= options_is(option, "keep");
-    if (to == NULL)
-        return EXIT_DONE;
-    if (!proto_read_double(optarg, strlen(optarg), &v) || !(v > 0 || to == &r->limit))
-        return options_wrong(argv[0], "a limit is a number above 0, not %s", optarg);
-    *to = optarg;
+    uint32_t whole;
+    *known = options_is(option, "keep");
+    l->keep |= *known;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (!options_is(option, rows[i].name))
+            continue;
+        *known = true;
+        *rows[i].to = optarg;
+        if (!proto_read_double(optarg, strlen(optarg), &v) || v < rows[i].least ||
+            (rows[i].whole && !proto_read_u32(optarg, strlen(optarg), &whole)))
+            return options_wrong(argv[0], "%s, not %s", rows[i].says, optarg);
+    }
     return EXIT_DONE;
 }
 
-static bool refining_asked(const struct refining *r)
+static bool refines(const struct limits *l)
 {
-    return r->angle != NULL || r->area != NULL || r->length != NULL;
+    return l->angle != NULL || l->area != NULL || l->length != NULL;
 }
+
+static bool simplifies(const struct limits *l)
+{
+    return l->error != NULL || l->most != NULL;
+}
+
+/* ---- refining ---- */
 
 static void report_refining(const struct delaunay_part *status)
 {
@@ -69,8 +90,8 @@ static void report_refining(const struct delaunay_part *status)
 }
 
 /* Refines the triangulated set inside the border (`any`; NULL: the same), and says what is left. Returns the exit status. */
-static int refining_refine(struct delaunay_client *c, const char *set, const struct refining *r,
-                           const char *inside)
+static int refine(struct delaunay_client *c, const char *set, const struct limits *r,
+                  const char *inside)
 {
     char line[400];
     int begin = snprintf(line, sizeof line, "REFINE %s%s", set, r->keep ? " KEEP" : "");
@@ -89,36 +110,7 @@ static int refining_refine(struct delaunay_client *c, const char *set, const str
     return EXIT_DONE;
 }
 
-/* ---- points may be left out before ---- */
-
-/* Start with {0}. The texts are borrowed from the arguments; NULL: not given. */
-struct simplifying {
-    const char *error, *most;
-    double reached; /* by how much the worst point is off; after simplifying_simplify */
-};
-
-/* Takes an option of simplifying. *known: it is one. */
-static int simplifying_option(struct simplifying *s, const char *option, char **argv, bool *known)
-{
-    const char **to = options_is(option, "error")  ? &s->error
-                      : options_is(option, "most") ? &s->most
-                                                   : NULL;
-    double error;
-    uint32_t most;
-    *known = to != NULL;
-    if (to == &s->error && (!proto_read_double(optarg, strlen(optarg), &error) || !(error >= 0)))
-        return options_wrong(argv[0], "--error is a height from 0 on, not %s", optarg);
-    if (to == &s->most && (!proto_read_u32(optarg, strlen(optarg), &most) || most == 0))
-        return options_wrong(argv[0], "--most is a number of points, not %s", optarg);
-    if (to != NULL)
-        *to = optarg;
-    return EXIT_DONE;
-}
-
-static bool simplifying_asked(const struct simplifying *s)
-{
-    return s->error != NULL || s->most != NULL;
-}
+/* ---- simplifying ---- */
 
 static bool has_field(const struct table_fields *t, const char *field)
 {
@@ -129,8 +121,8 @@ static bool has_field(const struct table_fields *t, const char *field)
 }
 
 /* Makes the set of few points of the set of all, which the file had, and says how many are left. Returns the exit status. */
-static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s,
-                                const struct file_options *from, const char *field)
+static int simplify(struct delaunay_client *c, struct limits *s, const struct file_options *from,
+                    const char *field)
 {
     char line[400];
     const char *text;
@@ -167,8 +159,7 @@ static int simplifying_simplify(struct delaunay_client *c, struct simplifying *s
 struct drawing {
     struct file_options input;
     struct export to;
-    struct simplifying simplifying;
-    struct refining refining;
+    struct limits limits;
     bool on_terminal;
     char name[100]; /* the file's, as a title */
 };
@@ -184,9 +175,7 @@ static int read_option(void *ctx, const char *option, char **argv)
     if (!options_is(option, "format"))
         status = file_options_take(&d->input, option, argv, &known);
     if (!known)
-        status = simplifying_option(&d->simplifying, option, argv, &known);
-    if (!known)
-        status = refining_option(&d->refining, option, argv, &known);
+        status = limits_option(&d->limits, option, argv, &known);
     return known ? status : export_option(&d->to, option, argv);
 }
 
@@ -205,9 +194,9 @@ static void put_more(const void *ctx)
 {
     const struct drawing *d = ctx;
     file_options_json(&d->input);
-    if (simplifying_asked(&d->simplifying)) {
+    if (simplifies(&d->limits)) {
         json_key("error");
-        printf("%.17g", d->simplifying.reached);
+        printf("%.17g", d->limits.reached);
     }
 }
 
@@ -263,15 +252,15 @@ static int show_set(struct delaunay_client *c, const char *set, const struct dra
 
 static int write_result(struct delaunay_client *c, struct drawing *d)
 {
-    const char *set = simplifying_asked(&d->simplifying) ? few_points : all_points;
+    const char *set = simplifies(&d->limits) ? few_points : all_points;
     const char *field = d->to.field != NULL ? d->to.field : "z";
     int status = EXIT_DONE;
     if (set == few_points)
-        status = simplifying_simplify(c, &d->simplifying, &d->input, field);
+        status = simplify(c, &d->limits, &d->input, field);
     if (status == EXIT_DONE)
         status = triangulate(c, d, set);
-    if (status == EXIT_DONE && refining_asked(&d->refining))
-        status = refining_refine(c, set, &d->refining, d->to.inside);
+    if (status == EXIT_DONE && refines(&d->limits))
+        status = refine(c, set, &d->limits, d->to.inside);
     if (status != EXIT_DONE)
         return status;
     return d->on_terminal ? show_set(c, set, d) : export_set(c, &d->to, set, d->name);
