@@ -189,7 +189,7 @@ static void choose_name(struct drawing *d)
             *p = '_';
 }
 
-/* What the report in JSON says of the file, and of what has been left out. */
+/* Writes the part of the report in JSON about the file, and about what has been left out. */
 static void put_more(const void *ctx)
 {
     const struct drawing *d = ctx;
@@ -224,7 +224,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
     return status;
 }
 
-/* Lines are declared in a triangulation, so a set with lines has one; that of few points has none. */
+/* Lines are declared in a triangulation, so a set with lines has one; the set of few points has none. */
 static int triangulate(struct delaunay_client *c, const struct drawing *d, const char *set)
 {
     char line[40];

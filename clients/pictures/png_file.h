@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Writes rgba[4 * width * height], rows from the top, compressed by gzip, or as they are where there is no such program. width and height
- * are at least 1 and below 2^31. Needs as much room for temporary files. Returns NULL, or a static sentence; ferror() shows whether
- * writing failed. */
+/* Writes rgba[4 * width * height], rows from the top. gzip compresses them; without that program they are not compressed. width and height
+ * are at least 1 and below 2^31. A temporary file has about as many bytes as rgba. Returns NULL, or a static sentence; ferror() shows
+ * whether writing failed. */
 const char *png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height);

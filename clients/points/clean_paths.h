@@ -1,5 +1,5 @@
-/* clean_paths.h - paths as they are sent: corners of lines that meet become one point, and steps of no length, flat rings and rings that are
- * there twice are left out. model_paths.h joins constraints to lines again. */
+/* clean_paths.h - paths as they are sent: corners of lines that meet become one point. Steps of no length, flat rings and repeated rings
+ * are left out. model_paths.h joins constraints to lines again. */
 #pragma once
 
 #include "clients/points/points_file.h"
