@@ -175,6 +175,8 @@ enum nesting paths_nest(struct paths *p, size_t from, bool known, const double *
 {
     struct strips s = {
         .corner = p->corner, .xy = xy, .n = p->n - from, .known = known, .x0 = HUGE_VAL};
+    if (s.n == 0)
+        return NESTING_DONE;
     enum nesting done = strips_init(&s, p->path + from) ? NESTING_DONE : NESTING_NOMEM;
     for (size_t k = 0; done == NESTING_DONE && k < s.n; k++)
         if (s.ring[k].path.closed && (!known || s.ring[k].path.hole) && !place_ring(&s, k))
