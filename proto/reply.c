@@ -98,12 +98,31 @@ static char *write_value(char *to, double value)
     return to + 3;
 }
 
-void reply_key_double(struct buf *out, const char *key, double value)
+static char *write_values(char *to, const double *v, size_t n, char between)
 {
-    append_key(out, key);
-    char *to = buf_reserve(out, DOUBLE_ROOM);
-    if (to != NULL)
-        buf_commit(out, (size_t)(write_value(to, value) - to));
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0)
+            *to++ = between;
+        to = write_value(to, v[i]);
+    }
+    return to;
+}
+
+static char *write_ids(char *to, const uint32_t *id, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0)
+            *to++ = ' ';
+        to += proto_write_u32(to, id[i]);
+    }
+    return to;
+}
+
+/* Ends the row, which has been written to where there was room. */
+static void commit_row(struct buf *out, const char *row, char *to)
+{
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
 }
 
 void reply_key_text(struct buf *out, const char *key, const char *value)
@@ -112,17 +131,17 @@ void reply_key_text(struct buf *out, const char *key, const char *value)
     buf_append_text(out, value);
 }
 
+void reply_key_double(struct buf *out, const char *key, double value)
+{
+    reply_key_doubles(out, key, &value, 1);
+}
+
 void reply_key_doubles(struct buf *out, const char *key, const double *v, size_t n)
 {
     append_key(out, key);
-    char *const from = buf_reserve(out, n * DOUBLE_ROOM), *to = from;
-    for (size_t i = 0; from != NULL && i < n; i++) {
-        if (i > 0)
-            *to++ = ',';
-        to = write_value(to, v[i]);
-    }
-    if (from != NULL)
-        buf_commit(out, (size_t)(to - from));
+    char *row = buf_reserve(out, n * DOUBLE_ROOM);
+    if (row != NULL)
+        buf_commit(out, (size_t)(write_values(row, v, n, ',') - row));
 }
 
 void reply_end(struct buf *out)
@@ -169,104 +188,54 @@ void reply_row_text(struct buf *out, const char *text)
 
 void reply_row_ids(struct buf *out, const uint32_t *id, size_t n)
 {
-    char *const row = buf_reserve(out, n * ID_ROOM + 1);
-    if (row == NULL)
-        return;
-    char *to = row;
-    for (size_t i = 0; i < n; i++) {
-        if (i > 0)
-            *to++ = ' ';
-        to += proto_write_u32(to, id[i]);
-    }
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
+    char *row = buf_reserve(out, n * ID_ROOM + 1);
+    if (row != NULL)
+        commit_row(out, row, write_ids(row, id, n));
 }
 
-static char *write_point(char *to, uint32_t id, double x, double y)
+void reply_row_values(struct buf *out, uint32_t id, const double *v, size_t n)
 {
+    char *row = buf_reserve(out, ID_ROOM + n * DOUBLE_ROOM + 1), *to = row;
+    if (row == NULL)
+        return;
     to += proto_write_u32(to, id);
     *to++ = ' ';
-    to += proto_write_double(to, x);
-    *to++ = ' ';
-    return to + proto_write_double(to, y);
-}
-
-void reply_row_point(struct buf *out, uint32_t id, double x, double y)
-{
-    char *row = buf_reserve(out, ID_ROOM + 2 * DOUBLE_ROOM);
-    if (row == NULL)
-        return;
-    char *to = write_point(row, id, x, y);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
-}
-
-void reply_row_value(struct buf *out, uint32_t id, double value)
-{
-    char *row = buf_reserve(out, ID_ROOM + DOUBLE_ROOM);
-    if (row == NULL)
-        return;
-    char *to = row + proto_write_u32(row, id);
-    *to++ = ' ';
-    to = write_value(to, value);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
+    commit_row(out, row, write_values(to, v, n, ' '));
 }
 
 void reply_more_value(struct buf *out, double value)
 {
-    char *to = buf_reserve(out, DOUBLE_ROOM);
-    if (to == NULL)
+    char *row = buf_reserve(out, DOUBLE_ROOM);
+    if (row == NULL)
         return;
-    to[-1] = ' '; /* in place of the LF */
-    char *end = write_value(to, value);
-    *end++ = '\n';
-    buf_commit(out, (size_t)(end - to));
+    row[-1] = ' '; /* in place of the LF */
+    commit_row(out, row, write_value(row, value));
 }
 
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most)
 {
-    size_t len = strlen(name);
-    char *row = buf_reserve(out, len + 1 + ID_ROOM + 2 * DOUBLE_ROOM);
-    if (row == NULL)
-        return;
-    memcpy(row, name, len);
-    char *to = row + len;
-    *to++ = ' ';
-    to += proto_write_u32(to, values);
-    *to++ = ' ';
-    to = write_value(to, least);
-    *to++ = ' ';
-    to = write_value(to, most);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
+    buf_append_text(out, name);
+    buf_append_char(out, ' ');
+    reply_row_values(out, values, (const double[]){least, most}, 2);
 }
 
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy)
 {
-    char *const row = buf_reserve(out, 2 * ID_ROOM + (size_t)corners * 2 * DOUBLE_ROOM);
+    size_t n = 2 * (size_t)corners;
+    char *row = buf_reserve(out, 2 * ID_ROOM + n * DOUBLE_ROOM), *to = row;
     if (row == NULL)
         return;
-    char *to = row + proto_write_u32(row, id);
-    *to++ = ' ';
-    to += proto_write_u32(to, corners);
-    for (size_t i = 0; i < 2 * (size_t)corners; i++) {
+    to = write_ids(to, (const uint32_t[]){id, corners}, 2);
+    if (n > 0)
         *to++ = ' ';
-        to += proto_write_double(to, xy[i]);
-    }
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
+    commit_row(out, row, write_values(to, xy, n, ' '));
 }
 
 void reply_row_numbers(struct buf *out, const double *v, size_t n)
 {
-    char *const row = buf_reserve(out, n * DOUBLE_ROOM + 1), *to = row;
-    for (size_t i = 0; row != NULL && i < n; i++) {
-        to = write_value(to, v[i]);
-        *to++ = i + 1 < n ? ' ' : '\n';
-    }
-    if (row != NULL)
-        buf_commit(out, (size_t)(to - row));
+    char *row = buf_reserve(out, n * DOUBLE_ROOM + 1);
+    if (row != NULL && n > 0)
+        commit_row(out, row, write_values(row, v, n, ' '));
 }
 
 /* ---- rows of words ---- */
@@ -301,11 +270,7 @@ static char *write_column(char *to, char column, const uint32_t *word, size_t wo
         to += strlen(name);
         return column == 'b' ? to + proto_write_u32(to, *word >> 1) : to;
     }
-    for (size_t i = 0; i < ids; i++) {
-        if (i > 0)
-            *to++ = ' ';
-        to += proto_write_u32(to, word[i]);
-    }
+    to = write_ids(to, word, ids);
     for (size_t i = ids; i < words; i += 2) {
         double v;
         memcpy(&v, word + i, sizeof v);
@@ -326,18 +291,6 @@ void reply_row(struct buf *out, const char *format, const uint32_t *word)
     }
     if (row != NULL)
         buf_commit(out, (size_t)(to - row));
-}
-
-void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance)
-{
-    char *row = buf_reserve(out, ID_ROOM + 3 * DOUBLE_ROOM);
-    if (row == NULL)
-        return;
-    char *to = write_point(row, id, x, y);
-    *to++ = ' ';
-    to += proto_write_double(to, distance);
-    *to++ = '\n';
-    buf_commit(out, (size_t)(to - row));
 }
 
 /* n words of `size` bytes, the least significant byte first. */

@@ -69,16 +69,14 @@ __attribute__((format(printf, 2, 3))) void reply_comment(struct buf *out, const 
 /* Rows. */
 void reply_row_text(struct buf *out, const char *text);
 void reply_row_ids(struct buf *out, const uint32_t *id, size_t n);
-void reply_row_point(struct buf *out, uint32_t id, double x, double y);
-/* nan is written as `nan`. */
-void reply_row_value(struct buf *out, uint32_t id, double value);
+/* An id and n numbers; nan is written as `nan`. */
+void reply_row_values(struct buf *out, uint32_t id, const double *v, size_t n);
 /* Appends a number to the row that was written last. */
 void reply_more_value(struct buf *out, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
 /* n doubles; nan is written as `nan`. */
 void reply_row_numbers(struct buf *out, const double *v, size_t n);
-void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
 /* A row of columns that are words in memory; each letter of the format is a column:
  *

@@ -18,17 +18,12 @@ static bool grow(struct request *q, size_t need)
     return true;
 }
 
-static inline bool append(struct request *q, const char *text, size_t len)
+bool request_add(struct request *q, const char *text, size_t len)
 {
     if (q->n == q->cap && !grow(q, q->n + 1))
         return false;
     q->word[q->n++] = (struct word){text, len};
     return true;
-}
-
-bool request_add(struct request *q, const char *text, size_t len)
-{
-    return append(q, text, len);
 }
 
 bool request_set(struct request *q, const struct word *word, size_t n)
@@ -53,7 +48,7 @@ bool request_split(struct request *q, const char *text, size_t len)
         const char *word = p;
         while (p < end && !text_is_blank(*p))
             p++;
-        if (!append(q, word, (size_t)(p - word))) {
+        if (!request_add(q, word, (size_t)(p - word))) {
             q->n = 0;
             return false;
         }

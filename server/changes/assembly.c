@@ -25,27 +25,46 @@ static bool reserve(struct assembly *s, size_t more)
     return s->memory.budget == NULL || reservation_resize(&s->memory, bytes);
 }
 
-static enum assembled take_points(struct assembly *s, const struct record *r)
+/* Appends the items of the record to the *n at *items, where there is room for *cap, and which may be `most`. */
+static enum assembled append(struct assembly *s, const struct record *r, void **items, uint32_t *n,
+                             size_t *cap, size_t most)
 {
-    struct change *c = &s->change;
-    size_t want = (size_t)c->n + r->n;
-    if (want > DT_MAX_POINTS)
+    const size_t size = record_item_size(r->type), want = (size_t)*n + r->n;
+    if (want > most)
         return ASSEMBLY_INVALID;
-    if (want > s->points_cap) {
-        size_t cap = want > 2 * s->points_cap ? want : 2 * s->points_cap;
-        struct dt_point *larger =
-            reserve(s, (cap - s->points_cap) * sizeof *larger)
-                ? dt_pages_grow(s->pages, c->points, c->n * sizeof *larger, cap * sizeof *larger)
-                : NULL;
+    if (want > *cap) {
+        size_t room = want > 2 * *cap ? want : 2 * *cap;
+        void *larger = reserve(s, (room - *cap) * size)
+                           ? dt_pages_grow(s->pages, *items, *n * size, room * size)
+                           : NULL;
         if (larger == NULL)
             return ASSEMBLY_NOMEM;
-        c->points = larger;
-        s->points_cap = cap;
+        *items = larger;
+        *cap = room;
     }
     if (r->n > 0)
-        record_items(r, 0, r->n, &c->points[c->n]);
-    c->n = (uint32_t)want;
+        record_items(r, 0, r->n, (char *)*items + *n * size);
+    *n = (uint32_t)want;
     return ASSEMBLY_MORE;
+}
+
+static enum assembled take_points(struct assembly *s, const struct record *r)
+{
+    void *points = s->change.points;
+    enum assembled how = append(s, r, &points, &s->change.n, &s->points_cap, DT_MAX_POINTS);
+    s->change.points = points;
+    return how;
+}
+
+static enum assembled take_constraints(struct assembly *s, const struct record *r)
+{
+    bool added = r->type == RECORD_CONSTRAIN;
+    struct record_constraint **v = added ? &s->lists.added : &s->lists.released;
+    void *items = *v;
+    enum assembled how = append(s, r, &items, added ? &s->lists.n_added : &s->lists.n_released,
+                                added ? &s->added_cap : &s->released_cap, DT_MAX_CONSTRAINTS);
+    *v = items;
+    return how;
 }
 
 /* ---- columns ---- */
@@ -130,31 +149,6 @@ static void become_run(struct change *c)
 }
 
 /* ---- constraints ---- */
-
-static enum assembled take_constraints(struct assembly *s, const struct record *r)
-{
-    bool added = r->type == RECORD_CONSTRAIN;
-    struct record_constraint **v = added ? &s->lists.added : &s->lists.released;
-    uint32_t *n = added ? &s->lists.n_added : &s->lists.n_released;
-    size_t *room = added ? &s->added_cap : &s->released_cap, want = (size_t)*n + r->n;
-    if (want > DT_MAX_CONSTRAINTS)
-        return ASSEMBLY_INVALID;
-    if (want > *room) {
-        size_t cap = want > 2 * *room ? want : 2 * *room;
-        struct record_constraint *larger =
-            reserve(s, (cap - *room) * sizeof *larger)
-                ? dt_pages_grow(s->pages, *v, *n * sizeof *larger, cap * sizeof *larger)
-                : NULL;
-        if (larger == NULL)
-            return ASSEMBLY_NOMEM;
-        *v = larger;
-        *room = cap;
-    }
-    if (r->n > 0)
-        record_items(r, 0, r->n, &(*v)[*n]);
-    *n = (uint32_t)want;
-    return ASSEMBLY_MORE;
-}
 
 static bool has_constraints(const struct assembly *s)
 {

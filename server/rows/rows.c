@@ -35,6 +35,18 @@ static bool make_room(const struct rows *r, struct buf *out, size_t ids, size_t 
     return row_memory_reserve(r->memory, out, text + ROW_TEXT, beside);
 }
 
+/* A row of an id and n numbers. */
+static void write_numbers(const struct rows *r, struct buf *out, uint32_t id, const double *v,
+                          size_t n)
+{
+    if (!r->binary) {
+        reply_row_values(out, id, v, n);
+        return;
+    }
+    reply_word_u32(out, id);
+    reply_words_double(out, v, n);
+}
+
 /* ---- rows from ids ---- */
 
 /* The values of a point of DT_POINTS, after its coordinates; in text, its row has ended already. */
@@ -56,15 +68,11 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
     r->status = dt_view_get(r->version->dt, r->view, id, &p);
     if (r->status != DT_OK)
         return;
-    if (r->form == ROW_NEIGHBOUR) {
-        double dx = p.x - r->from.x, dy = p.y - r->from.y;
-        reply_row_neighbour(out, id, p.x, p.y, sqrt(dx * dx + dy * dy));
-    } else if (r->binary) {
-        reply_word_u32(out, id);
-        reply_words_double(out, &p.x, 2);
-    } else {
-        reply_row_point(out, id, p.x, p.y);
-    }
+    double number[3] = {p.x, p.y}, dx = p.x - r->from.x, dy = p.y - r->from.y;
+    size_t n = 2;
+    if (r->form == ROW_NEIGHBOUR)
+        number[n++] = sqrt(dx * dx + dy * dy);
+    write_numbers(r, out, id, number, n);
     write_values(r, out, id);
 }
 
@@ -225,16 +233,6 @@ static void fill_from_places(struct rows *r, struct buf *out, size_t limit)
 
 /* ---- rows from cells ---- */
 
-static void write_area(const struct rows *r, struct buf *out, uint32_t id, double area)
-{
-    if (r->binary) {
-        reply_word_u32(out, id);
-        reply_word_double(out, area);
-    } else {
-        reply_row_value(out, id, area);
-    }
-}
-
 static void write_polygon(const struct rows *r, struct buf *out, const struct dt_cell *cell,
                           const struct dt_point *corner)
 {
@@ -258,7 +256,7 @@ static void write_each(const struct rows *r, struct buf *out, const struct dt_ce
         dt_cell_areas(cell, n, corner, area);
     for (size_t i = 0; i < n; corner += cell[i++].corners)
         if (r->form == ROW_AREA)
-            write_area(r, out, cell[i].id, area[i]);
+            write_numbers(r, out, cell[i].id, &area[i], 1);
         else
             write_polygon(r, out, &cell[i], corner);
 }
@@ -288,7 +286,7 @@ static size_t write_areas(struct rows *r, struct buf *out)
     double area[CELLS];
     size_t n = dt_areas_read(&r->cells, id, area, CELLS);
     for (size_t i = 0; i < n; i++)
-        write_area(r, out, id[i], area[i]);
+        write_numbers(r, out, id[i], &area[i], 1);
     return n;
 }
 

@@ -46,7 +46,7 @@ static void put_ring(struct event *e, const struct dt *dt, uint32_t id)
 static void put_point(struct event *e, uint32_t id, struct dt_point p)
 {
     buf_append_text(&e->rows, "point ");
-    reply_row_point(&e->rows, id, p.x, p.y);
+    reply_row_values(&e->rows, id, &p.x, 2);
     for (uint32_t i = 0; i < e->scope->fields; i++) {
         double value = (double)NAN;
         if (e->scope->field[i] != NULL)

@@ -32,8 +32,8 @@ TEST(reply_rows_are_ids_and_points)
     const uint32_t ids[] = {0, UINT32_MAX, 7};
     reply_row_ids(&out, ids, 3);
     reply_row_ids(&out, ids, 1);
-    reply_row_point(&out, 5, -0.1, 1e21);
-    reply_row_neighbour(&out, 5, 1, 2, 0.5);
+    reply_row_values(&out, 5, (const double[]){-0.1, 1e21}, 2);
+    reply_row_values(&out, 5, (const double[]){1, 2, 0.5}, 3);
     reply_row_text(&out, "a b");
     CHECK_STR(written(), "0 4294967295 7\n0\n5 -0.1 1e+21\n5 1 2 0.5\na b\n");
 }
@@ -47,9 +47,9 @@ TEST(reply_rows_stay_within_the_buffer_at_every_fill_level)
             while (buf_len(&out) < fill)
                 buf_append_char(&out, 'x');
             if (kind == 0)
-                reply_row_neighbour(&out, id, longest, longest, longest);
+                reply_row_values(&out, id, (const double[]){longest, longest, longest}, 3);
             else if (kind == 1)
-                reply_row_point(&out, id, longest, longest);
+                reply_row_values(&out, id, (const double[]){longest, longest}, 2);
             else if (kind == 2)
                 reply_row_ids(&out, &id, 1);
             else
@@ -124,8 +124,8 @@ static void write_everything(void)
     reply_key_double(&out, "x", DBL_MAX);
     reply_end(&out);
     reply_row_ids(&out, ids, 3);
-    reply_row_point(&out, 1, 2, 3);
-    reply_row_neighbour(&out, 1, 2, 3, 4);
+    reply_row_values(&out, 1, (const double[]){2, 3}, 2);
+    reply_row_values(&out, 1, (const double[]){2, 3, 4}, 3);
     reply_word_double(&out, 5);
 }
 
