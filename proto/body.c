@@ -425,22 +425,6 @@ static void pass(struct body *b, size_t n)
     b->complete = b->left == 0;
 }
 
-/* Makes n numbers as they came into numbers of this machine. */
-static void make_native(double *v, size_t n)
-{
-#if !defined(__BYTE_ORDER__) || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-    for (size_t i = 0; i < n; i++) {
-        const unsigned char *bytes = (const unsigned char *)&v[i];
-        uint64_t bits = 0;
-        for (unsigned j = 0; j < 8; j++)
-            bits |= (uint64_t)bytes[j] << 8 * j;
-        memcpy(&v[i], &bits, sizeof bits);
-    }
-#else
-    (void)v, (void)n;
-#endif
-}
-
 /* The number of valid points before the first one that has a fault; n: none has. */
 static size_t count_valid(const struct body *b, const double *v, size_t n, enum body_fault *fault)
 {
@@ -461,7 +445,6 @@ void body_wrote(struct body *b, size_t n)
     uint64_t line = b->line;
     double *v = b->xy + b->n * b->width;
     enum body_fault fault;
-    make_native(v, points * b->width);
     size_t valid = count_valid(b, v, points, &fault);
     pass(b, n);
     b->n += valid;

@@ -8,6 +8,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Numbers of bodies, replies and files are little-endian, and are copied as they are. */
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "this machine is not little-endian");
+
 #define PROTO_NUMBER_MAX 32 /* bytes that a function below may write */
 
 /* A coordinate is 0, or its magnitude is in this range [PROTOCOL.md, section 1]; the core's is the same. */

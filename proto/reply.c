@@ -293,36 +293,22 @@ void reply_row(struct buf *out, const char *format, const uint32_t *word)
         buf_commit(out, (size_t)(to - row));
 }
 
-/* n words of `size` bytes, the least significant byte first. */
-static void append_words(struct buf *out, const void *word, size_t n, size_t size)
-{
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    buf_append(out, word, n * size);
-#else
-    const unsigned char *byte = word;
-    for (size_t i = 0; i < n * size; i++) {
-        char c = (char)byte[i / size * size + size - 1 - i % size];
-        buf_append(out, &c, 1);
-    }
-#endif
-}
-
 void reply_word_u32(struct buf *out, uint32_t v)
 {
-    append_words(out, &v, 1, sizeof v);
+    buf_append(out, &v, sizeof v);
 }
 
 void reply_words_u32(struct buf *out, const uint32_t *v, size_t n)
 {
-    append_words(out, v, n, sizeof *v);
+    buf_append(out, v, n * sizeof *v);
 }
 
 void reply_word_double(struct buf *out, double v)
 {
-    append_words(out, &v, 1, sizeof v);
+    buf_append(out, &v, sizeof v);
 }
 
 void reply_words_double(struct buf *out, const double *v, size_t n)
 {
-    append_words(out, v, n, sizeof *v);
+    buf_append(out, v, n * sizeof *v);
 }

@@ -11,26 +11,17 @@ static uint64_t rotate(uint64_t v, unsigned by)
     return v << by | v >> (64 - by);
 }
 
-/* Up to 8 bytes as a little-endian number. */
-static uint64_t word_of(const unsigned char *p, size_t n)
-{
-    uint64_t w = 0;
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    memcpy(&w, p, n);
-#else
-    for (size_t i = 0; i < n; i++)
-        w |= (uint64_t)p[i] << 8 * i;
-#endif
-    return w;
-}
-
 uint64_t hash_bytes(uint64_t before, const void *bytes, size_t n)
 {
     const unsigned char *p = bytes;
     uint64_t h = before + P5 + n;
     for (; n > 0; p += 8) {
         size_t take = n < 8 ? n : 8;
-        uint64_t w = take == 8 ? word_of(p, 8) : word_of(p, take);
+        uint64_t w = 0; /* little-endian (number.h) */
+        if (take == 8)
+            memcpy(&w, p, 8);
+        else
+            memcpy(&w, p, take);
         h ^= rotate(w * P2, 31) * P1;
         h = rotate(h, 27) * P1 + P4;
         n -= take;

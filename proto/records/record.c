@@ -10,43 +10,41 @@ static const char magic[] = "DELAUNAY";
 
 enum { MAGIC = sizeof magic - 1, VERSION_BYTES = 8, NAME_AT = RECORD_HEADER };
 
-/* ---- numbers; on a little-endian machine the compiler makes moves of these ---- */
+/* ---- numbers, which are little-endian (number.h) and may have any alignment ---- */
 
 static void put_u32(char *p, uint32_t v)
 {
-    for (int i = 0; i < 4; i++)
-        p[i] = (char)(v >> 8 * i);
+    memcpy(p, &v, sizeof v);
 }
 
 static void put_u64(char *p, uint64_t v)
 {
-    put_u32(p, (uint32_t)v);
-    put_u32(p + 4, (uint32_t)(v >> 32));
+    memcpy(p, &v, sizeof v);
 }
 
 static void put_f64(char *p, double v)
 {
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    put_u64(p, bits);
+    memcpy(p, &v, sizeof v);
 }
 
 static uint32_t get_u32(const char *p)
 {
-    const unsigned char *u = (const unsigned char *)p;
-    return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
+    uint32_t v;
+    memcpy(&v, p, sizeof v);
+    return v;
 }
 
 static uint64_t get_u64(const char *p)
 {
-    return get_u32(p) | (uint64_t)get_u32(p + 4) << 32;
+    uint64_t v;
+    memcpy(&v, p, sizeof v);
+    return v;
 }
 
 static double get_f64(const char *p)
 {
-    uint64_t bits = get_u64(p);
     double v;
-    memcpy(&v, &bits, sizeof v);
+    memcpy(&v, p, sizeof v);
     return v;
 }
 
@@ -186,55 +184,33 @@ static bool is_same_in_memory(const char *fields)
         memory = field_at(*f, memory) + field_size(*f);
         disk += field_size(*f);
     }
-    return disk == memory && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+    return disk == memory;
 }
 
-static void write_items(char *to, const struct record *r)
+/* Copies n items from memory to disk, or back. */
+static void copy_items(char *to, const char *from, uint32_t n, enum record_type type, bool back)
 {
-    const char *fields = fields_of(r->type), *from = r->items;
+    const char *fields = fields_of(type);
     if (is_same_in_memory(fields)) {
-        if (*fields != '\0' && r->n > 0)
-            memcpy(to, from, r->n * record_item_size(r->type));
+        if (n > 0 && *fields != '\0')
+            memcpy(to, from, n * record_item_size(type));
         return;
     }
-    size_t at = 0;
-    for (uint32_t i = 0; i < r->n; i++) {
+    size_t disk = 0, memory = 0;
+    for (uint32_t i = 0; i < n; i++) {
         for (const char *f = fields; *f != '\0'; f++) {
-            uint32_t word;
-            double number;
-            at = field_at(*f, at);
-            if (*f == 'w')
-                put_u32(to, *(uint32_t *)memcpy(&word, from + at, sizeof word));
-            else
-                put_f64(to, *(double *)memcpy(&number, from + at, sizeof number));
-            at += field_size(*f);
-            to += field_size(*f);
+            memory = field_at(*f, memory);
+            memcpy(to + (back ? memory : disk), from + (back ? disk : memory), field_size(*f));
+            memory += field_size(*f);
+            disk += field_size(*f);
         }
     }
 }
 
 void record_items(const struct record *r, uint32_t first, uint32_t n, void *items)
 {
-    const char *fields = fields_of(r->type);
     const char *from = (const char *)r->items + first * record_item_size(r->type);
-    char *to = items;
-    if (is_same_in_memory(fields)) {
-        if (n > 0)
-            memcpy(to, from, n * record_item_size(r->type));
-        return;
-    }
-    size_t at = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        for (const char *f = fields; *f != '\0'; f++) {
-            at = field_at(*f, at);
-            if (*f == 'w')
-                memcpy(to + at, &(uint32_t){get_u32(from)}, sizeof(uint32_t));
-            else
-                memcpy(to + at, &(double){get_f64(from)}, sizeof(double));
-            at += field_size(*f);
-            from += field_size(*f);
-        }
-    }
+    copy_items(items, from, n, r->type, true);
 }
 
 /* ---- writing records ---- */
@@ -278,7 +254,7 @@ void record_write(struct buf *out, const struct record *r)
         memcpy(to + NAME_AT, r->name, r->name_len);
     if (r->field_len > 0)
         memcpy(to + NAME_AT + r->name_len, r->field, r->field_len);
-    write_items(to + NAME_AT + names, r);
+    copy_items(to + NAME_AT + names, r->items, r->n, r->type, false);
     put_u32(to, crc32c(0, to + 4, RECORD_HEADER - 4 + rest));
     buf_commit(out, RECORD_HEADER + rest);
 }

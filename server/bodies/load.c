@@ -59,34 +59,30 @@ static struct load *new_load(struct server *s, const struct request *q, bool add
     return l;
 }
 
-struct word load_field_names(const struct load_shape *shape, const struct request *q)
+static void find_constraints(const struct request *q, size_t at, struct load_words *w)
 {
-    bool names = shape->fields && q->n > 3 && word_is(&q->word[q->n - 2], "FIELDS");
-    return names ? q->word[q->n - 1] : (struct word){"", 0};
+    if (q->n < at + 2 || !word_is(&q->word[at], "CONSTRAINTS"))
+        return;
+    const struct word *n = &q->word[at + 1];
+    bool good = proto_read_u32(n->text, n->len, &w->constraints.n);
+    w->constraints.bad = !good || w->constraints.n > DT_MAX_CONSTRAINTS;
+    w->constraints.splits = at + 2 < q->n && word_is(&q->word[at + 2], "SPLIT");
+    w->constraints.end = at + 2 + w->constraints.splits;
 }
 
-size_t load_paths_at(const struct load_shape *shape, const struct request *q)
+struct load_words load_words_of(const struct load_shape *shape, const struct request *q)
 {
-    struct word names = load_field_names(shape, q);
-    size_t end = names.len > 0 ? q->n - 2 : q->n;
-    for (size_t i = shape->count; shape->paths && i < end && i <= shape->count + 1; i++)
-        if (word_is(&q->word[i], "PATHS"))
-            return i;
-    return 0;
-}
-
-struct load_constraints load_constraints_of(const struct load_shape *shape, const struct request *q)
-{
-    struct load_constraints c = {0};
-    size_t at = shape->count + 1;
-    if (!shape->constraints || q->n < at + 2 || !word_is(&q->word[at], "CONSTRAINTS"))
-        return c;
-    c.bad = !proto_read_u32(q->word[at + 1].text, q->word[at + 1].len, &c.n) ||
-            c.n > DT_MAX_CONSTRAINTS;
-    c.end = at + 2;
-    c.splits = c.end < q->n && word_is(&q->word[c.end], "SPLIT");
-    c.end += c.splits;
-    return c;
+    struct load_words w = {.end = q->n};
+    if (shape->fields && q->n > 3 && word_is(&q->word[q->n - 2], "FIELDS"))
+        w.names = q->word[q->n - 1];
+    if (w.names.len > 0)
+        w.end -= 2;
+    for (size_t i = shape->count + 1; shape->paths && i >= shape->count; i--)
+        if (i < w.end && word_is(&q->word[i], "PATHS"))
+            w.paths = i;
+    if (shape->constraints)
+        find_constraints(q, shape->count + 1, &w);
+    return w;
 }
 
 static size_t count_names(const struct word *w)
@@ -99,10 +95,10 @@ static size_t count_names(const struct word *w)
 
 /* The facts about a body that the line of its request gives. */
 struct announced {
+    struct load_words words;
     enum body_form form;
     uint32_t count;
-    uint32_t constraints; /* behind the rows, each as long as one */
-    size_t values;        /* of a row, besides its coordinates */
+    size_t values; /* of a row, besides its coordinates */
 };
 
 /* The index of the word that counts the rows. */
@@ -114,17 +110,14 @@ static size_t count_at(const struct load_shape *shape, const struct request *q)
 /* False: the line does not say how long the body is. */
 static bool read_line(const struct load_shape *shape, const struct request *q, struct announced *b)
 {
-    struct word names = load_field_names(shape, q);
-    size_t paths = load_paths_at(shape, q);
-    bool counted = count_at(shape, q) < (paths > 0 ? paths : names.len > 0 ? q->n - 2 : q->n);
+    *b = (struct announced){.words = load_words_of(shape, q)};
+    const struct load_words *w = &b->words;
+    bool counted = count_at(shape, q) < (w->paths > 0 ? w->paths : w->end);
     const struct word *n = &q->word[count_at(shape, q)];
-    *b = (struct announced){.form = !shape->lines ? BODY_BINARY
-                                    : counted     ? BODY_LINES
-                                                  : BODY_DOT,
-                            .values = shape->rows == LOAD_VALUES ? 1 : count_names(&names)};
-    const struct load_constraints c = load_constraints_of(shape, q);
-    b->constraints = c.n;
-    return b->form == BODY_DOT || (counted && !c.bad && proto_read_u32(n->text, n->len, &b->count));
+    b->form = !shape->lines ? BODY_BINARY : counted ? BODY_LINES : BODY_DOT;
+    b->values = shape->rows == LOAD_VALUES ? 1 : count_names(&w->names);
+    return b->form == BODY_DOT ||
+           (counted && !w->constraints.bad && proto_read_u32(n->text, n->len, &b->count));
 }
 
 static void begin(struct server *s, const struct load_shape *shape, const struct request *q,
@@ -138,13 +131,14 @@ static void begin(struct server *s, const struct load_shape *shape, const struct
     }
     l->shape = shape;
     size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
-    body_init(&l->body, b->form, (uint64_t)b->count + b->constraints, most + b->constraints,
+    uint32_t constraints = b->words.constraints.n;
+    body_init(&l->body, b->form, (uint64_t)b->count + constraints, most + constraints,
               dt_coordinates_ok);
     if (shape->rows == LOAD_PAIRS)
         body_words(&l->body);
     else
         body_columns(&l->body, shape->rows == LOAD_VALUES ? 0 : 2, b->values);
-    if (load_paths_at(shape, q) > 0)
+    if (b->words.paths > 0)
         body_paths(&l->body);
     body_records(&l->body, b->count);
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
@@ -157,7 +151,7 @@ void load_start(struct server *s, const struct load_shape *shape, const struct r
 {
     struct announced b;
     if (!read_line(shape, q, &b)) {
-        bool constraints = load_constraints_of(shape, q).bad;
+        bool constraints = b.words.constraints.bad;
         const struct word *w = &q->word[count_at(shape, q) + (constraints ? 2 : 0)];
         answer_err(a, ERR_NUMBER, "%.*s is not a number of %s", (int)(w->len < 32 ? w->len : 32),
                    w->text, constraints ? "constraints" : "points");

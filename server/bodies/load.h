@@ -88,22 +88,21 @@ size_t load_end_parser(struct load *l, struct buf *in);
  * received. */
 bool load_stalls(struct load *l, int64_t now_ms);
 
-/* The names of the fields that come with the points, `a,b,c`; len 0: none. q is the request. */
-struct word load_field_names(const struct load_shape *shape, const struct request *q);
-
-/* The index of the word PATHS; 0: there is none. */
-size_t load_paths_at(const struct load_shape *shape, const struct request *q);
-
-/* The words CONSTRAINTS m [SPLIT] announce m records behind the points of a body. A record is as long as a point with its values, and has the
- * ends of a constraint, its kind and its number as u32. */
-struct load_constraints {
-    uint32_t n;
-    bool splits;
-    size_t end; /* the index of the word behind these; 0: they are not there */
-    bool bad;   /* m is no number of constraints */
+/* The words that may follow the count of the rows. */
+struct load_words {
+    struct word names; /* of the fields that come with the points, `a,b,c`; len 0: none */
+    size_t end;        /* the index behind the words before FIELDS and names */
+    size_t paths;      /* the index of the word PATHS; 0: there is none */
+    /* CONSTRAINTS m [SPLIT] announce m records behind the points of a body. A record is as long as a point with its
+     * values, and has the ends of a constraint, its kind and its number as u32. */
+    struct {
+        uint32_t n;
+        bool splits;
+        size_t end; /* the index of the word behind these; 0: they are not there */
+        bool bad;   /* m is no number of constraints */
+    } constraints;
 };
-struct load_constraints load_constraints_of(const struct load_shape *shape,
-                                            const struct request *q);
+struct load_words load_words_of(const struct load_shape *shape, const struct request *q);
 
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);

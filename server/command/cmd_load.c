@@ -18,13 +18,13 @@ static bool take_rows(struct answer *a, struct submission *x, double **rows)
 /* ---- LOAD ... PATHS ---- */
 
 /* Reads the words behind PATHS: the constraints of the body. */
-static bool read_paths(struct answer *a, const struct request *q, size_t at, struct chosen *f)
+static bool read_paths(struct answer *a, const struct request *q, const struct load_words *w,
+                       struct chosen *f)
 {
     const struct body *b = &a->body->body;
-    struct word names = load_field_names(a->body->shape, q);
-    if (!read_chosen(a, q, at + 1, f))
+    if (!read_chosen(a, q, w->paths + 1, f))
         return false;
-    if (f->at != (names.len > 0 ? q->n - 2 : q->n))
+    if (f->at != w->end)
         return answer_usage(a);
     size_t paths = paths_count(b->xy, b->n, b->width);
     if (paths > 0 && paths - 1 > DT_MAX_NUMBER - (f->what >> 1))
@@ -47,6 +47,7 @@ static bool begin_drawing(struct answer *a, bool splits, size_t constraints, str
 
 /* Points and constraints that a body has: rows of paths, or with `records` points and then the records of constraints. */
 struct drawn_body {
+    const struct word *names; /* of the fields; borrows */
     size_t points, records;
     uint32_t what;
     bool splits;
@@ -56,7 +57,6 @@ static void load_drawing(struct server *s, struct dataset *set, const struct req
                          struct answer *a, const struct drawn_body *b)
 {
     struct load *l = a->body;
-    struct word names = load_field_names(l->shape, q);
     struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
     if (x == NULL)
         return;
@@ -64,7 +64,7 @@ static void load_drawing(struct server *s, struct dataset *set, const struct req
     uint32_t first = set == NULL ? 0 : dt_next_id(set->current->dt);
     c->first = CHANGE_ANY;
     c->n = (uint32_t)b->points;
-    if ((names.len > 0 && (c->columns = read_field_names(a, set, &names)) == NULL) ||
+    if ((b->names->len > 0 && (c->columns = read_field_names(a, set, b->names)) == NULL) ||
         !begin_drawing(a, b->splits, l->body.paths ? b->points : b->records, c) ||
         !submit_reserve(s, a, set, x)) {
         job_free(s, &x->job);
@@ -83,14 +83,15 @@ static void load_drawing(struct server *s, struct dataset *set, const struct req
 }
 
 static void load_paths(struct server *s, struct dataset *set, const struct request *q,
-                       struct answer *a, size_t at)
+                       struct answer *a, const struct load_words *w)
 {
     struct chosen f;
-    if (!world_alone(a) || !read_paths(a, q, at, &f))
+    struct drawn_body b = {.names = &w->names, .points = a->body->body.n};
+    if (!world_alone(a) || !read_paths(a, q, w, &f))
         return;
-    load_drawing(
-        s, set, q, a,
-        &(struct drawn_body){.points = a->body->body.n, .what = f.what, .splits = f.splits});
+    b.what = f.what;
+    b.splits = f.splits;
+    load_drawing(s, set, q, a, &b);
 }
 
 /* ---- LOADB ... CONSTRAINTS ---- */
@@ -119,17 +120,19 @@ static bool check_records(struct answer *a, size_t n, size_t records)
 }
 
 static void load_records(struct server *s, struct dataset *set, const struct request *q,
-                         struct answer *a, const struct load_constraints *c)
+                         struct answer *a, const struct load_words *w)
 {
-    size_t names = load_field_names(a->body->shape, q).len > 0 ? 2 : 0,
-           points = a->body->body.n - c->n;
+    size_t n = w->constraints.n;
+    struct drawn_body b = {.names = &w->names,
+                           .points = a->body->body.n - n,
+                           .records = n,
+                           .splits = w->constraints.splits};
     if (!world_alone(a))
         return;
-    if (c->end + names != q->n)
+    if (w->constraints.end != w->end)
         answer_usage(a);
-    else if (check_records(a, points, c->n))
-        load_drawing(s, set, q, a,
-                     &(struct drawn_body){.points = points, .records = c->n, .splits = c->splits});
+    else if (check_records(a, b.points, n))
+        load_drawing(s, set, q, a, &b);
 }
 
 /* ---- the others ---- */
@@ -138,25 +141,24 @@ static void load_records(struct server *s, struct dataset *set, const struct req
 void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct load *l = a->body;
-    size_t paths = load_paths_at(l->shape, q);
-    const struct load_constraints constraints = load_constraints_of(l->shape, q);
-    if (paths > 0 || constraints.end > 0) {
-        if (paths > 0)
-            load_paths(s, set, q, a, paths);
-        else
-            load_records(s, set, q, a, &constraints);
+    const struct load_words w = load_words_of(l->shape, q);
+    if (w.paths > 0) {
+        load_paths(s, set, q, a, &w);
+        return;
+    }
+    if (w.constraints.end > 0) {
+        load_records(s, set, q, a, &w);
         return;
     }
     if (!submit_may(a, set, CHANGE_ADD, l->body.n))
         return;
     struct submission *x = submission_new(s, a, CHANGE_ADD, &q->word[1]);
-    struct word names = load_field_names(l->shape, q);
     double *rows;
     if (x == NULL)
         return;
     x->change.first = CHANGE_ANY;
     x->change.n = (uint32_t)l->body.n;
-    if ((names.len > 0 && (x->change.columns = read_field_names(a, set, &names)) == NULL) ||
+    if ((w.names.len > 0 && (x->change.columns = read_field_names(a, set, &w.names)) == NULL) ||
         !submit_reserve(s, a, set, x) || !take_rows(a, x, &rows)) {
         job_free(s, &x->job);
         return;

@@ -34,9 +34,13 @@ bool answer_usage(struct answer *a)
  * m SPLIT, which may be missing. */
 static bool has_words(const struct command *c, const struct request *q)
 {
-    unsigned without = c->body.fields && load_field_names(&c->body, q).len == 0 ? 2 : 0;
-    without += c->body.paths && load_paths_at(&c->body, q) == 0 ? 5 : 0;
-    without += c->body.constraints && load_constraints_of(&c->body, q).end == 0 ? 3 : 0;
+    unsigned without = 0;
+    if (c->body.rows != LOAD_NOTHING) {
+        struct load_words w = load_words_of(&c->body, q);
+        without += c->body.fields && w.names.len == 0 ? 2 : 0;
+        without += c->body.paths && w.paths == 0 ? 5 : 0;
+        without += c->body.constraints && w.constraints.end == 0 ? 3 : 0;
+    }
     return q->n >= c->least && (c->most == 0 || q->n <= c->most - without);
 }
 
@@ -309,13 +313,17 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
         answer_err(a, ERR_NOMEM, "out of memory; nothing has changed");
 }
 
+static bool has_room_for_error(struct answer *a)
+{
+    a->broken = buf_reserve(a->out, REPLY_ERR_ROOM) == NULL;
+    return !a->broken;
+}
+
 void command_run(struct server *s, const struct request *q, struct answer *a)
 {
     size_t mark = buf_len(a->out);
-    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* no memory for an error line */
-        a->broken = true;
+    if (!has_room_for_error(a))
         return;
-    }
     if (a->reactor == NULL)
         a->reactor = s->reactor;
     dispatch(s, q, a);
@@ -328,11 +336,7 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
 void command_run_body(struct server *s, struct load *l, struct answer *a)
 {
     size_t mark = buf_len(a->out);
-    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
-        a->broken = true;
-        return;
-    }
-    if (l->refused || load_refuse(s, l, a))
+    if (!has_room_for_error(a) || l->refused || load_refuse(s, l, a))
         return;
     a->body = l;
     struct request *q = &reactor_of(s, a)->request;
