@@ -10,9 +10,9 @@ static void print_text(FILE *out, const char *key, const char *text)
         fprintf(out, "\"%s\": \"%s\", ", key, text);
 }
 
-static void print_flag(FILE *out, const char *key, const struct command *c, unsigned flag)
+static void print_flag(FILE *out, const char *key, bool value)
 {
-    fprintf(out, "\"%s\": %s", key, (c->flags & flag) != 0 ? "true" : "false");
+    fprintf(out, "\"%s\": %s, ", key, value ? "true" : "false");
 }
 
 /* Who may use it, as in the reply to AUTH; CLIENT and CONFIG decide by their second word. */
@@ -50,9 +50,8 @@ static void print_command(FILE *out, const struct command *c)
     print_text(out, "about", subject_of(c));
     print_text(out, "rows", c->rows);
     print_text(out, "result", c->result);
-    fprintf(out, "\"exists\": %s, ", command_needs_set(c) ? "true" : "false");
-    print_flag(out, "changes", c, CMD_WRITE);
-    fputs(", ", out);
+    print_flag(out, "exists", command_needs_set(c));
+    print_flag(out, "changes", (c->flags & CMD_WRITE) != 0);
     fprintf(out, "\"body\": %s}", body[c->body.rows]);
 }
 

@@ -313,8 +313,7 @@ enum dt_status change_edit(struct dt *dt, struct change *c, const struct dt_opti
 void change_init(struct change *c, enum change_code code, const struct word *set)
 {
     c->kind = &change_kinds[code];
-    c->set.len = set->len;
-    memcpy(c->set.text, set->text, set->len);
+    c->set = name_of(set->text, set->len);
 }
 
 void change_set_rows(struct change *c, double *rows)

@@ -64,26 +64,14 @@ void client_row(struct buf *out, const struct session *s)
     reply_end(out);
 }
 
-/* Prefetches the fields of the session in slot i that its row shows: sessions are scattered in memory. */
-static void fetch_session(const struct clients *c, uint32_t i)
-{
-    enum { LINE = 64, NOTE = offsetof(struct session, note) / LINE + 1 };
-    const struct session *s = i < c->cap ? clients_at(c, i) : NULL;
-    for (size_t at = 0; s != NULL && at * LINE < sizeof *s; at++)
-        if (at < NOTE || at * LINE >= offsetof(struct session, held))
-            __builtin_prefetch((const char *)s + at * LINE);
-}
-
 enum { CLIENTS_A_PIECE = 256, CLIENT_BYTES = 256 };
 
 static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
-    enum { AHEAD = 4 };
     const struct clients *c = s->clients;
     uint64_t until = *at + CLIENTS_A_PIECE < end ? *at + CLIENTS_A_PIECE : end;
     for (; *at < until; ++*at) {
         const struct session *one = clients_at(c, (uint32_t)*at);
-        fetch_session(c, (uint32_t)*at + AHEAD);
         if (one == NULL || one->conn.closed)
             continue;
         client_row(&rows->text, one);

@@ -230,11 +230,9 @@ void cmd_fields(struct server *s, struct dataset *set, const struct request *q, 
 {
     struct version *v = set->current;
     size_t pages = (size_t)v->sum.fields * (dt_next_id(v->dt) / DT_FIELD_PAGE + 1);
-    struct fields_job *j = job_new(sizeof *j, run_fields, end_fields);
+    struct fields_job *j = job_new_reading(s, a, sizeof *j, run_fields, end_fields, NULL, NULL);
     (void)q;
-    if (j == NULL)
-        answer_out_of_memory(a);
-    else
+    if (j != NULL)
         job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? JOB_LIGHT : JOB_SHORT);
 }
 

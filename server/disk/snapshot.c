@@ -255,11 +255,7 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
                        .name = s->name,
                        .name_len = s->name_len,
                        .version = s->number};
-    if (row == NULL || s->view == NULL) {
-        free(row);
-        return fail(o, ENOMEM);
-    }
-    if (!next_field(s, &field)) {
+    if (row == NULL || s->view == NULL || !next_field(s, &field)) {
         free(row);
         return fail(o, ENOMEM);
     }
