@@ -62,7 +62,6 @@ static struct outlet ready_line = OUTLET(STDOUT_FILENO);
 static void deliver(void *ctx, struct job *j)
 {
     struct session *s = clients_find(&d.clients, j->owner);
-    (void)ctx;
     if (j->owner == APPLY_OWNER)
         follower_job_done(&d.server, j);
     else if (s != NULL)
@@ -73,7 +72,6 @@ static void deliver(void *ctx, struct job *j)
 
 static void on_workers(struct source *source, uint32_t events)
 {
-    (void)source, (void)events;
     server_collect(&d.server, deliver, NULL);
 }
 
@@ -109,7 +107,6 @@ static void notify_systemd(void)
 
 static void on_durable(struct source *source, uint32_t events)
 {
-    (void)source, (void)events;
     if (!restart_on_durable_event(&d.server)) {
         d.failed = true;
         loop_stop(d.loop);
@@ -124,7 +121,6 @@ static void on_durable(struct source *source, uint32_t events)
 
 static void on_turn_end(struct loop *loop)
 {
-    (void)loop;
     watch_turn_end(&d.server);
     durable_turn_end(&d.server);
     leader_turn_end(&d.server);
@@ -172,7 +168,6 @@ static void stop(void)
 static void on_signal(struct source *source, uint32_t events)
 {
     struct signalfd_siginfo info;
-    (void)events;
     while (read(source->fd, &info, sizeof info) == (ssize_t)sizeof info) {
         if (info.ssi_signo == SIGHUP)
             reload_tokens(&d.server, 0);
@@ -184,7 +179,6 @@ static void on_signal(struct source *source, uint32_t events)
 /* The owner of a private daemon has ended: the daemon stops. */
 static void on_owner(struct source *source, uint32_t events)
 {
-    (void)events;
     if (private_owner_is_gone(source->fd))
         loop_stop(d.loop);
 }

@@ -154,7 +154,6 @@ void cmd_info(struct server *s, struct dataset *set, const struct request *q, st
 {
     struct facts f = {0};
     bool known = true, added[SECTIONS] = {false};
-    (void)set;
     if (q->n == 1)
         add_sections(s, &f, added, NULL);
     for (size_t i = 1; i < q->n && known; i++) {

@@ -176,7 +176,6 @@ static bool after_failure(int listener, int error)
 static void on_listener(struct source *listener, uint32_t events)
 {
     uint64_t most = l.server->count.refused + REFUSALS_PER_TURN;
-    (void)events;
     for (int i = 0; i < ACCEPTS_PER_TURN && l.server->count.refused < most; i++) {
         struct sock_peer peer;
         int fd = sock_accept(listener->fd, &peer);

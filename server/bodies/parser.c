@@ -94,10 +94,10 @@ static void run_parse(struct job *j)
     body_feed(&k->body, k->text, k->whole, false);
 }
 
+/* The job is never refused. */
 static void end_parse(struct server *s, struct job *j, struct answer *a)
 {
     struct parser *p = ((struct parse *)j)->parser;
-    (void)s, (void)a; /* never refused */
     ((struct parse *)j)->block->in_work = false;
     p->jobs--;
     if (p->abandoned)
@@ -110,13 +110,12 @@ static void end_parse(struct server *s, struct job *j, struct answer *a)
 static void *give_array(void *ctx, void *old, size_t used, size_t bytes)
 {
     struct block *k = ctx;
-    (void)old, (void)used;
     return bytes <= k->bytes ? k->array : NULL;
 }
 
 static void keep_array(void *array)
 {
-    (void)array;
+    /* it is the block's */
 }
 
 /* Makes room for the points of all lines. */

@@ -213,7 +213,6 @@ static enum dt_status set_values(struct dt *dt, struct change *c, const struct d
 
 static enum dt_status drop_field(struct dt *dt, struct change *c, const struct dt_options *opt)
 {
-    (void)opt;
     return dt_field_drop(dt, c->field.text, c->field.len);
 }
 
@@ -224,7 +223,6 @@ static void note_expiry(struct registry *r, struct dataset *set, const struct ch
 
 static void note_triangulation(struct registry *r, struct dataset *set, const struct change *c)
 {
-    (void)r, (void)c;
     set->triangulated = true;
 }
 

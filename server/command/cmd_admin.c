@@ -10,7 +10,6 @@
 
 void cmd_ping(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)s, (void)set, (void)q;
     answer_ok(a);
 }
 
@@ -29,7 +28,6 @@ static void help_row(struct answer *a, const struct command *c)
 
 void cmd_help(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)set;
     const struct command *one = q->n == 2 ? command_find(s, &q->word[1]) : NULL;
     if (q->n == 2 && one == NULL) {
         answer_err(a, ERR_UNKNOWN, "there is no command %.*s", QUOTED(&q->word[1]));
@@ -45,7 +43,6 @@ void cmd_help(struct server *s, struct dataset *set, const struct request *q, st
 void cmd_hello(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     uint32_t version = PROTOCOL_VERSION;
-    (void)s, (void)set;
     if (q->n == 2 && !proto_read_u32(q->word[1].text, q->word[1].len, &version)) {
         answer_err(a, ERR_NUMBER, "%.*s is not a version", QUOTED(&q->word[1]));
     } else if (version != PROTOCOL_VERSION) {
@@ -66,7 +63,6 @@ static const char no_data[] = "there is no data directory (--data)";
 void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     uint64_t lsn;
-    (void)set, (void)q;
     switch (durable_begin_snapshot(s, &lsn)) {
     case DURABLE_OFF:
         answer_err(a, ERR_IO, "%s", no_data);
@@ -138,7 +134,6 @@ static void end_backup(struct server *s, struct job *j, struct answer *a)
 void cmd_backup(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct word *name = &q->word[1];
-    (void)set;
     if (!backup_may_name(name->text, name->len)) {
         answer_err(a, ERR_SYNTAX,
                    "a backup's name is 1 to 64 of A-Z a-z 0-9 _ . : -, without . in front or .tmp "

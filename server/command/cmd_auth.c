@@ -66,7 +66,6 @@ enum shown client_show_token(struct server *s, struct answer *a, const struct wo
 
 void cmd_auth(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)set;
     switch (client_show_token(s, a, &q->word[1])) {
     case SHOWN_LATER:
         break;

@@ -188,7 +188,6 @@ static void answer_proved(struct answer *a, const struct dataset *set)
 static void end_check(struct server *s, struct job *j, struct answer *a)
 {
     const char *fault = ((struct build *)j)->fault;
-    (void)s;
     if (a != NULL && j->status == DT_CORRUPT && fault != NULL) {
         answer_err(a, ERR_CORRUPT, "%s", fault);
     } else if (job_succeeded(j, a)) {
@@ -199,7 +198,6 @@ static void end_check(struct server *s, struct job *j, struct answer *a)
 
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)q;
     if (waited_for(s, a, set, &set->proof)) {
         answer_proved(a, set);
         return;
@@ -231,7 +229,6 @@ static void end_digest(struct server *s, struct job *job, struct answer *a)
 {
     struct digest_job *j = (struct digest_job *)job;
     char digits[17];
-    (void)s;
     if (!job_succeeded(job, a))
         return;
     snprintf(digits, sizeof digits, "%016" PRIx64, j->digest.value);
@@ -246,7 +243,6 @@ void cmd_digest(struct server *s, struct dataset *set, const struct request *q, 
     struct version *v = set->current;
     size_t numbers = (size_t)dt_next_id(v->dt) * (1 + v->sum.fields);
     struct digest_job *j = job_new(sizeof *j, run_digest, end_digest);
-    (void)q;
     if (j == NULL || !digest_begin(&j->digest, set)) {
         if (j != NULL)
             job_free(s, &j->job);

@@ -188,7 +188,6 @@ static void answer_name(const struct server *s, struct answer *a)
 void cmd_client(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct word *what = &q->word[1];
-    (void)set;
     if (q->n == 2 && word_is(what, "LIST")) {
         if (check_write_role(a))
             client_list(s, a, LISTING_LINES);
@@ -277,7 +276,6 @@ static void get_slow(struct server *s, const struct request *q, struct answer *a
 void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct word *what = &q->word[1];
-    (void)set;
     if (word_is(what, "GET")) {
         get_slow(s, q, a);
     } else if (q->n == 2 && word_is(what, "LEN")) {

@@ -122,7 +122,6 @@ void cmd_config(struct server *s, struct dataset *none, const struct request *q,
     const struct word *what = &q->word[1];
     bool sets = q->n >= 4 && q->n % 2 == 0 && word_is(what, "SET");
     bool reloads = q->n == 2 && word_is(what, "RELOAD");
-    (void)none;
     if (q->n >= 3 && word_is(what, "GET"))
         get(s, q, a);
     else if (!sets && !reloads)

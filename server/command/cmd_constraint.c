@@ -109,7 +109,6 @@ bool read_constraints(struct server *s, const struct dataset *set, const struct 
                       struct answer *a, struct change *c)
 {
     struct chosen f;
-    (void)s, (void)set;
     return read_chosen(a, q, 2, &f) && read_declared(a, q, &f, c) && become_drawing(a, &f, c);
 }
 
@@ -117,7 +116,6 @@ bool read_releases(struct server *s, const struct dataset *set, const struct req
                    struct answer *a, struct change *c)
 {
     struct chosen f;
-    (void)s, (void)set;
     if (q->n == 3 && word_is(&q->word[2], "ALL")) {
         c->a = RELEASE_ALL;
         return true;

@@ -33,7 +33,6 @@ static void add_row(struct dataset *set, void *ctx)
 static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
     uint64_t most = rows->n + SETS_A_PIECE;
-    (void)end;
     do
         *at = registry_scan(&s->sets, (size_t)*at, add_row, rows);
     while (*at != 0 && rows->n < most);
@@ -43,7 +42,6 @@ static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listi
 
 void cmd_sets(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)set, (void)q;
     listing_answer(s, a,
                    &(struct listing_plan){
                        .piece = list_sets, .sorted = true, .bytes = s->sets.sets * ROW_BYTES});
@@ -82,7 +80,6 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct dt_summary *sum = &set->current->sum;
-    (void)s, (void)q;
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "points", sum->points);
     reply_key_u64(a->out, "coincident", sum->coincident);
@@ -108,7 +105,6 @@ bool read_expiry(struct server *s, const struct dataset *set, const struct reque
 {
     const struct word *w = &q->word[2];
     double seconds;
-    (void)s, (void)set;
     if (!read_number(a, w, &seconds))
         return false;
     if (seconds > EXPIRE_MOST_S)
@@ -120,7 +116,6 @@ bool read_expiry(struct server *s, const struct dataset *set, const struct reque
 
 void cmd_ttl(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)s, (void)q;
     reply_ok(a->out, 0);
     if (set->expires_ms != 0)
         reply_key_double(a->out, "ttl", expire_seconds_left(set));
@@ -130,7 +125,6 @@ void cmd_ttl(struct server *s, struct dataset *set, const struct request *q, str
 void cmd_persist(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     bool changed = set->expires_ms != 0;
-    (void)q;
     if (changed)
         expire_never(s, set);
     a->lsn = durable_lsn(s, set);
@@ -184,7 +178,6 @@ bool read_new_points(struct server *s, const struct dataset *set, const struct r
 bool read_ids_to_delete(struct server *s, const struct dataset *set, const struct request *q,
                         struct answer *a, struct change *c)
 {
-    (void)s;
     bool cascade = q->n > 3 && word_is(&q->word[q->n - 1], "CASCADE");
     if (cascade && dt_constraints_count(set->current->dt) > 0)
         c->kind = &change_kinds[CHANGE_CASCADE];
@@ -217,7 +210,6 @@ bool read_move(struct server *s, const struct dataset *set, const struct request
                struct answer *a, struct change *c)
 {
     struct dt_point to;
-    (void)s, (void)set;
     if (q->n != 5)
         return read_moves(a, q, c);
     if (!read_id(a, &q->word[2], &c->first) || !read_point(a, &q->word[3], &to))
@@ -230,7 +222,6 @@ bool read_move(struct server *s, const struct dataset *set, const struct request
 void cmd_get(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct dt_point p;
-    (void)s;
     size_t n = q->n - 2;
     struct dt_ids ids = {read_ids(a, &q->word[2], n), n, n};
     if (ids.v == NULL)
@@ -264,6 +255,5 @@ void cmd_points(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,
                     struct answer *a)
 {
-    (void)s, (void)q;
     answer_table(s, a, set->current, DT_COINCIDENT, false, false);
 }

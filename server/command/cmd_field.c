@@ -138,7 +138,6 @@ bool check_field_names(struct answer *a, const struct word *names)
 bool read_values_to_set(struct server *s, const struct dataset *set, const struct request *q,
                         struct answer *a, struct change *c)
 {
-    (void)s, (void)set;
     if (q->n % 2 == 0)
         return answer_err(a, ERR_SYNTAX, "an id without a value");
     if (!read_field_name(a, &q->word[2]))
@@ -217,7 +216,6 @@ static void run_fields(struct job *job)
 static void end_fields(struct server *s, struct job *job, struct answer *a)
 {
     const struct fields_job *j = (const struct fields_job *)job;
-    (void)s;
     if (!job_succeeded(job, a))
         return;
     reply_ok(a->out, j->n);
@@ -231,7 +229,6 @@ void cmd_fields(struct server *s, struct dataset *set, const struct request *q, 
     struct version *v = set->current;
     size_t pages = (size_t)v->sum.fields * (dt_next_id(v->dt) / DT_FIELD_PAGE + 1);
     struct fields_job *j = job_new_reading(s, a, sizeof *j, run_fields, end_fields, NULL, NULL);
-    (void)q;
     if (j != NULL)
         job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? JOB_LIGHT : JOB_SHORT);
 }
@@ -240,7 +237,6 @@ bool read_existing_field(struct server *s, const struct dataset *set, const stru
                          struct answer *a, struct change *c)
 {
     const struct word *field = &q->word[2];
-    (void)s;
     if (find_field(a, set, field) == NULL)
         return false;
     c->field = name_of(field->text, field->len);

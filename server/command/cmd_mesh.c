@@ -8,7 +8,6 @@ enum { ANGLE_UNASKED = 25, POINTS_EACH = 16 }; /* without limits; and that may b
 
 static bool check_limit(struct answer *a, const struct word *w, const void *value)
 {
-    (void)w;
     return *(const double *)value > 0 || answer_err(a, ERR_RANGE, "a limit is more than 0");
 }
 
@@ -46,7 +45,6 @@ bool read_refinement(struct server *s, const struct dataset *set, const struct r
 {
     struct refinement r = {.inside.number = DT_NONE,
                            .most = POINTS_EACH * set->current->sum.points};
-    (void)s;
     c->pslg = pslg_new();
     if (c->pslg == NULL)
         answer_out_of_memory(a);

@@ -50,7 +50,6 @@ static void answer(struct answer *a, const struct dt_shapes *shapes)
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct quality_job *j = (struct quality_job *)job;
-    (void)s;
     if (job_succeeded(job, a))
         answer(a, &j->shapes);
 }

@@ -137,7 +137,6 @@ void cmd_edges(struct server *s, struct dataset *set, const struct request *q, s
 void cmd_hull(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct tail t = read_tail(q);
-    (void)s;
     if (t.n > 2 || t.binary)
         answer_usage(a);
     else
@@ -190,7 +189,6 @@ static void answer_body(struct server *s, struct dataset *set, enum row_form for
 
 void cmd_locateb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)q;
     answer_body(s, set, ROW_TRIANGLE, 3, a);
 }
 

@@ -94,7 +94,6 @@ static const char *const missing[] = {"nan", "skip", NULL};
 
 static bool check_step(struct answer *a, const struct word *w, const void *value)
 {
-    (void)w;
     return *(const double *)value > 0 || answer_err(a, ERR_RANGE, "a step is greater than 0");
 }
 

@@ -77,7 +77,6 @@ static void run(struct job *j)
 static void end(struct server *s, struct job *j, struct answer *a)
 {
     struct trace *t = (struct trace *)j;
-    (void)s;
     if (job_succeeded(j, a)) {
         reply_ok(a->out, t->count);
         reply_end(a->out);
@@ -88,7 +87,6 @@ static void end(struct server *s, struct job *j, struct answer *a)
 
 void cmd_trace(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)q;
     if (set->current->sum.points > LIMIT_TRACE_POINTS) {
         answer_err(a, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
         return;

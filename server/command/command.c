@@ -294,7 +294,6 @@ void command_take_timeout(struct request *q, int64_t *ms)
 /* Runs only if the prefix is not valid; see command_take_timeout. */
 void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)set;
     answer_err(a, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
                LIMIT_TIMEOUT_S);
     command_skip_body(s, q, a);

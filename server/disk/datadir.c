@@ -318,7 +318,6 @@ static int make_aside(const struct datadir *d, const struct datafile *f, char na
 static int make_file(const struct datadir *d, const struct datafile *f, const char *name)
 {
     enum { FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC };
-    (void)f;
     return openat(d->fd, name, FLAGS, 0600);
 }
 

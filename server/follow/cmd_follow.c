@@ -74,7 +74,6 @@ void cmd_follow(struct server *s, struct dataset *set, const struct request *q, 
     uint32_t port;
     bool none = q->n == 2 && word_is(&q->word[1], "NONE");
     bool confirmed = q->n == 4 && word_is(&q->word[3], "CONFIRM");
-    (void)set;
     if (!none && q->n != 3 && !confirmed)
         answer_usage(a);
     else if (!check_data(s, a))
@@ -96,7 +95,6 @@ void cmd_sync(struct server *s, struct dataset *set, const struct request *q, st
 {
     struct session *who = clients_asker(s, a);
     struct position from;
-    (void)set;
     if (!history_read(q->word[1].text, q->word[1].len, &from.history) ||
         !proto_read_u64(q->word[2].text, q->word[2].len, &from.lsn) || q->word[3].len != 16 ||
         !proto_read_hex(q->word[3].text, 16, &from.digest)) {
@@ -131,7 +129,6 @@ void cmd_wait(struct server *s, struct dataset *set, const struct request *q, st
     struct session *who = clients_asker(s, a);
     uint32_t followers;
     double seconds;
-    (void)set;
     if (!read_count(a, &q->word[1], "a number of followers", &followers))
         return;
     if (!proto_read_double(q->word[2].text, q->word[2].len, &seconds) || !(seconds >= 0) ||

@@ -26,7 +26,6 @@ static void on_event(struct source *source, uint32_t events)
 {
     struct follower *f = (struct follower *)source;
     eventfd_t count;
-    (void)events;
     eventfd_read(source->fd, &count);
     follower_hear(f);
     follower_take_answer(f);

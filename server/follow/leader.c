@@ -167,7 +167,6 @@ static void on_event(struct source *source, uint32_t events)
 {
     struct leader *l = (struct leader *)source;
     eventfd_t count;
-    (void)events;
     eventfd_read(source->fd, &count);
     remove_ended(l->server);
     save_for_followers(l->server);

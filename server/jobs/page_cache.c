@@ -37,7 +37,6 @@ static void run_release(struct job *j)
 
 static void end_release(struct server *s, struct job *j, struct answer *a)
 {
-    (void)j, (void)a;
     s->releasing = false;
 }
 
@@ -72,7 +71,6 @@ static void prepare_next(struct server *s);
 
 static void end_prepare(struct server *s, struct job *j, struct answer *a)
 {
-    (void)a;
     s->preparing = false;
     if (((struct prepare *)j)->done > 0 && !s->stopping)
         prepare_next(s);

@@ -16,7 +16,6 @@ static void run_triangulate(struct job *j)
 
 static void end_triangulate(struct server *s, struct job *j, struct answer *a)
 {
-    (void)a;
     j->set->loading = false;
     if (j->status != DT_OK && !s->stopping)
         notice_error("the set %s could not be triangulated again: out of memory", j->set->name);

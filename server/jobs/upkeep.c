@@ -15,7 +15,6 @@ static void run_refresh(struct job *j)
 /* The request that a worker has kept waiting is carried out now. */
 static void end_upkeep(struct server *s, struct job *j, struct answer *a)
 {
-    (void)s;
     if (job_succeeded(j, a) && j->queued_ns > 0)
         answer_again(a);
 }
@@ -100,7 +99,6 @@ static void run_grid(struct job *j)
 /* Cancelled: the next search that needs a grid builds it. */
 static void end_grid(struct server *s, struct job *j, struct answer *a)
 {
-    (void)s, (void)a;
     dt_renewal_free(((struct grid *)j)->fresh);
 }
 

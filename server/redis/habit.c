@@ -17,7 +17,6 @@ void redis_time(struct server *s, const struct request *q, struct answer *a)
 {
     struct timespec t;
     char text[32];
-    (void)s, (void)q;
     clock_gettime(CLOCK_REALTIME, &t);
     resp_array(a->out, 2);
     snprintf(text, sizeof text, "%" PRId64, (int64_t)t.tv_sec);
@@ -29,7 +28,6 @@ void redis_time(struct server *s, const struct request *q, struct answer *a)
 /* Makes the connection like a new one, except that it still watches the sets that it watches. */
 void redis_reset(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)q;
     a->client = (struct client){.role = auth_initial_role(&s->auth)};
     client_set_name(s, a, &(struct word){"", 0});
     redis_simple(a, "+RESET");
@@ -88,7 +86,6 @@ static void put_leader(const struct server *s, struct answer *a)
 
 void redis_role(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)q;
     if (s->follows) {
         put_leader(s, a);
         return;
@@ -105,7 +102,6 @@ void redis_role(struct server *s, const struct request *q, struct answer *a)
 
 void redis_latency(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
     if (q->n >= 2 && (word_is(&q->word[1], "LATEST") || word_is(&q->word[1], "HISTORY")))
         resp_array(a->out, 0);
     else if (q->n >= 2 && word_is(&q->word[1], "HISTOGRAM"))
@@ -118,7 +114,6 @@ void redis_latency(struct server *s, const struct request *q, struct answer *a)
 
 void redis_module(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
     if (q->n == 2 && word_is(&q->word[1], "LIST"))
         resp_array(a->out, 0);
     else

@@ -35,7 +35,6 @@ struct dataset *redis_find(struct server *s, const struct word *name)
 
 void redis_dbsize(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)q;
     redis_integer(a, (int64_t)s->sets.sets);
 }
 
@@ -147,7 +146,6 @@ static void add_name(struct dataset *set, void *ctx)
 static bool list_names(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
     enum { BUCKETS_A_PIECE = 512 };
-    (void)end;
     int left = BUCKETS_A_PIECE;
     do
         *at = registry_scan(&s->sets, (size_t)*at, add_name, rows);

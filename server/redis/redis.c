@@ -14,7 +14,6 @@
 
 static void ping(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
     if (q->n == 2)
         resp_bulk(a->out, q->word[1].text, q->word[1].len);
     else
@@ -23,13 +22,11 @@ static void ping(struct server *s, const struct request *q, struct answer *a)
 
 static void echo(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
     resp_bulk(a->out, q->word[1].text, q->word[1].len);
 }
 
 static void select_db(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s;
     if (q->n == 2 && word_is(&q->word[1], "0"))
         redis_simple(a, "+OK");
     else

@@ -99,7 +99,6 @@ static void add_seconds(struct facts *f, const char *key, const struct timeval *
 static void add_cpu(struct server *s, struct facts *f)
 {
     struct rusage used;
-    (void)s;
     getrusage(RUSAGE_SELF, &used);
     add_seconds(f, "used_cpu_sys", &used.ru_stime);
     add_seconds(f, "used_cpu_user", &used.ru_utime);
@@ -132,7 +131,6 @@ static void add_commandstats(struct server *s, struct facts *f)
 
 static void add_cluster(struct server *s, struct facts *f)
 {
-    (void)s;
     facts_add(f, "cluster_enabled", 0);
 }
 

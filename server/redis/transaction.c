@@ -3,7 +3,6 @@
 
 void redis_multi(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s, (void)q;
     if (a->client.multi)
         redis_error(a, "ERR MULTI calls can not be nested");
     else
@@ -13,7 +12,6 @@ void redis_multi(struct server *s, const struct request *q, struct answer *a)
 
 void redis_exec(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s, (void)q;
     redis_error(a, a->client.multi
                        ? "EXECABORT there are no transactions: nothing was carried out; send the "
                          "commands without MULTI and EXEC (redis-py: pipeline(transaction=False))"
@@ -23,7 +21,6 @@ void redis_exec(struct server *s, const struct request *q, struct answer *a)
 
 void redis_discard(struct server *s, const struct request *q, struct answer *a)
 {
-    (void)s, (void)q;
     if (a->client.multi)
         redis_simple(a, "+OK");
     else

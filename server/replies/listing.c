@@ -76,7 +76,6 @@ static void end_sorting(struct server *s, struct job *j, struct answer *a)
 {
     struct sorting *it = (struct sorting *)j;
     struct listing *l = it->listing;
-    (void)a;
     l->rows = it->rows;
     l->rows.text.failed |= j->status != DT_OK;
     l->phase = SENDING;
@@ -190,7 +189,6 @@ static bool refill(struct server *s, struct stream *st, struct answer *a)
 
 static void clear(struct server *s, struct stream *st)
 {
-    (void)s;
     buf_free(&((struct listing *)st)->rows.text);
 }
 

@@ -47,7 +47,6 @@ static void run_job(struct job *job)
 static void end_job(struct server *s, struct job *job, struct answer *a)
 {
     struct volume_job *j = (struct volume_job *)job;
-    (void)s;
     if (!job_succeeded(job, a))
         return;
     reply_ok(a->out, 0);

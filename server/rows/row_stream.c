@@ -142,11 +142,11 @@ static void end_work(struct server *s, struct row_stream *st)
     stream_job_ended(s, &st->stream);
 }
 
+/* The job is never refused. */
 static void end_making(struct server *s, struct job *j, struct answer *a)
 {
     struct making *m = (struct making *)j;
     struct row_stream *st = m->stream;
-    (void)a; /* never refused */
     m->piece->job = NULL;
     m->piece->uncut = false;
     settle(st, m->piece);
@@ -203,7 +203,6 @@ static void end_copying(struct server *s, struct job *j, struct answer *a)
 {
     struct copying *c = (struct copying *)j;
     struct row_stream *st = c->stream;
-    (void)a;
     st->copying = NULL;
     st->rows.status = j->status;
     if (j->status == DT_OK) {

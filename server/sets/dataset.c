@@ -108,7 +108,6 @@ static bool admits_waiter(const struct request_queue *q, const struct waiter *w)
 
 static void discard_now(void *ctx, struct dt *dt)
 {
-    (void)ctx;
     dt_free(dt);
 }
 

@@ -30,7 +30,6 @@ int64_t clock_ms(void)
 static void on_wake(struct source *source, uint32_t events)
 {
     eventfd_t count;
-    (void)events;
     eventfd_read(source->fd, &count);
 }
 

@@ -91,7 +91,6 @@ void cmd_watch(struct server *s, struct dataset *set, const struct request *q, s
 void cmd_unwatch(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct session *who = clients_asker(s, a);
-    (void)q;
     bool watched = who != NULL && watch_end(who, set);
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "watched", watched);

@@ -30,7 +30,6 @@ struct turn {
 
 static void do_nothing(struct task *t)
 {
-    (void)t;
 }
 
 /* The next turn begins at once. */
@@ -42,7 +41,7 @@ static void continue_soon(struct server *s)
 
 static void wake(struct timer *t)
 {
-    (void)t; /* events are written at the end of every turn */
+    /* events are written at the end of every turn */
 }
 
 /* ---- the sets that a turn looks at ----
