@@ -182,25 +182,19 @@ static void forget(struct dt_facets *f, struct dt_facet *facet)
     facet->heaped = false;
 }
 
-void dt_facet_enter(struct dt_facets *f, uint32_t number)
-{
-    struct dt_facet *facet = &f->facet[number];
-    facet->heaped = false; /* it has no entry yet */
-    if (f->heap.n == f->heap.cap)
-        tidy_heap(f);
-    facet->heaped = true;
-    dt_heap_push(&f->heap, f->samples->v, (struct dt_heaped){facet->off, number, facet->worst});
-}
-
-/* The facet counts as it is now. */
+/* The facet, which has no entry of the heap yet, counts as it is now. */
 static void note(struct dt_facets *f, uint32_t number)
 {
     struct dt_facet *facet = &f->facet[number];
     const bool exceeds = facet->off > f->bound;
     f->items += facet->n;
     f->settled += exceeds ? 0 : facet->n;
-    if (exceeds)
-        dt_facet_enter(f, number);
+    if (!exceeds)
+        return;
+    if (f->heap.n == f->heap.cap)
+        tidy_heap(f);
+    facet->heaped = true;
+    dt_heap_push(&f->heap, f->samples->v, (struct dt_heaped){facet->off, number, facet->worst});
 }
 
 /* ---- worst points ---- */
@@ -327,7 +321,7 @@ enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_
                             struct dt_facet facet, struct dt_stop *stop)
 {
     enum dt_status status = DT_OK;
-    if (facet.n > 0 && !facet.rough && dt_plane_doubts(p, facet.off, f->bound))
+    if (facet.n > 0 && dt_plane_doubts(p, facet.off, f->bound))
         status = decide_list(f, base, p, &facet, stop);
     if (status != DT_OK)
         return status;
@@ -335,17 +329,6 @@ enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_
     f->facet[base / 8] = facet;
     note(f, base / 8);
     return DT_OK;
-}
-
-void dt_facet_measure(struct dt_facets *f, uint32_t number)
-{
-    struct dt_facet *facet = &f->facet[number];
-    if (!facet->rough)
-        return;
-    const struct dt_corners c = dt_facet_corners(f, 8 * number);
-    const struct dt_plane p = dt_plane_of(&c, f->samples->largest);
-    facet->off = dt_plane_off(&p, &f->samples->v[facet->worst]);
-    facet->rough = false;
 }
 
 void dt_facet_empty(struct dt_facets *f, uint32_t base)

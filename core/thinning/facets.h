@@ -26,8 +26,6 @@ struct dt_facet {
     uint32_t blocks; /* of which the first ones are blocks */
     uint32_t worst;  /* point; DT_NONE: there are none */
     bool heaped;     /* an entry of the heap is about it as it is */
-    /* the worst point is off by at most `off`, which is measured when the facet may be the next one */
-    bool rough;
 };
 
 enum { DT_HEAP_FACTOR = 2, DT_FACETS_GAPS = 64 };
@@ -80,12 +78,6 @@ bool dt_is_facet(const struct dt_facets *f, uint32_t base);
  * doubt is decided. DT_CANCELLED: nothing has changed. */
 enum dt_status dt_facet_set(struct dt_facets *f, uint32_t base, const struct dt_plane *p,
                             struct dt_facet facet, struct dt_stop *stop);
-
-/* Measures how far the worst point of a facet is off, if that is known roughly. */
-void dt_facet_measure(struct dt_facets *f, uint32_t number);
-
-/* An entry of the heap for a facet whose worst point is off by more than the bound. */
-void dt_facet_enter(struct dt_facets *f, uint32_t number);
 
 /* Whether the facet is still as it was when it got the entry. */
 static inline bool dt_facets_hold(const struct dt_facets *f, const struct dt_heaped *h)

@@ -277,27 +277,13 @@ static void begin_lists(struct dt_facets *f, struct dt_share *h)
     }
 }
 
-/* Whether it is enough to know roughly how far a point is off that alone may be the worst one of its sector. */
-static bool suffices(const struct dt_facets *f, struct dt_share *h, const struct dt_shared *only)
-{
-    struct dt_sector *s = &h->sector[only->sector];
-    const double most = (double)h->coarse.most[only->sector], per_value = f->samples->per_value;
-    const double error = 1.01 * (double)h->coarse.error[only->sector];
-    const double above = (most + error) / per_value, below = (most - error) / per_value;
-    s->rough = s->worst.point == DT_NONE &&
-               (below > f->bound + s->plane.doubt || above < f->bound - s->plane.doubt);
-    if (s->rough)
-        s->worst = (struct dt_worst){above, only->item, below};
-    return s->rough;
-}
-
 /* Writes the points of the sectors, and looks at those that may be the worst ones. */
 static void write_coarsely(struct dt_facets *f, struct dt_share *h)
 {
     const struct dt_sample *v = f->samples->v;
-    uint32_t end[DT_COARSE_SECTORS], candidates[DT_COARSE_SECTORS] = {0};
+    uint32_t end[DT_COARSE_SECTORS];
     float most[DT_COARSE_SECTORS];
-    size_t n = 0, left = 0;
+    size_t n = 0;
     for (uint32_t i = 0; i < h->sectors; i++) {
         end[i] = h->sector[i].first + h->sector[i].blocks;
         most[i] = h->coarse.most[i] - 2 * h->coarse.error[i];
@@ -308,16 +294,11 @@ static void write_coarsely(struct dt_facets *f, struct dt_share *h)
             continue;
         f->pool[end[of]++] = h->point[k];
         if (!(h->off[k] < most[of])) { /* also if it or the limit is nan */
-            candidates[of]++;
+            dt_fetch(&v[h->point[k].item]);
             h->block[n++] = (struct dt_shared){h->point[k].item, of};
         }
     }
-    for (size_t k = 0; k < n; k++)
-        if (candidates[h->block[k].sector] > 1 || !suffices(f, h, &h->block[k])) {
-            dt_fetch(&v[h->block[k].item]);
-            h->block[left++] = h->block[k];
-        }
-    for (size_t k = 0; k < left; k++) {
+    for (size_t k = 0; k < n; k++) {
         struct dt_sector *s = &h->sector[h->block[k].sector];
         const uint32_t item = h->block[k].item;
         dt_worst_add(&s->worst, v, item, dt_plane_off(&s->plane, &v[item]));
@@ -357,8 +338,7 @@ static enum dt_status share(struct dt_facets *f, struct dt_share *h, uint32_t ve
                                        .first = s->first,
                                        .n = s->n,
                                        .blocks = s->blocks,
-                                       .worst = s->worst.point,
-                                       .rough = s->rough};
+                                       .worst = s->worst.point};
         status = dt_facet_set(f, s->base, &s->plane, facet, stop);
     }
     return status;

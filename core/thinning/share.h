@@ -12,7 +12,6 @@ struct dt_sector {
     uint32_t base;       /* of its record */
     struct dt_plane plane;
     struct dt_worst worst;
-    bool rough;        /* the worst point is off by at most that */
     uint32_t first, n; /* its list: where it begins, items, */
     uint32_t blocks;   /* of which the first ones are blocks */
 };

@@ -132,14 +132,11 @@ static enum dt_status refine(struct thin *t)
 
 /* ---- the end ---- */
 
-static double largest_error(struct dt_facets *f)
+static double largest_error(const struct dt_facets *f)
 {
     double off = 0;
     for (uint32_t i = 0; i < f->facet_cap; i++)
-        if (f->facet[i].off > off) {
-            dt_facet_measure(f, i);
-            off = fmax(off, f->facet[i].off);
-        }
+        off = fmax(off, f->facet[i].off);
     return off;
 }
 

@@ -81,24 +81,12 @@ static void step(struct dt_facets *f)
         fetch_third(f, &h->next[THIRD]);
 }
 
-/* Whether the first entry is the worst one. A facet that is known roughly is measured, and gets another entry. */
-static bool is_worst(struct dt_facets *f)
-{
-    const struct dt_heaped e = f->heap.next[0];
-    if (!dt_facets_hold(f, &e))
-        return false;
-    dt_facet_measure(f, e.facet);
-    if (f->facet[e.facet].off != e.off)
-        dt_facet_enter(f, e.facet);
-    return f->facet[e.facet].off == e.off;
-}
-
 uint32_t dt_facets_worst(struct dt_facets *f)
 {
     const struct dt_heap *h = &f->heap;
     if (h->nexts == 0)
         step(f);
-    while (h->nexts > 0 && !is_worst(f))
+    while (h->nexts > 0 && !dt_facets_hold(f, &h->next[0]))
         step(f);
     return h->nexts > 0 ? h->next[0].facet : DT_NONE;
 }
