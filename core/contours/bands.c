@@ -296,10 +296,8 @@ static enum dt_status take_crossed(struct dt_bands *b, const struct dt *t, const
 static enum dt_status take(void *ctx, const struct dt *t, const uint32_t id[3], bool *whole)
 {
     struct dt_bands *b = ctx;
-    uint32_t p = dt_class(&b->read, id[0]), q = dt_class(&b->read, id[1]),
-             r = dt_class(&b->read, id[2]), first = p < q ? p : q, end = p > q ? p : q;
-    first = r < first ? r : first;
-    end = r > end ? r : end;
+    uint32_t first, end;
+    dt_classes_between(&b->read, id, &first, &end);
     if (end == DT_CLASS || (first == end && !dt_is_band(b, first)))
         return DT_OK;
     *whole = has_room(b);

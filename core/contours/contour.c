@@ -95,20 +95,6 @@ static struct crossing crossing_of(const struct dt_contour *c, const struct dt_c
     return r;
 }
 
-/* The levels first .. end - 1 are between the corners of the triangle. */
-static void levels_between(const struct dt_contour *c, const uint32_t *id, uint32_t *first,
-                           uint32_t *end)
-{
-    uint32_t a = dt_class(&c->read, id[0]), b = dt_class(&c->read, id[1]),
-             d = dt_class(&c->read, id[2]);
-    *first = a < b ? a : b;
-    *first = d < *first ? d : *first;
-    *end = a > b ? a : b;
-    *end = d > *end ? d : *end;
-    if (*end == DT_CLASS)
-        *end = *first;
-}
-
 /* Adds the crossings of a triangle, from the level c->sub on and while there are fewer than c->most. *whole: all of
  * them. */
 static enum dt_status cross(void *ctx, const struct dt *t, const uint32_t id[3], bool *whole)
@@ -116,8 +102,8 @@ static enum dt_status cross(void *ctx, const struct dt *t, const uint32_t id[3],
     struct dt_contour *c = ctx;
     struct dt_corner corner[3];
     uint32_t first, end;
-    levels_between(c, id, &first, &end);
-    if (first >= end)
+    dt_classes_between(&c->read, id, &first, &end);
+    if (first == end || end == DT_CLASS)
         return DT_OK;
     enum dt_status s = dt_reading_corners(t, &c->read, id, corner, 3);
     if (s != DT_OK || !dt_reading_is_short(&c->read, corner))

@@ -42,6 +42,18 @@ static inline uint32_t dt_class(const struct dt_reading *r, uint32_t id)
     return r->class[id] & DT_CLASS;
 }
 
+/* The least and the greatest class of the corners: the levels *first .. *end - 1 are between them, unless *end is DT_CLASS. */
+static inline void dt_classes_between(const struct dt_reading *r, const uint32_t id[3],
+                                      uint32_t *first, uint32_t *end)
+{
+    *first = *end = dt_class(r, id[0]);
+    for (int k = 1; k < 3; k++) {
+        uint32_t class = dt_class(r, id[k]);
+        *first = class < *first ? class : *first;
+        *end = class > *end ? class : *end;
+    }
+}
+
 /* Takes a triangle of ids, not a ghost; *whole is true, and becomes false to be called again with the same one. */
 typedef enum dt_status dt_take_triangle(void *ctx, const struct dt *t, const uint32_t id[3],
                                         bool *whole);

@@ -84,35 +84,26 @@ static int side_of(const struct dt_profile *p, uint32_t vertex)
     return dt_orient2d(p->p, p->q, vertex_at(p, vertex));
 }
 
-/* The piece ends before it comes to anything else. */
-static void arrive(struct dt_profile *p, uint32_t near)
+static void come_to(struct dt_profile *p, enum stage stage, uint32_t half)
 {
-    p->stage = AT_PLACE;
-    p->half = near;
+    p->stage = stage;
+    p->half = half;
 }
 
 /* The way comes to the vertex that the half edge leaves, unless it ends before or at the vertex. */
 static void come_to_vertex(struct dt_profile *p, uint32_t half)
 {
     struct dt_point at = vertex_at(p, dt_origin(mesh_of(p), half));
-    if (dt_compare_xy(at, p->q) != dt_compare_xy(p->p, p->q)) {
-        arrive(p, half);
-        return;
-    }
-    p->stage = AT_VERTEX;
-    p->half = half;
+    bool ends = dt_compare_xy(at, p->q) != dt_compare_xy(p->p, p->q);
+    come_to(p, ends ? AT_PLACE : AT_VERTEX, half);
 }
 
 /* The way comes to the edge, which the line through it crosses, unless it ends before or on the edge. */
 static void come_to_edge(struct dt_profile *p, uint32_t half)
 {
     const struct dt_mesh *m = mesh_of(p);
-    if (dt_orient2d(vertex_at(p, dt_origin(m, half)), vertex_at(p, dt_dest(m, half)), p->q) >= 0) {
-        arrive(p, half);
-        return;
-    }
-    p->stage = AT_EDGE;
-    p->half = half;
+    struct dt_point u = vertex_at(p, dt_origin(m, half)), w = vertex_at(p, dt_dest(m, half));
+    come_to(p, dt_orient2d(u, w, p->q) >= 0 ? AT_PLACE : AT_EDGE, half);
 }
 
 /* Goes on into the triangle beyond the edge. */
@@ -121,7 +112,7 @@ static void cross(struct dt_profile *p, uint32_t half)
     const struct dt_mesh *m = mesh_of(p);
     uint32_t twin = dt_twin(m, half), apex = dt_apex_of(m, twin);
     if (apex == DT_NONE) {
-        arrive(p, half);
+        come_to(p, AT_PLACE, half);
         return;
     }
     int side = side_of(p, apex);
@@ -149,7 +140,7 @@ static enum dt_status leave_vertex(struct dt_profile *p, uint32_t half)
         come_to_edge(p, next);
         break;
     case DT_MARCH_OUT:
-        arrive(p, half);
+        come_to(p, AT_PLACE, half);
         break;
     }
     return DT_OK;
@@ -198,7 +189,7 @@ static void come_to_hull_vertex(struct dt_profile *p, uint32_t half)
     if (dt_compare_xy(p->p, at) == dt_compare_xy(p->p, p->q))
         come_to_vertex(p, half);
     else
-        arrive(p, half);
+        come_to(p, AT_PLACE, half);
 }
 
 /* Goes on from a place outside. The ghost lies beyond an edge a->b that the place sees, if it sees the ghost's side of it:
@@ -215,20 +206,18 @@ static enum dt_status enter(struct dt_profile *p, uint32_t ghost)
         uint32_t a = dt_origin(m, g), b = dt_dest(m, g);
         bool visible = dt_orient2d(vertex_at(p, a), vertex_at(p, b), p->p) > 0;
         int right = -side_of(p, a), left = side_of(p, b);
-        if (!visible)
-            arrive(p, g);
+        if (!visible || (right < 0 && left < 0))
+            come_to(p, AT_PLACE, g);
         else if (right == 0 || left == 0)
             come_to_hull_vertex(p, right == 0 ? g : dt_next(g));
         else if (right > 0 && left > 0)
             come_to_edge(p, g);
-        else if (right < 0 && left < 0)
-            arrive(p, g);
         else if (turned == 0 || turned == left) {
             turned = left;
             g = dt_hull_step(m, g, left < 0);
             continue;
         } else
-            arrive(p, g);
+            come_to(p, AT_PLACE, g);
         return DT_OK;
     }
     return status;
@@ -245,7 +234,7 @@ static enum dt_status enter_line(struct dt_profile *p, uint32_t ghost)
         return DT_OK;
     }
     if (p_side * q_side >= 0) {
-        arrive(p, ghost);
+        come_to(p, AT_PLACE, ghost);
         return DT_OK;
     }
     struct dt_point at = dt_crossing_place(&(struct dt_segment){.p = p->p, .q = p->q},
@@ -261,7 +250,7 @@ static enum dt_status enter_line(struct dt_profile *p, uint32_t ghost)
 static void pass_alone(struct dt_profile *p)
 {
     const struct dt_mesh *m = mesh_of(p);
-    arrive(p, DT_NONE);
+    come_to(p, AT_PLACE, DT_NONE);
     if (m->vertices != 1)
         return;
     struct dt_point at = vertex_at(p, m->alone);
@@ -360,7 +349,7 @@ static enum dt_status pass_vertex(struct dt_profile *p, struct dt_profile_row *r
     row->distance = distance_at(p, dt_double2_multiply(share_at(p, at), p->length));
     if (half != DT_NONE)
         return leave_vertex(p, half);
-    arrive(p, half);
+    come_to(p, AT_PLACE, half);
     return DT_OK;
 }
 
