@@ -1,4 +1,4 @@
-/* hints.c - the grid's memory, the way to cells that are not empty, and hints while the mesh changes; see hints.h. */
+/* hints.c - the grid's memory, and hints while the mesh changes; see hints.h. */
 #include "core/hints/hints.h"
 
 void dt_hints_clear(struct dt_hints *g)
@@ -11,20 +11,6 @@ void dt_hints_clear(struct dt_hints *g)
 size_t dt_hints_memory(const struct dt_hints *g)
 {
     return g->grid_cap * sizeof *g->grid + g->cell_cap * sizeof *g->cell;
-}
-
-uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction)
-{
-    const struct dt_hint_grid *top = g->grid;
-    uint32_t at = dt_hint_cell(top, q), column = at % top->nx, row = at / top->nx;
-    uint32_t cells[4] = {top->ny - 1 - row, row, column, top->nx - 1 - column};
-    uint32_t step[4] = {top->nx, 0 - top->nx, 0 - 1u, 1};
-    for (uint32_t n = cells[direction & 3]; n > 0; n--) {
-        at += step[direction & 3];
-        if ((g->cell[at] & DT_HINT_LENT) != DT_HINT_LENT)
-            return dt_hint_in(g, g->cell[at], q);
-    }
-    return DT_NONE;
 }
 
 /* ---- the cell of a place ---- */

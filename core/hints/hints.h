@@ -130,10 +130,6 @@ static inline void dt_hint_fetch_cells(const struct dt_hints *g, struct dt_point
     dt_fetch((const void *)(at + row));
 }
 
-/* Another one: from the first cell that is not empty on the way from q's cell in one of four directions; DT_NONE if
- * there is none. Cost: the number of cells passed. */
-uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
-
 /* ---- while the mesh changes ----
  *
  * Edits update only the cell at their place, so any other cell may point to a record that is dead or reused

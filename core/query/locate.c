@@ -169,19 +169,13 @@ bool dt_walk_within(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
 }
 
 /* The walk from the nearest hint was long: many thin triangles lie across its way, as within a circle of points
- * with nothing inside. From one of four other hints it may be short; otherwise it continues from where it was,
- * for a while, and then from the best of a sample. */
+ * with nothing inside. It continues from where it was, for a while, and then from the best of a sample. */
 static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *xy,
-                                const struct dt_hints *hints, struct dt_point q, uint32_t *half)
+                                struct dt_point q, uint32_t *half)
 {
     enum dt_where where;
-    uint32_t far = *half, steps = dt_jump_samples(m->tri_end);
-    for (unsigned direction = 0; direction < 4; direction++) {
-        uint32_t h = dt_hint_beyond(hints, q, direction), few = PATIENCE;
-        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, NULL, h, q, &few, &where, half))
-            return where;
-    }
-    if (walk_plane(m, xy, NULL, far, q, &steps, &where, half))
+    uint32_t steps = dt_jump_samples(m->tri_end);
+    if (walk_plane(m, xy, NULL, *half, q, &steps, &where, half))
         return where;
     return dt_walk(m, xy, dt_jump_triangle(m, xy, *half, q), q, half);
 }
@@ -215,7 +209,7 @@ static inline enum dt_where find(const struct dt *t, uint32_t near, const uint32
         return walk_line(m, xy, h, q, half);
     bool arrived = walk_plane(m, xy, id, h, q, &left, &where, half);
     *steps = arrived ? PATIENCE - left : 4 * PATIENCE;
-    return arrived ? where : find_again(m, xy, hints, q, half);
+    return arrived ? where : find_again(m, xy, q, half);
 }
 
 enum dt_where dt_find_counting(const struct dt *t, struct dt_point q, uint32_t *half,
