@@ -147,10 +147,10 @@ export class Mesh {
   eachTriangleIn([x0, y0, x1, y1], found) {
     const { corners, triangles, xy } = this;
     for (let k = 0; k < 3 * triangles; k += 3) {
-      const [a, b, c] = [corners[k], corners[k + 1], corners[k + 2]];
-      const [ax, bx, cx] = [xy[2 * a], xy[2 * b], xy[2 * c]];
+      const a = corners[k], b = corners[k + 1], c = corners[k + 2];
+      const ax = xy[2 * a], bx = xy[2 * b], cx = xy[2 * c];
       if ((ax < x0 && bx < x0 && cx < x0) || (ax > x1 && bx > x1 && cx > x1)) continue;
-      const [ay, by, cy] = [xy[2 * a + 1], xy[2 * b + 1], xy[2 * c + 1]];
+      const ay = xy[2 * a + 1], by = xy[2 * b + 1], cy = xy[2 * c + 1];
       if ((ay < y0 && by < y0 && cy < y0) || (ay > y1 && by > y1 && cy > y1)) continue;
       found(a, b, c);
     }
@@ -186,7 +186,7 @@ export class Mesh {
     const removed = new Map();
     let kept = 0;
     for (let k = 0; k < 3 * this.triangles; k += 3) {
-      const [a, b, c] = [corners[k], corners[k + 1], corners[k + 2]];
+      const a = corners[k], b = corners[k + 1], c = corners[k + 2];
       if (isAt[a] || isAt[b] || isAt[c]) {
         removed.set(keyOf(a, b, c), [a, b, c]);
       } else {
