@@ -35,7 +35,7 @@ $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 
 # The parts run beside each other, those that take longest first; two more than there are processors, because those about followers mostly
 # wait. The output of each is kept together. Each starts daemons of its own, and prints what failed and a line that counts.
-INTEROP := cgal followers python surfaces clients follow_1 follow_2 same node upgrade conversations metrics
+INTEROP := cgal followers python surfaces clients follow_1 follow_2 same node rolling_upgrade netcat_and_redis metrics
 
 .PHONY: interop_needs $(INTEROP:%=interop_%)
 interop:
@@ -48,7 +48,7 @@ interop_needs:
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - && \
 	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import shapely; import geopandas; import distributed; import pip; import pytest; import prometheus_client')
 
-$(foreach p,cgal surfaces python clients conversations upgrade followers,interop_$(p)): interop_%:
+$(foreach p,cgal surfaces python clients netcat_and_redis rolling_upgrade followers,interop_$(p)): interop_%:
 	@echo "== $*"; tests/interop/$*.sh $(O)
 
 interop_cgal: $(addprefix $(O)/interop/,compare constrained small_sets surfaces)

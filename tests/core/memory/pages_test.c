@@ -5,7 +5,7 @@
 
 #include "core/memory/memory.h"
 #include "core/memory/pages.h"
-#include "tests/core/remap.h"
+#include "tests/core/memory/mremap_shim.h"
 #include "tests/core/sets.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"

@@ -1,4 +1,4 @@
-/* format_test.c - files that earlier releases wrote can be read. tests/data/README.md describes how
+/* earlier_formats_test.c - files that earlier releases wrote can be read. tests/data/README.md describes how
  * each directory was created. */
 #include "proto/records/record.h"
 #include "tests/server/directory.h"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Starts a daemon and replays the conversations of tests/interop/scripts with netcat, and others with redis-cli and redis-benchmark.
 #
-#     conversations.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
+#     netcat_and_redis.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh" "$1"
 
 # Times and versions of sets vary, and so may the message after an error's code; comments may precede the reply to a slow request.

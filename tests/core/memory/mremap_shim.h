@@ -1,4 +1,4 @@
-/* remap.h - simulates mremap of other systems, or of one where it fails: the test binary redirects
+/* mremap_shim.h - simulates mremap of other systems, or of one where it fails: the test binary redirects
  * it here. If a call fails after it has unmapped its target, another thread immediately maps its
  * own memory there, which no other thread may write to or unmap. */
 #pragma once

@@ -1,4 +1,4 @@
-/* protocol_test.c - proto/PROTOCOL.md is correct: its transcripts are replayed with a real daemon, and it
+/* transcripts_test.c - proto/PROTOCOL.md is correct: its transcripts are replayed with a real daemon, and it
  * leaves out no command and no error. Its section 9 describes the format of the transcripts. */
 #include <ctype.h>
 #include <poll.h>

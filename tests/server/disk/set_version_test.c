@@ -1,4 +1,4 @@
-/* version_test.c - the versions of sets, as clients see them: they grow with every change, survive restarts, and are
+/* set_version_test.c - the versions of sets, as clients see them: they grow with every change, survive restarts, and are
  * never used twice. */
 #include "tests/server/directory.h"
 #include "tests/test.h"

@@ -1,5 +1,5 @@
-/* remap.c - see remap.h. */
-#include "tests/core/remap.h"
+/* mremap_shim.c - see mremap_shim.h. */
+#include "tests/core/memory/mremap_shim.h"
 
 #include <errno.h>
 #include <stdarg.h>

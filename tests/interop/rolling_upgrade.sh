@@ -2,7 +2,7 @@
 # A rolling upgrade of a leader and a follower, as the manual describes it, with two builds. One is this build, the other has the
 # same sources, but its files have the next version of the format.
 #
-#     upgrade.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
+#     rolling_upgrade.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 . "$(dirname "$0")/common.sh"
 
 # Objects that do not depend on the version of the format need not be compiled again, the others without optimisation.
