@@ -1,7 +1,4 @@
-/* cmd_build.c - TRIANGULATE, CHECK and DIGEST: jobs that read every point of a set.
- *
- * Single flight: a request that had to wait for a job which did the same gets the result of that job, unless the set has
- * changed since. */
+/* cmd_build.c - TRIANGULATE, CHECK and DIGEST: jobs that read every point of a set. */
 #include "server/command/command.h"
 
 #include "server/command/options.h"
@@ -79,15 +76,15 @@ static void answer_triangulation(struct answer *a, const struct dataset *set, do
 }
 
 /* Keeps the result of the job for requests that have waited for it; there are none if it was done at once. */
-static void keep_result(const struct job *j, struct dataset_result *r)
+static void keep_result(const struct job *j, struct single_flight *r)
 {
     const struct build *b = (const struct build *)j;
     if (j->queued_ns > 0 || b->beside)
-        *r = (struct dataset_result){.ended_ns = clock_ns(),
-                                     .version = j->set->version,
-                                     .ms = b->ms,
-                                     .method = j->options.method,
-                                     .rebuilt = j->options.rebuild};
+        *r = (struct single_flight){.ended_ns = clock_ns(),
+                                    .version = j->set->version,
+                                    .ms = b->ms,
+                                    .method = j->options.method,
+                                    .rebuilt = j->options.rebuild};
 }
 
 static void finish_triangulation(struct server *s, struct job *j, struct answer *a)
@@ -109,9 +106,9 @@ static void end_triangulate(struct server *s, struct job *j, struct answer *a)
 
 /* Whether the request waited for that result. */
 static bool waited_for(struct server *s, const struct answer *a, const struct dataset *set,
-                       const struct dataset_result *r)
+                       const struct single_flight *r)
 {
-    bool waited = a->since_ns != 0 && a->since_ns < r->ended_ns && r->version == set->version;
+    bool waited = single_flight_serves(r, a->since_ns, set->version);
     s->count.shared += waited;
     return waited;
 }
@@ -157,7 +154,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
 {
     static const char *const names[] = {"AUTO", "SHELLING", "DIVIDE", NULL};
     static const struct option option = {"METHOD", OPTION_CHOICE, .names = names};
-    const struct dataset_result *r = &set->triangulation;
+    const struct single_flight *r = &set->triangulation;
     enum dt_method method = DT_AUTO;
     if (!options_read(a, q, 2, set, &option, 1, ~0u, &method))
         return;

@@ -13,7 +13,7 @@
  * do not wait for them.
  *
  * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
- * are in a queue (queue.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
+ * in a queue (queue.h). If a worker edits in place, `exclusive` is set too, and readers also wait in the queue. A reactor
  * must not wait at the gate for as long as such an edit takes, and the edit counts only when a reactor has ended the job. */
 #pragma once
 
@@ -21,6 +21,7 @@
 #include "proto/request.h"
 #include "server/sets/budget.h"
 #include "server/sets/queue.h"
+#include "server/sets/single_flight.h"
 #include "server/system/gate.h"
 
 struct version {
@@ -36,15 +37,6 @@ struct version {
     atomic_bool asked;
 };
 
-/* The result of a job on a set, for requests that waited for it. */
-struct dataset_result {
-    int64_t ended_ns; /* 0: there is none */
-    uint64_t version; /* of the set */
-    double ms;        /* that it took */
-    enum dt_method method;
-    bool rebuilt; /* although it was current */
-};
-
 struct dataset {
     struct list_link expiring; /* first: in registry.expiring_sets, if expires_ms is not 0 */
     struct dataset *next;      /* in its bucket */
@@ -52,7 +44,7 @@ struct dataset {
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
     uint64_t version;   /* after its last change, as clients see it (registry_version) */
-    struct dataset_result triangulation, proof; /* the last TRIANGULATE and CHECK */
+    struct single_flight triangulation, proof; /* the last TRIANGULATE and CHECK */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
     bool triangulated;             /* the log has a TRIANGULATE of it (with --data) */
