@@ -216,8 +216,9 @@ static bool is_inside(const struct mask *k, const struct dt_place *p)
 static void mark_by_places(struct mask *k, uint64_t cells)
 {
     struct dt_place place[DT_AHEAD];
-    for (uint64_t from = 0, n; from < cells && !dt_stopped(&k->stop); from += n) {
-        n = cells - from < DT_AHEAD ? cells - from : DT_AHEAD;
+    size_t n;
+    for (uint64_t from = 0; from < cells && !dt_stopped(&k->stop); from += n) {
+        n = cells - from < DT_AHEAD ? (size_t)(cells - from) : DT_AHEAD;
         for (size_t i = 0; i < n; i++)
             place[i].at = dt_raster_centre(k->r, from + i);
         dt_walk_to_places(k->t, place, n, DT_PLACE_READ);
