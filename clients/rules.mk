@@ -112,7 +112,7 @@ WASM_CC      ?= clang-14
 WASM_SOURCES := clients/js/wasm/doors.c core/memory/plain/pages.c \
                 $(filter-out core/memory/pages.c core/arrays/% core/tiles/%,$(wildcard core/*/*.c))
 WASM_SMALL   := $(filter $(addprefix core/constraints/,constraints.c crossings.c declared.c history.c regions.c regions_find.c regions_find_one.c) core/shelling/% core/set/view% core/set/before_images.c core/set/check.c core/exact/bignum.c \
-                  core/edit/constrain.c core/edit/polygon.c core/edit/edit_constrained.c core/edit/remove_fixed.c core/edit/memory_bounds.c core/edit/restore.c \
+                  core/edit/constrain.c core/edit/polygon.c core/edit/triangulate.c core/hints/hints_plan.c core/edit/edit_constrained.c core/edit/remove_fixed.c core/edit/memory_bounds.c core/edit/restore.c \
                   core/triangle/% core/contours/levels.c core/exact/degrees.c core/exact/sum.c core/surface/alpha.c core/surface/outside.c core/surface/smooth.c core/surface/weights.c core/fields/column.c core/edit/edit.c core/points/aliases.c core/query/sweep.c core/query/nearest_fixed.c core/edit/remove_large.c core/set/hints_rebuild.c,$(WASM_SOURCES))
 WASM_FLAGS   := --target=wasm32-wasi -DNDEBUG -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -std=c11 -D_GNU_SOURCE -ffp-contract=off -I. $(filter-out -Wmissing-prototypes,$(WARNINGS))
 WASM_LINK    := -mexec-model=reactor -nostartfiles -Wl,--no-entry,--gc-sections,--strip-all,--export=malloc,--export=free \
