@@ -52,7 +52,7 @@ struct dt_volume {
     struct dt_point lo, hi; /* of the box, if clipped */
     enum stage stage;
     double *height; /* owns `room`: scaled; by vertex, but by id for the table */
-    uint32_t room, from;
+    uint32_t ids, room, from;
     struct dt_wide_sum above, below, area; /* six times the volumes, scaled; twice the area */
 };
 
@@ -91,7 +91,9 @@ enum dt_status dt_volume_begin(const struct dt *t, const struct dt_view *view,
     v->minus = minus;
     v->scale = scale_for(field, minus, level);
     v->level = level * v->scale;
-    v->room = view == NULL ? t->points.next_id : dt_view_next_id(view);
+    v->ids = view == NULL ? t->points.next_id : dt_view_next_id(view);
+    /* points that were taken back have given their ids back, but not their vertices */
+    v->room = t->points.end > v->ids ? t->points.end : v->ids;
     v->height = malloc(v->room * sizeof *v->height + 1);
     enum dt_status s = v->height == NULL ? DT_NOMEM : dt_pass_begin(&v->pass, t, view);
     if (s != DT_OK) {
@@ -135,7 +137,7 @@ static void read_some(struct dt_volume *v, const uint32_t *id, uint32_t n)
 static void read_heights(const struct dt *t, struct dt_volume *v)
 {
     bool by_id = v->pass.tabled;
-    uint32_t all = by_id ? v->room : t->points.end, id[SOME];
+    uint32_t all = by_id ? v->ids : t->points.end, id[SOME];
     for (uint32_t done = 0; done < PIECE && v->from < all; done += SOME) {
         uint32_t n = all - v->from < SOME ? all - v->from : SOME;
         for (uint32_t i = 0; i < n; i++)

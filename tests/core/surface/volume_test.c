@@ -1,4 +1,5 @@
 /* volume_test.c - volumes beside exact rational numbers, and equal bytes in any order. */
+#include "core/delaunay_constraints.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/bignum.h"
 #include "tests/core/sets.h"
@@ -83,6 +84,23 @@ TEST(volumes_between_two_fields_have_both_signs)
     CHECK(dt_field_set_run(t, "low", 3, 0, other, 5, NULL, &missing) == DT_OK);
     struct dt_volumes a = volumes_in(t, NULL, "low", 77), b = volumes_in(t, NULL, NULL, 1);
     CHECK(memcmp(&a, &b, sizeof a) == 0);
+    dt_free(t);
+}
+
+TEST(points_that_were_taken_back_count_for_nothing)
+{
+    enum { MORE = 1000 };
+    struct dt *t = peak(0, 3);
+    struct dt_point p[MORE];
+    struct dt_added added;
+    for (int i = 0; i < MORE; i++)
+        p[i] = (struct dt_point){(i % 40) * 0.1, (double)(i / 40) * 0.1 + 0.05};
+    CHECK(dt_add(t, p, MORE, &added) == DT_OK);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    dt_take_back(t, MORE);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    struct dt_volumes r = volumes_in(t, NULL, NULL, 0);
+    check_volumes(&r, 16, 0, 16);
     dt_free(t);
 }
 

@@ -24,6 +24,25 @@ static void triangulate(int fd)
     CHECK(strncmp(hear_line(fd), "OK 0 points=", 12) == 0);
 }
 
+/* A load that fails gives the ids of its points back, but their vertices stay. */
+TEST(volume_after_a_load_that_failed)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = raise_peak(&d);
+    triangulate(fd);
+    say(fd, "LOAD t PATHS\n");
+    for (int i = 0; i < 3000; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "%d.%03d 0.5\n%d.%03d 0.6\n\n", i / 1000, i % 1000, i / 1000,
+                 i % 1000);
+        say(fd, path);
+    }
+    say(fd, "0 1\n4 1\n\n1 0.9\n1 1.1\n.\n");
+    CHECK(strncmp(hear_line(fd), "ERR CROSSES ", 12) == 0);
+    converse(&d, "VOLUME t z\n", "OK 0 above=16 below=0 area=16\n");
+    daemon_stop(&d, SIGTERM);
+}
+
 #define USAGE                                                                                      \
     "ERR SYNTAX usage: VOLUME set field [LEVEL z | MINUS field] [INSIDE [k]] [MISSING nan|skip] "  \
     "[BOX x0 y0 x1 y1]\n"
