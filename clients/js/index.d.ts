@@ -7,7 +7,7 @@ import { Table } from './table';
 
 export { Constrainautor, Delaunator, Delaunay, LiveSet, Voronoi, earcut };
 
-/** Flat coordinates (x, y, x, y ...) or pairs. */
+/** Flat coordinates (x, y, x, y ...) or pairs; further coordinates of a point are not read. */
 export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;
 
 /** Ids, flat or as pairs. */

@@ -2,7 +2,7 @@
 'use strict';
 
 const { idBytes, line, numberOf, typedKeys, words } = require('./framing.js');
-const { column, pairs } = require('./points.js');
+const { column, idPairs, pairs } = require('./points.js');
 const { Table } = require('./table.js');
 const { checkField, checkSet, flag, inside, isTrue, list, option, real, whole } = require('./values.js');
 
@@ -31,7 +31,7 @@ class Constraints extends Table {
   /** Declares constraints between pairs of ids, flat or not, all or none: lines, or borders; number: of the line or polygon that they
    * belong to. Resolves with {added}. split: those that cross get points in common; then with {first, added, split, deviation}. */
   async constrain(set, ends, { border, number, split, ...options } = {}) {
-    const body = idBytes(pairs(ends));
+    const body = idBytes(idPairs(ends));
     const rest = [...whichWords({ border, number }), flag('SPLIT', split), body.length / 8];
     return typedKeys(await this._ask(['CONSTRAINB', checkSet(set), ...rest], options, body));
   }
@@ -55,7 +55,7 @@ class Constraints extends Table {
 
   /** Releases constraints, given as for constrain(), all or none; resolves with how many. */
   async release(set, ends, { border, number, ...options } = {}) {
-    const body = idBytes(pairs(ends));
+    const body = idBytes(idPairs(ends));
     return released(await this._ask(['RELEASEB', checkSet(set), whichWords({ border, number }), body.length / 8], options, body));
   }
 

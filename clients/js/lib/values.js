@@ -4,7 +4,7 @@
 
 const MOST_MS = 2 ** 31 - 1001; // timers take 2^31 - 1 milliseconds; a second is added to the limit of a request
 
-const shown = (value) => (typeof value === 'string' ? JSON.stringify(value) : String(value));
+const shown = (value) => (typeof value === 'string' ? JSON.stringify(value) : typeof value === 'bigint' ? `${value}n` : String(value));
 
 function checkSet(name) {
   if (typeof name === 'string' && /^[A-Za-z0-9_.:-]{1,64}$/.test(name)) return name;
@@ -22,10 +22,11 @@ function real(value) {
   return value;
 }
 
-/** A number without a fraction. */
+/** A number without a fraction, which may be a BigInt; -0 is 0. */
 function whole(value) {
-  if (!Number.isSafeInteger(real(value))) throw new RangeError(`${value} is not a whole number`);
-  return value;
+  const number = (typeof value === 'bigint' ? Number(value) : real(value)) + 0;
+  if (!Number.isSafeInteger(number)) throw new RangeError(`${shown(value)} is not a whole number`);
+  return number;
 }
 
 /** A word of a request. */

@@ -23,7 +23,7 @@ const BAD = {
     (v) => client.setField('t', 'z', [1], { first: v }), (v) => client.raster('t', 'z', [0, 0, 1, 1], v, 1), (v) => client.refine('t', { limit: v }),
     (v) => client.constraints('t', { ids: [v] }), (v) => client.wait(v, 0)],
 };
-const NO_NUMBERS = ['3', '', true, [1], {}, Symbol.iterator, 3n];
+const NO_NUMBERS = ['3', '', true, [1], {}, Symbol.iterator];
 
 describe('what methods take', () => {
   useDaemon((c) => {
@@ -45,15 +45,20 @@ describe('what methods take', () => {
     });
   }
 
-  test('an id has no fraction', async () => {
-    for (const ask of BAD['a whole number']) for (const value of [1.5, NaN, Infinity, 2 ** 53]) await refused(() => ask(value), RangeError, `${ask} of ${value}`);
+  test('a BigInt is no coordinate and no value', async () => {
+    for (const ask of BAD['a number']) await refused(() => ask(3n), { name: 'TypeError', message: '3n is not a number' }, `${ask}`);
+    await refused(() => client.load('t', BigUint64Array.of(1n, 2n)), TypeError);
   });
 
-  test('text is no list, and a point is a pair', async () => {
+  test('an id has no fraction', async () => {
+    for (const ask of BAD['a whole number']) for (const value of [1.5, NaN, Infinity, 2 ** 53, 2n ** 53n + 1n]) await refused(() => ask(value), RangeError, `${ask} of ${value}`);
+  });
+
+  test('text is no list, and a point has two coordinates', async () => {
     const lists = [(v) => client.delete('t', v), (v) => client.get('t', v), (v) => client.constrainPath('t', v), (v) => client.setField('t', 'z', v),
       (v) => client.contours('t', 'z', v), (v) => client.load('t', v), (v) => client.raster('t', 'z', v, 1, 1)];
     for (const ask of lists) for (const value of ['12', 12, null, {}, new DataView(new ArrayBuffer(16))]) await refused(() => ask(value), TypeError, `${ask}`);
-    for (const points of [[[1, 2, 3]], [[1]], [[[1, 2]]], [{ x: 1, y: 2 }], ['12'], [0, 1, 2]]) await refused(() => client.load('t', points), TypeError);
+    for (const points of [[[1]], [[[1, 2]]], [{ x: 1, y: 2 }], ['12'], ['1', '2'], [0, 1, 2], [[0, 1, 2], [3]]]) await refused(() => client.load('t', points), TypeError);
     for (const sides of [[0, 0, 1], [0, 0, 1, 1, 2], []]) await refused(() => client.areas('t', { box: sides }), RangeError);
   });
 
@@ -85,6 +90,30 @@ describe('what methods take', () => {
     const words = [(v) => client.triangulate('t', { method: v }), (v) => client.interpolate('t', 'z', [1, 1], { method: v }), (v) => client.backup(v)];
     for (const ask of words) for (const value of ['divide BINARY', '', 5, ['linear']]) await refused(() => ask(value), TypeError, `${ask} of ${value}`);
     for (const name of [['t'], 5, 't\n', '']) await refused(() => client.stat(name), TypeError);
+  });
+
+  test('further coordinates of a point are not read, as Delaunator does not', async () => {
+    const solid = [[0, 0, 7], [4, 0, '?'], Float64Array.of(4, 4, 7, 1), [0, 4]];
+    await client.load('solid', solid);
+    await client.loadPaths('solid', [[[1, 1, 7], [3, 1, 8]]]);
+    assert.deepEqual((await client.points('solid')).coords, Float64Array.of(0, 0, 4, 0, 4, 4, 0, 4, 1, 1, 3, 1));
+    const t = await Triangulation.from(solid, { client });
+    assert.equal(t.triangles.length, 6);
+    assert.deepEqual(LiveSet.from(solid).point(1), [4, 0]);
+  });
+
+  test('-0 and BigInts are ids', async () => {
+    await client.load('ids', square);
+    const first = [{ id: 0, x: 0, y: 0 }, { id: 1, x: 4, y: 0 }];
+    for (const ids of [[-0, 1], [0n, 1n], BigUint64Array.of(0n, 1n), BigInt64Array.of(0n, 1n), new Set([0n, 1])]) assert.deepEqual(await client.get('ids', ids), first);
+    await client.triangulate('ids');
+    for (const ends of [[0n, 4n], BigUint64Array.of(0n, 1n), [[1n, -0]], new Map([[1n, 2n]]), [-0, 3]]) await client.constrain('ids', ends, { number: 3n });
+    assert.deepEqual((await client.constraints('ids', { number: -0 })).ends.length, 0);
+    assert.deepEqual((await client.constraints('ids', { number: 3 })).ends, Uint32Array.of(0, 1, 0, 3, 0, 4, 1, 2));
+    assert.deepEqual(await client.nearestAll('ids', [0, 0], 1n), Uint32Array.of(0));
+    await refused(() => client.constrain('t', [0n, -1n]), RangeError);
+    await refused(() => client.constrain('t', BigUint64Array.of(0n, 2n ** 60n)), { name: 'RangeError', message: `${2n ** 60n}n is not a whole number` });
+    await refused(() => client.triangulate('t', { method: 0n }), { name: 'TypeError', message: '0n is not one word' });
   });
 
   test('what is left out may be undefined or null', async () => {
