@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Sequence, Tuple
 
 import numpy as np
 
-from ._values import doubles
+from ._values import doubles, known
 
 if TYPE_CHECKING:
     from ._types import ArrayLike, Floats, Ints, NDArray
@@ -70,7 +70,7 @@ def checked_segments(segments: ArrayLike) -> Ints:
 
 def checked_heights(z: ArrayLike, n: int) -> Floats:
     """Heights of n points, contiguous."""
-    heights: Floats = np.array(doubles(z))
+    heights: Floats = np.array(known(z))
     if heights.shape != (n,):
         raise ValueError("z must have the shape (n,): one height for each point")
     if np.isinf(heights).any():

@@ -33,10 +33,14 @@ def word(text: str) -> str:
 # ---- numbers ----
 
 
+def _scalar(value: Any) -> Any:
+    """The value of Python in a scalar of NumPy, or in an array without axes; other values as they are."""
+    return value.item() if getattr(value, "ndim", None) == 0 and not hasattr(value, "mask") else value
+
+
 def _number(value: Any) -> Any:
-    """A number of Python. A scalar of NumPy, or an array without axes, is the number in it."""
-    if getattr(value, "ndim", None) == 0 and not hasattr(value, "mask"):
-        value = value.item()
+    """A number of Python."""
+    value = _scalar(value)
     if isinstance(value, bool) or not isinstance(value, (Real, Decimal)):
         raise TypeError("%r is not a number" % (value,))
     return value
@@ -48,6 +52,11 @@ def real(value: Any) -> float:
     if isinstance(number, int) and abs(number) > _EXACT and int(float(number)) != number:
         raise ValueError("no double equals %d" % number)
     return float(number)
+
+
+def _known(value: Any) -> float:
+    """A value of a point: NaN or None where it is missing."""
+    return float("nan") if value is None else real(value)
 
 
 def whole(value: Any) -> int:
@@ -105,6 +114,7 @@ def option(keyword: Optional[str], value: Any, take: Callable[[Any], Any]) -> Tu
 
 def inside(value: Inside) -> Tuple[Word, ...]:
     """Inside the border of a number, or, if it is True, inside any border."""
+    value = _scalar(value)
     return flag("INSIDE", value) if isinstance(value, bool) else option("INSIDE", value, whole)
 
 
@@ -119,17 +129,19 @@ def little(numbers: array[Any]) -> array[Any]:
 
 
 def plain(values: Any) -> Any:
-    """An array of NumPy."""
+    """An array of NumPy, also from iterables that NumPy does not read: generators, sets, maps."""
     if isinstance(values, numpy.ma.MaskedArray) and numpy.ma.is_masked(values):  # type: ignore[no-untyped-call]
         raise ValueError("an array with masked values: fill it, or leave them out")
-    return numpy.asarray(values)
+    found: Any = numpy.asarray(values)
+    unread = found.ndim == 0 and found.dtype.kind == "O" and hasattr(found[()], "__iter__")
+    return numpy.asarray(each(found[()], _scalar)) if unread else found
 
 
-def doubles(values: Any, dtype: str = "f8") -> Any:
+def doubles(values: Any, dtype: str = "f8", take: Callable[[Any], float] = real) -> Any:
     """Numbers as a contiguous array of NumPy of doubles, in the order of bytes of `dtype`: the same memory if it is one. O(n)."""
     found: Any = plain(values)
     if found.dtype.kind == "O":
-        return numpy.array([real(value) for value in found.ravel()], dtype).reshape(found.shape)
+        return numpy.array([take(value) for value in found.ravel()], dtype).reshape(found.shape)
     if found.dtype.kind not in "fiu":
         raise TypeError("an array of %s has no numbers" % found.dtype)
     if found.dtype.kind in "iu" and found.itemsize == 8 and found.size > 0:
@@ -138,24 +150,29 @@ def doubles(values: Any, dtype: str = "f8") -> Any:
     return numpy.ascontiguousarray(found, dtype).reshape(found.shape)
 
 
+def known(values: Any, dtype: str = "f8") -> Any:
+    """The same of values of points: NaN or None where one is missing."""
+    return doubles(values, dtype, _known)
+
+
 def _bytes(numbers: Any) -> memoryview:
     return memoryview(numbers).cast("B") if len(numbers) > 0 else memoryview(b"")
 
 
 def column(values: Any) -> Tuple[memoryview, int]:
-    """Numbers as little-endian doubles, and how many."""
+    """Values of points as little-endian doubles, and how many."""
     if numpy is not None:
-        a: Any = doubles(values, "<f8")
+        a: Any = known(values, "<f8")
         if a.ndim != 1:
             raise ValueError("values must have the shape (n,)")
         return _bytes(a), len(a)
-    flat = _flat(values)
+    flat = _flat(values, _known)
     return _bytes(little(flat)), len(flat)
 
 
-def _flat(values: Any) -> array[float]:
+def _flat(values: Any, take: Callable[[Any], float] = real) -> array[float]:
     """A copy of numbers, without NumPy."""
-    return array("d", values if isinstance(values, array) and values.typecode in "fd" else each(values, real))
+    return array("d", values if isinstance(values, array) and values.typecode in "fd" else each(values, take))
 
 
 def _rows(values: Any, a: Any) -> Any:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 import numpy as np
 
 from ._library import LAPLACE, LINEAR, NATURAL, SMOOTH
-from ._values import doubles, real, truth
+from ._values import doubles, known, real, truth
 from .spatial import Delaunay
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class _Values:
 
     def __init__(self, values: ArrayLike, points: int):
         self.is_complex = np.iscomplexobj(values)
-        given = np.asarray(values, dtype=np.complex128) if self.is_complex else doubles(values)
+        given = np.asarray(values, dtype=np.complex128) if self.is_complex else known(values)
         if given.ndim == 0 or len(given) != points:
             raise ValueError("different number of values and points")
         kept = np.array(np.moveaxis(given, 0, -1), order="C")

@@ -113,7 +113,8 @@ class BesideTheDaemon(Synchronous, WithDaemon):
         z = np.column_stack(list(fields.values()))
         chunked = dask.array.from_array(points, chunks=(150, 2))
         frame = [] if pandas is None else [dataframe.from_pandas(pandas.DataFrame({"x": points[:, 0], "y": points[:, 1], **fields}), npartitions=3)]
-        ways = [(points, fields, "zt", "w"), (points, z, (0, 1), 2), (chunked, dask.array.from_array(z, chunks=(150, 2)), (0, "1"), "2"),
+        lists = {name: [None if v != v else v for v in of.tolist()] for name, of in fields.items()}
+        ways = [(points, fields, "zt", "w"), (map(tuple, points), lists, "zt", "w"), (points, z, (0, 1), 2), (chunked, dask.array.from_array(z, chunks=(150, 2)), (0, "1"), "2"),
                 (chunked, {k: dask.array.from_array(v, chunks=150) for k, v in fields.items()}, "zt", "w")]
         for given, values, two, last in [*ways, *((one, ["z", "t", "w"], "zt", 2) for one in frame)]:
             with triangulate(given, values, tile=90) as tin:

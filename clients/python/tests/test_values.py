@@ -87,8 +87,40 @@ class Refusals(WithDaemon):
             self.client.move("t", value, value, 1)
             self.assertEqual(self.client.get("t", range(2, 3)), [(2, 1)])
             self.client.move("t", 2, 4, 4)
+        self.client.constrain_path("t", [0, 1, 4], closed=True, border=True, number=1)
+        for inside in (1, True, *([np.bool_(True), np.array(1), np.int8(1)] if np else [])):
+            self.assertEqual(bytes(self.client.triangles("t", inside=inside)), bytes(array("I", [0, 1, 4])))
+        for inside in (False, *([np.bool_(False)] if np else [])):
+            self.assertEqual(len(bytes(self.client.triangles("t", inside=inside))), 4 * 12)
         self.assertEqual(len(self.client.triangles("t", inside=None, within=None)), len(self.client.triangles("t")))
         self.assertEqual(list(self.client.points("t", fields="z")[0]), [0, 1, 2, 3, 4])
+
+    def test_iterables_of_points_and_values(self):
+        x, y = zip(*SQUARE)
+        makers = [
+            lambda: (point for point in SQUARE), lambda: map(tuple, SQUARE), lambda: zip(x, y), lambda: iter(SQUARE), lambda: dict.fromkeys(SQUARE).keys(),
+        ]
+        for make in makers:
+            self.assertEqual(self.client.load("u", make(), {"z": (v for v in range(5))}, replace=True), 0)
+            self.assertEqual(self.client.get("u", iter(range(5))), [(float(a), float(b)) for a, b in SQUARE])
+            self.client.set_field("u", "w", map(float, dict(enumerate(range(5))).values()))
+            self.assertEqual(self.client.get_field("u", "z", range(5)), self.client.get_field("u", "w", range(5)))
+        self.client.drop("u")
+        self.client.load("u", set(SQUARE), {"z": set(range(5))})
+        self.assertEqual(sorted(self.client.get("u", range(5))), sorted((float(a), float(b)) for a, b in SQUARE))
+        self.client.constrain("t", ((0, i) for i in (1, 3)))
+        self.assertEqual(self.client.release("t", zip([0, 0], [1, 3])), 2)
+        self.client.load("v", iter(()), {"z": iter(())})
+        self.assertEqual(self.client.stat("v")["points"], 0)
+
+    def test_none_is_a_missing_value_and_no_coordinate(self):
+        self.refused([lambda c, v: c.load("t", [(v, 1)]), lambda c, v: c.add("t", v, 1), lambda c, v: c.contours("t", "z", [v])], [None], TypeError)
+        self.client.load("u", SQUARE, {"z": [1, None, 3, NAN, 5], "none": [None] * 5}, replace=True)
+        self.client.load_paths("u", [[(9, 9), (10, 9)]], fields={"z": [iter([None, 2])]})
+        found = self.client.get_field("u", "z", range(7))
+        self.assertEqual([v for v in found if v == v], [1, 3, 5, 2])
+        self.client.set_field("u", "z", [None], first=0)
+        self.assertEqual([self.client.fields("u")[name].values for name in ("z", "none")], [3, 0])
 
 
 class RefusalsWithoutNumPy(Refusals):
@@ -124,6 +156,15 @@ class Arrays(unittest.TestCase):
                     take(bad)
         with self.assertRaises(TypeError):
             Delaunay(points + 1j)
+
+    def test_iterables_and_missing_values_of_classes_in_process(self):
+        values = [1, None, 3, None, 5]
+        for taken in (_values.known(v for v in values), LinearNDInterpolator(iter(SQUARE), values).values.ravel(), ConstrainedDelaunay(SQUARE, [], z=values).z):
+            np.testing.assert_array_equal(taken, [1, NAN, 3, NAN, 5])
+        np.testing.assert_array_equal(Delaunay(zip(*zip(*SQUARE))).points, SQUARE)
+        for wrong in (values, (v for v in values), {1: 2}, object()):
+            with self.subTest(wrong=wrong), self.assertRaises(TypeError):
+                _values.doubles(wrong)
 
     def test_arguments_of_classes_in_process(self):
         points = np.array(SQUARE, dtype="f8")

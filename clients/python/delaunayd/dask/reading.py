@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple, Opti
 
 import numpy as np
 
-from .._values import doubles, plain
+from .._values import doubles, known, plain
 from . import chunks, laser, spill
 from .chunks import Chunk
 from .engine import Engine
@@ -61,7 +61,7 @@ def _of_array(rows: Any, values: Optional[Any], folder: str) -> Input:
 
 def _table(rows: Any, z: Any) -> Floats:
     """The coordinates in rows with values behind them, contiguous."""
-    table: Floats = np.column_stack([doubles(rows[:, :2]), doubles(z)])
+    table: Floats = np.column_stack([doubles(rows[:, :2]), known(z)])
     return table
 
 
@@ -79,11 +79,11 @@ def _third(width: int) -> Tuple[str, ...]:
 def _columns(values: Any) -> Tuple[Any, Tuple[str, ...]]:
     """Values as an array of shape (n, fields), and the names of the fields."""
     if isinstance(values, Mapping):
-        columns = [doubles(column) for column in values.values()]
+        columns = [known(column) for column in values.values()]
         if len(columns) == 0 or any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
             raise ValueError("values of fields must have the same shape (n,)")
         return np.column_stack(columns), tuple(map(str, values))
-    z: Floats = doubles(values)
+    z: Floats = known(values)
     if z.ndim not in (1, 2):
         raise ValueError("values must have the shape (n,) or (n, fields), not %s" % (z.shape,))
     z = z[:, None] if z.ndim == 1 else z
