@@ -118,7 +118,7 @@ static bool needs_kind(const char *list)
 static void list_needs(const char *list, char *to, size_t room)
 {
     size_t n, at = 0;
-    for (const char *name; (name = next_of(&list, &n)) != NULL;) {
+    for (const char *name; at < room && (name = next_of(&list, &n)) != NULL;) {
         const char *between = at == 0 ? "" : strchr(" !", list[0]) != NULL ? " or " : ", ";
         const char *says = NULL;
         for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
@@ -130,7 +130,7 @@ static void list_needs(const char *list, char *to, size_t room)
     }
 }
 
-/* The options that were given, with a blank between them. */
+/* The options that were given, each once, with a blank between them: at most those of the table. */
 static void list_given(char **argv, char *words, size_t room)
 {
     struct option_list l;
@@ -141,7 +141,8 @@ static void list_given(char **argv, char *words, size_t room)
     list_options(argv[0], &l);
     optind = 0;
     while ((name = next_name(end, argv, &l, &option)) != NULL)
-        n += (size_t)snprintf(words + n, room - n, "%s ", name);
+        if (!word_list_has(words, name, strlen(name)))
+            n += (size_t)snprintf(words + n, room - n, "%s ", name);
     optind = end;
 }
 

@@ -110,3 +110,16 @@ TEST(options_with_what_they_need_are_taken)
         cli_run_well(good[i]);
     cli_finish();
 }
+
+TEST(an_option_may_be_repeated_any_number_of_times)
+{
+    char many[3000] = "export t - --force";
+    int status;
+    cli_begin();
+    for (size_t n = strlen(many); n + 20 < sizeof many; n += strlen(many + n))
+        snprintf(many + n, sizeof many - n, " --geographic");
+    CHECK(strstr(cli_run(&status, many), "ERR NOSET") != NULL && status == 1);
+    strcat(many, " --planar");
+    CHECK(strstr(cli_run(&status, many), "--geographic, or --planar") != NULL && status == 2);
+    cli_finish();
+}
