@@ -74,9 +74,12 @@ static uint32_t add_sum(uint32_t sum, const unsigned char *s, size_t n)
 static bool write_rows(FILE *to, const unsigned char *rgba, size_t n, uint32_t height,
                        uint32_t *sum)
 {
-    unsigned char *rows = malloc(2 * (n + 1)), *best = rows, *other = rows + n + 1;
+    unsigned char *rows = malloc(2 * (n + 1));
+    if (rows == NULL)
+        return false;
+    unsigned char *best = rows, *other = rows + n + 1;
     *sum = 1;
-    for (uint32_t y = 0; rows != NULL && y < height; y++) {
+    for (uint32_t y = 0; y < height; y++) {
         const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
         uint64_t least = filter_row(best, 0, row, above, n);
         for (int kind = 1; kind < FILTERS; kind++) {
@@ -92,7 +95,7 @@ static bool write_rows(FILE *to, const unsigned char *rgba, size_t n, uint32_t h
         fwrite(best, 1, n + 1, to);
     }
     free(rows);
-    return rows != NULL;
+    return true;
 }
 
 /* ---- compression ---- */
@@ -111,40 +114,51 @@ static void put_stored(FILE *out, FILE *rows)
     }
 }
 
-/* Copies what gzip writes, without its header and trailer. */
-static bool put_compressed(FILE *out, int from)
+/* Has the rows compressed by gzip, into `to`. */
+static bool run_gzip(FILE *rows, FILE *to)
 {
-    static unsigned char block[GZIP_TRAILER + 65536];
-    size_t have = 0, skip = GZIP_HEADER;
+    const char *words[] = {"gzip", "-c4n", NULL}; /* -n: the header has no name */
+    static unsigned char block[65536];
     ssize_t got;
-    while ((got = read(from, block + have, sizeof block - have)) > 0) {
-        have += (size_t)got;
-        if (have < skip + GZIP_TRAILER)
-            continue;
-        put_chunk(out, "IDAT", block + skip, have - skip - GZIP_TRAILER);
-        memmove(block, block + have - GZIP_TRAILER, GZIP_TRAILER);
-        have = GZIP_TRAILER;
-        skip = 0;
-    }
-    return got == 0 && skip == 0;
+    pid_t pid;
+    int from;
+    if (program_start(&pid, words, fileno(rows), &from, false) != 0)
+        return false;
+    while ((got = read(from, block, sizeof block)) > 0)
+        fwrite(block, 1, (size_t)got, to);
+    close(from);
+    return program_end(pid) == 0 && got == 0 && fflush(to) == 0 && !ferror(to);
+}
+
+/* Writes the rows, `length` bytes, compressed. False, and nothing is written, if there is no gzip, or it fails, or its file does not
+ * end with the length of the rows. */
+static bool put_compressed(FILE *out, FILE *rows, uint32_t length)
+{
+    char *packed = NULL;
+    size_t n = 0;
+    FILE *to = open_memstream(&packed, &n);
+    bool whole = to != NULL && run_gzip(rows, to) && n > GZIP_HEADER + GZIP_TRAILER &&
+                 memcmp(packed, "\x1f\x8b\x08", 4) == 0 && bytes_u32(packed + n - 4) == length;
+    if (to != NULL)
+        fclose(to);
+    n -= whole ? GZIP_TRAILER : n;
+    for (size_t at = GZIP_HEADER; at < n; at += STORED_MOST)
+        put_chunk(out, "IDAT", packed + at, n - at < STORED_MOST ? n - at : STORED_MOST);
+    free(packed);
+    return whole;
 }
 
 static const char *compress(FILE *out, FILE *rows)
 {
-    const char *words[] = {"gzip", "-c4n", NULL}; /* -n: the header has no name */
-    pid_t pid;
-    int from;
-    if (fflush(rows) != 0)
+    long length = ftell(rows);
+    if (length < 0 || fflush(rows) != 0 || ferror(rows))
         return "there is no room for a temporary file";
     rewind(rows);
-    int failed = program_start(&pid, words, fileno(rows), &from, false);
-    if (failed != 0) {
+    if (!put_compressed(out, rows, (uint32_t)length)) {
+        rewind(rows); /* gzip may have read some */
         put_stored(out, rows);
-        return NULL;
     }
-    bool whole = put_compressed(out, from);
-    close(from);
-    return program_end(pid) == 0 && whole ? NULL : "gzip has failed";
+    return NULL;
 }
 
 const char *png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height)

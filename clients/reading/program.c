@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@ extern char **environ;
 static int start(pid_t *pid, const char *const *word, int in, int out, bool apart)
 {
     char *words[PROGRAM_WORDS + 1] = {NULL};
+    unsetenv("GZIP"); /* more options of gzip, which may not suit */
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     for (size_t i = 0; i < PROGRAM_WORDS && word[i] != NULL; i++)

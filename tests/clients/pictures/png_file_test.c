@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/test.h"
 
@@ -283,4 +285,49 @@ TEST(png_is_not_compressed_where_there_is_no_gzip)
     check_picture(NOISE, 1, 1);
     check_picture(NOISE, 16383, 1); /* blocks and their rest */
     check_picture(NOISE, 4095, 4);
+}
+
+/* A gzip that does this is the only one. */
+static void replace_gzip(const char *script)
+{
+    FILE *f = fopen("gzip", "w");
+    CHECK(f != NULL);
+    fprintf(f, "#!/bin/sh\n%s\n", script);
+    CHECK(fclose(f) == 0 && chmod("gzip", 0755) == 0);
+}
+
+TEST(png_is_not_compressed_where_gzip_fails_or_ends_early)
+{
+    static const char *const scripts[] = {
+        "exit 1",
+        "exit 0",
+        "cat",
+        "head -c 9",
+        "/bin/gzip -c4n | head -c 18",
+        "/bin/gzip -c4n | head -c 500",
+        "head -c 2000 | /bin/gzip -c4n",
+        "/bin/gzip -c4n; exit 1",
+        "/bin/gzip -c4n; kill -9 $$",
+    };
+    char path[] = "/tmp/gzip.XXXXXX";
+    if (access("/bin/gzip", X_OK) != 0)
+        SKIP("there is no /bin/gzip");
+    CHECK(mkdtemp(path) != NULL && chdir(path) == 0);
+    CHECK(setenv("PATH", ".:/bin:/usr/bin", 1) == 0);
+    for (size_t i = 0; i < sizeof scripts / sizeof scripts[0]; i++) {
+        replace_gzip(scripts[i]);
+        size_t size = check_picture(NOISE, 200, 200);
+        size_t relief = check_picture(RELIEF, 200, 200);
+        CHECK_MSG(relief > 4 * (size_t)200 * 200 && size > 4 * (size_t)200 * 200, "%s", scripts[i]);
+    }
+    CHECK(unlink("gzip") == 0 && chdir("/") == 0 && rmdir(path) == 0);
+}
+
+TEST(png_is_compressed_whatever_options_the_environment_has_for_gzip)
+{
+    static const char *const options[] = {"-r", "--badopt", "-d", "-l"};
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
+        CHECK(setenv("GZIP", options[i], 1) == 0);
+        CHECK(check_picture(RELIEF, 200, 200) < 4 * (size_t)200 * 200 / 10);
+    }
 }
