@@ -52,6 +52,7 @@ struct line {
     const struct subcommand *s; /* of this name; NULL: none */
     size_t at;          /* words between the command and the last word that are no options */
     const char *option; /* whose value is to be completed; NULL: none */
+    const char *before; /* `--format` if the last word is `--format=VALUE`; NULL: it is another */
 };
 
 static const char *last_of(const struct line *l)
@@ -59,10 +60,18 @@ static const char *last_of(const struct line *l)
     return l->word[l->n - 1];
 }
 
+/* `--option=value` becomes two words. */
 static void read_words(struct line *l)
 {
-    while (l->n < MOST_WORDS && fgets(l->word[l->n], WORD_ROOM, stdin) != NULL) {
-        l->word[l->n][strcspn(l->word[l->n], "\n")] = '\0';
+    char *word, *value;
+    while (l->n + 1 < MOST_WORDS && fgets(word = l->word[l->n], WORD_ROOM, stdin) != NULL) {
+        word[strcspn(word, "\n")] = '\0';
+        value = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
+        l->before = value != NULL ? word : NULL;
+        if (value != NULL) {
+            *value = '\0';
+            snprintf(l->word[++l->n], WORD_ROOM, "%s", value + 1);
+        }
         l->n++;
     }
 }
@@ -85,7 +94,7 @@ static void scan(struct line *l)
 {
     l->where[l->where_n++] = l->word[0];
     for (size_t i = 1; i + 1 < l->n; i++) {
-        const char *word = l->word[i];
+        const char *word = options_is(l->word[i], "--color") ? "--colour" : l->word[i];
         if (word[0] == '-' && is_valued(l, word)) {
             bool global = word_list_has(global_valued, word, strlen(word));
             i++;
@@ -112,7 +121,8 @@ static void offer(const struct line *l, const char *word, size_t len)
 {
     const char *last = last_of(l);
     if (len >= strlen(last) && memcmp(word, last, strlen(last)) == 0)
-        printf("%.*s\n", (int)len, word);
+        printf("%s%s%.*s\n", l->before != NULL ? l->before : "", l->before != NULL ? "=" : "",
+               (int)len, word);
 }
 
 static void offer_list(const struct line *l, const char *words)
@@ -181,6 +191,8 @@ static void offer_words(struct line *l)
     const struct subcommand *s = l->s;
     if (l->option != NULL)
         offer_values(l);
+    else if (l->before != NULL)
+        return; /* an option without values */
     else if (last_of(l)[0] == '-')
         offer_options(l);
     else if (l->command == NULL)
@@ -215,13 +227,23 @@ static const struct {
     {"bash", "# bash completion for delaunay\n"
              "_delaunay()\n"
              "{\n"
-             "    local last=${COMP_WORDS[COMP_CWORD]}\n"
-             "    mapfile -t COMPREPLY < <(printf '%s\\n' \"${COMP_WORDS[@]:0:COMP_CWORD+1}\" |\n"
-             "        \"${COMP_WORDS[0]}\" completion words 2>/dev/null | cut -f 1)\n"
+             "    # words are divided at : and =, where COMP_LINE has no blank\n"
+             "    local i n=0 last words=() line=$COMP_LINE part=${COMP_WORDS[COMP_CWORD]}\n"
+             "    for ((i = 0; i <= COMP_CWORD; i++)); do\n"
+             "        [[ $i == 0 || $line == [[:space:]]* ]] && ((++n))\n"
+             "        words[n]+=${COMP_WORDS[i]}\n"
+             "        line=${line#\"${line%%[![:space:]]*}\"}\n"
+             "        line=${line#\"${COMP_WORDS[i]}\"}\n"
+             "    done\n"
+             "    last=${words[n]}\n"
+             "    mapfile -t COMPREPLY < <(printf '%s\\n' \"${words[@]}\" |\n"
+             "        \"${words[1]}\" completion words 2>/dev/null | cut -f 1)\n"
              "    if [[ ${COMPREPLY[0]} == " FILES " ]]; then\n"
              "        compopt -o filenames 2>/dev/null\n"
              "        mapfile -t COMPREPLY < <(compgen -f -- \"$last\")\n"
              "    fi\n"
+             "    [[ $part == [:=]* ]] && part=\n"
+             "    COMPREPLY=(\"${COMPREPLY[@]#\"${last%\"$part\"}\"}\")\n"
              "}\n"
              "complete -F _delaunay delaunay\n"},
     {"zsh", "#compdef delaunay\n"
@@ -237,8 +259,10 @@ static const struct {
     {"fish",
      "# fish completion for delaunay\n"
      "function __delaunay_words\n"
+     "    set -l words (commandline -opc)\n"
      "    set -l last (commandline -ct)\n"
-     "    printf '%s\\n' (commandline -opc) \"$last\" | delaunay completion words 2>/dev/null\n"
+     "    command -q $words[1]; or return\n"
+     "    printf '%s\\n' $words \"$last\" | command $words[1] completion words 2>/dev/null\n"
      "end\n"
      "function __delaunay_files; contains -- " FILES " (__delaunay_words); end\n"
      "complete -c delaunay -f -n 'not __delaunay_files' -a '(__delaunay_words)'\n"

@@ -392,11 +392,11 @@ TEST(every_subcommand_has_help_and_completion)
     }
     cli_run(&status, "completion | bash -n");
     CHECK(status == 0);
-    const char *got = peer_shell(
-        &status,
-        "bash -c 'source <(%s completion); COMP_WORDS=(%s tri); COMP_CWORD=1; _delaunay; "
-        "echo ${COMPREPLY[*]}'",
-        getenv("DELAUNAY"), getenv("DELAUNAY"));
+    const char *got =
+        peer_shell(&status,
+                   "bash -c 'source <(%s completion); COMP_WORDS=(%s tri); COMP_CWORD=1; "
+                   "COMP_LINE=${COMP_WORDS[*]}; _delaunay; echo ${COMPREPLY[*]}'",
+                   getenv("DELAUNAY"), getenv("DELAUNAY"));
     CHECK_STR(got, "triangulate triangles\n");
     CHECK(strstr(cli_run(&status, "top --once"), "uptime_s ") != NULL);
     cli_finish();

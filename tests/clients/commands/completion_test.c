@@ -9,18 +9,29 @@
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
-/* Compares what bash completes the words to, in a directory with the file cities.csv. */
+/* The words as bash has them: divided at : and =. */
+static const char *divide(const char *words)
+{
+    static char divided[300];
+    size_t n = 0;
+    for (; *words != '\0'; words++)
+        n += (size_t)snprintf(divided + n, sizeof divided - n,
+                              strchr(":=", *words) != NULL ? " %c " : "%c", *words);
+    return divided;
+}
+
+/* Compares what bash completes the line to, in a directory with the file cities.csv. A last word "" is empty. */
 static void expect(const char *words, const char *want)
 {
-    char command[400];
+    char command[800];
     int status;
     const char *slash = strrchr(getenv("DELAUNAY"), '/');
     snprintf(command, sizeof command,
              "PATH=$(realpath %.*s):$PATH DELAUNAY_PORT=%s; export PATH DELAUNAY_PORT; cd %s; "
-             "bash -c 'source <(delaunay completion bash); COMP_WORDS=(%s); "
+             "bash -c 'source <(delaunay completion bash); COMP_LINE=\"%.*s\"; COMP_WORDS=(%s); "
              "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _delaunay; echo ${COMPREPLY[*]}'",
              (int)(slash - getenv("DELAUNAY")), getenv("DELAUNAY"), cli_daemon.port_text,
-             cli_path(""), words);
+             cli_path(""), (int)strcspn(words, "\""), words, divide(words));
     const char *got = peer_shell(&status, "%s", command);
     CHECK_MSG(strncmp(got, want, strlen(want)) == 0 && strcmp(got + strlen(want), "\n") == 0,
               "%s: %s", words, got);
@@ -40,6 +51,13 @@ TEST(completion_offers_sets_and_files_where_they_belong)
     expect("delaunay hull boats c", "");
     expect("delaunay draw c", "cities.csv");
     expect("delaunay copy b", "boats");
+    cli_write("a:b.csv", "");
+    expect("delaunay load boats a:b", "b.csv");
+    char line[100];
+    snprintf(line, sizeof line, "delaunay -u delaunay://127.0.0.1:%s hull b", cli_daemon.port_text);
+    expect(line, "boats");
+    snprintf(line, sizeof line, "delaunay -p 1 --port=%s hull \"\"", cli_daemon.port_text);
+    expect(line, "boats cities");
     cli_finish();
 }
 
@@ -54,6 +72,11 @@ TEST(completion_offers_commands_options_and_their_values)
     expect("delaunay export -f n", "node neigh ndjson");
     expect("delaunay export t x.svg --colour q", "quality");
     expect("delaunay raster t z x.png --colour \"\"", "relief light height");
+    expect("delaunay raster t z x.png --color l", "light");
+    expect("delaunay raster t z x.png --color=l", "light");
+    expect("delaunay raster t z x.png --colour=", "relief light height");
+    expect("delaunay export t x --format=s", "svg");
+    expect("delaunay load t x --skip-bad=", "");
     expect("delaunay voronoi t x --format \"\"", "geojson svg wkt");
     expect("delaunay contour t z --crs EPSG:1 --crs \"\"", "");
     expect("delaunay completion f", "fish");
@@ -95,8 +118,11 @@ TEST(fish_completes_commands_with_descriptions_values_and_files)
 {
     static const struct {
         const char *line, *want;
-    } cases[] = {
-        {"tri", "triangles\ntriangulate\n"}, {"load -f n", "node\n"}, {"draw cit", "cities.csv\n"}};
+    } cases[] = {{"delaunay tri", "triangles\ntriangulate\n"},
+                 {"delaunay load -f n", "node\n"},
+                 {"delaunay export t --format=s", "--format=svg\n"},
+                 {"delaunay draw cit", "cities.csv\n"},
+                 {"./delaunay tri", ""}};
     int status;
     const char *slash = strrchr(getenv("DELAUNAY"), '/');
     peer_shell(&status, "command -v fish");
@@ -107,7 +133,7 @@ TEST(fish_completes_commands_with_descriptions_values_and_files)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         CHECK_STR(peer_shell(&status,
                              "PATH=$(realpath %.*s):$PATH; export PATH; cd %s; HOME=. fish -c "
-                             "'delaunay completion fish | source; complete -C \"delaunay %s\"' | "
+                             "'delaunay completion fish | source; complete -C \"%s\"' | "
                              "cut -f 1",
                              (int)(slash - getenv("DELAUNAY")), getenv("DELAUNAY"), cli_path(""),
                              cases[i].line),
