@@ -30,7 +30,7 @@ const char *part_file_open(struct part_file *f, const char *path)
 {
     struct stat st;
     f->path = path;
-    f->direct = stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    f->direct = stat(path, &st) == 0 && !S_ISREG(st.st_mode);
     if ((size_t)snprintf(f->part, sizeof f->part, "%s%s", path, f->direct ? "" : ".part") >=
         sizeof f->part) {
         errno = ENAMETOOLONG;

@@ -9,7 +9,7 @@
 struct part_file {
     const char *path; /* borrowed */
     char part[4096 + 16];
-    bool direct; /* a device or pipe, which is written as it is */
+    bool direct; /* a device or pipe, which is written as it is; a folder, which cannot be */
     FILE *out;
 };
 

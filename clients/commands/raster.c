@@ -123,19 +123,22 @@ static int write_beside(struct work *w, const char *ending, output_write_fn *wri
     return status == EXIT_DONE ? output_write(beside, write, w, NULL) : status;
 }
 
-/* The raster, after what belongs beside it: a header, or where a picture lies; and the reference system. */
-static int write_files(struct work *w)
+/* The raster, and when it is complete what belongs beside it: a header, or where a picture lies; and the reference system. */
+static int write_files(void *ctx, FILE *out)
 {
-    int status = EXIT_DONE;
+    struct work *w = ctx;
+    int status = write_grid(w, out);
     bool picture = w->form == RASTER_PNG;
-    if (crs_is_given(&w->crs))
+    if (status == EXIT_DONE && (fflush(out) != 0 || ferror(out)))
+        status = output_failed(w->path);
+    if (status == EXIT_DONE && crs_is_given(&w->crs))
         status = picture ? write_beside(w, "png.aux.xml", write_pam)
                          : write_beside(w, "prj", write_system);
     if (status == EXIT_DONE && w->form == RASTER_BIL)
         status = write_beside(w, "hdr", write_header);
     if (status == EXIT_DONE && picture)
         status = write_beside(w, "pgw", write_world);
-    return status == EXIT_DONE ? output_write(w->path, write_grid, w, NULL) : status;
+    return status;
 }
 
 /* A GeoTIFF, by GDAL, from a .bil beside it. */
@@ -287,7 +290,8 @@ int command_raster(struct delaunay_client *c, int argc, char **argv)
         status =
             output_fault(w.path, "there are values beyond those of 32-bit floats; asc has all");
     else
-        status = w.form == RASTER_TIFF ? write_tiff(&w) : write_files(&w);
+        status =
+            w.form == RASTER_TIFF ? write_tiff(&w) : output_write(w.path, write_files, &w, NULL);
     if (status == EXIT_DONE && !output_is_standard(w.path))
         report(&w);
     raster_free(&w.grid);

@@ -135,6 +135,33 @@ TEST(raster_writes_bil_with_a_header_file)
     cli_finish();
 }
 
+TEST(raster_that_fails_leaves_the_files_beside_it_as_they_are)
+{
+    static const struct {
+        const char *file, *beside;
+    } cases[] = {{"a.bil", "a.hdr"}, {"a.png", "a.pgw"}};
+    int status;
+    char before[400];
+    make_plane();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        raster(&status, cases[i].file, "--width 2");
+        CHECK(status == 0);
+        snprintf(before, sizeof before, "%s",
+                 peer_shell(&status, "cat %s", cli_path(cases[i].beside)));
+        const char *got = peer_shell(
+            &status, "trap '' XFSZ; ulimit -f 8; %s -p %s raster t z %s --width 200 2>&1",
+            getenv("DELAUNAY"), cli_daemon.port_text, cli_path(cases[i].file));
+        CHECK_MSG(status == 1, "%s", got);
+        CHECK_STR(peer_shell(&status, "cat %s", cli_path(cases[i].beside)), before);
+        CHECK(strlen(before) > 10);
+    }
+    peer_shell(&status, "f=%s; rm $f; mkdir $f", cli_path("a.png"));
+    CHECK(strstr(raster(&status, "a.png", "--width 4"), "s a directory") != NULL && status == 1);
+    CHECK_STR(peer_shell(&status, "cat %s", cli_path("a.pgw")), before);
+    CHECK_STR(peer_shell(&status, "ls %s", cli_path("")), "a.bil\na.hdr\na.pgw\na.png\n");
+    cli_finish();
+}
+
 TEST(raster_draws_a_png_with_one_pixel_a_cell)
 {
     int status;
