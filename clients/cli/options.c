@@ -86,7 +86,6 @@ static const struct {
 } kinds[] = {{"FILE", "a file to write"},
              {"PICTURE", "a picture"},
              {"POINTS", "a picture with points, not of relief"},
-             {"LABELS", "a picture of contour lines"},
              {"MESH", "a mesh or a picture"},
              {"HEIGHTS", "heights (--colour relief, or a format that has them)"},
              {"GEOJSON", "GeoJSON; other formats here have no reference system"}};
@@ -114,12 +113,12 @@ static bool needs_kind(const char *list)
     return strcspn(list, "ABCDEFGHIJKLMNOPQRSTUVWXYZ") < strcspn(list, "! ");
 }
 
-/* `a picture, --error or --most`. */
-static void list_needs(const char *list, char *to, size_t room)
+/* `a picture, --error or --most`, where `last` is " or ". */
+static void list_names(const char *list, const char *last, char *to, size_t room)
 {
     size_t n, at = 0;
     for (const char *name; at < room && (name = next_of(&list, &n)) != NULL;) {
-        const char *between = at == 0 ? "" : strchr(" !", list[0]) != NULL ? " or " : ", ";
+        const char *between = at == 0 ? "" : strchr(" !", list[0]) != NULL ? last : ", ";
         const char *says = NULL;
         for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
             if (strlen(kinds[i].name) == n && memcmp(kinds[i].name, name, n) == 0)
@@ -148,8 +147,8 @@ static void list_given(char **argv, char *words, size_t room)
 
 int options_suit(char **argv, const char *have)
 {
-    char words[2 * MOST_LETTERS], needs[200];
-    const char *rest = subcommand_find(argv[0])->options, *other;
+    char words[2 * MOST_LETTERS], names[200];
+    const char *rest = subcommand_find(argv[0])->options;
     struct option_word o;
     size_t n;
     list_given(argv, words, MOST_LETTERS);
@@ -158,13 +157,15 @@ int options_suit(char **argv, const char *have)
     while (option_word_next(&rest, &o)) {
         if (!word_list_has(words, o.name, o.len))
             continue;
-        if ((other = find_given(o.excludes, words, &n)) != NULL)
-            return options_wrong(argv[0], "--%.*s, or --%.*s", (int)o.len, o.name, (int)n, other);
+        if (find_given(o.excludes, words, &n) != NULL) {
+            list_names(o.excludes, " and ", names, sizeof names);
+            return options_wrong(argv[0], "--%.*s, or %s", (int)o.len, o.name, names);
+        }
         if (*o.needs == '\0' || (have == NULL && needs_kind(o.needs)) ||
             find_given(o.needs, words, &n) != NULL)
             continue;
-        list_needs(o.needs, needs, sizeof needs);
-        return options_wrong(argv[0], "--%.*s needs %s", (int)o.len, o.name, needs);
+        list_names(o.needs, " or ", names, sizeof names);
+        return options_wrong(argv[0], "--%.*s needs %s", (int)o.len, o.name, names);
     }
     return EXIT_DONE;
 }

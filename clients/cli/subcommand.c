@@ -13,8 +13,7 @@
 #define DRAW_OPTIONS                                                                               \
     "format=:FILE input-format= " FILE_OPTIONS                                                     \
     " error= most= angle= area= length= keep:angle,area,length limit=:angle,area,length "          \
-    "lines:FILE inside=:MESH,angle,area,length field=:HEIGHTS,error,most " EXPORT_OPTIONS          \
-    "force:FILE"
+    "lines:FILE inside=:MESH,angle,area,length field=:HEIGHTS,error,most " EXPORT_OPTIONS "force"
 #define CRS_HELP                                                                                   \
     "      --crs CRS         of geojson: the coordinates' reference system, EPSG:32629 for\n"      \
     "                        instance, as the member crs of GeoJSON 2008; RFC 7946 has\n"          \
@@ -143,7 +142,7 @@ const struct subcommand subcommands[] = {
      "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
      "      --no-labels       no levels along the lines of a picture\n" SHAPES_HELP,
      "bands format= every= base= levels=!every,base max-edge= inside= missing= viewport=:PICTURE "
-     "no-labels:LABELS geographic crs=:GEOJSON force",
+     "no-labels:PICTURE geographic crs=:GEOJSON force",
      true, NULL},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",

@@ -118,7 +118,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
         (n > PROTO_NUMBER_MAX || !proto_read_double(w->wish, n, &radius) || !(radius >= 0)))
         return options_wrong(argv[0], "the radius is a number of at least 0, or auto, not %.100s",
                              w->wish);
-    return shapes_file_choose(&w->file, argv, argv[optind + 2], "PICTURE");
+    return shapes_file_choose(&w->file, argv, argv[optind + 2]);
 }
 
 int command_alpha(struct delaunay_client *c, int argc, char **argv)

@@ -183,8 +183,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
         return status;
     w->set = argv[optind];
     w->field = argv[optind + 1];
-    return shapes_file_choose(&w->file, argv, argv[optind + 2],
-                              w->bands ? "PICTURE" : "PICTURE LABELS");
+    return shapes_file_choose(&w->file, argv, argv[optind + 2]);
 }
 
 int command_contour(struct delaunay_client *c, int argc, char **argv)

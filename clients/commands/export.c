@@ -256,7 +256,7 @@ static int check_options(const struct export *e, char **argv)
         return options_suit(argv, e->picture.colour == COLOUR_RELIEF ? "FILE MESH PICTURE HEIGHTS"
                                                                      : "FILE MESH PICTURE POINTS");
     snprintf(have, sizeof have, "FILE%s%s%s", (f->parts & MODEL_TRIANGLES) != 0 ? " MESH" : "",
-             f->heights || (f->parts & MODEL_CONSTRAINTS) != 0 ? " HEIGHTS" : "",
+             (f->parts & MODEL_FIELDS) != 0 ? " HEIGHTS" : "",
              strcmp(f->name, "geojson") == 0 ? " GEOJSON" : "");
     return options_suit(argv, have);
 }

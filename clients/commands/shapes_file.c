@@ -25,16 +25,15 @@ int shapes_file_option(void *file, const char *option, char **argv)
     return EXIT_DONE;
 }
 
-int shapes_file_choose(struct shapes_file *f, char **argv, const char *path, const char *picture)
+int shapes_file_choose(struct shapes_file *f, char **argv, const char *path)
 {
-    char have[40] = "FILE GEOJSON";
     f->path = path;
     f->form = output_form(f->form, path, "geojson");
     if (!word_list_has("geojson json svg wkt", f->form, strlen(f->form)))
         return options_wrong(argv[0], "unknown format %s; there are geojson, svg and wkt", f->form);
-    if (strstr(f->form, "json") == NULL)
-        snprintf(have, sizeof have, "FILE %s", shapes_file_is_picture(f) ? picture : "");
-    int status = options_suit(argv, have);
+    int status = options_suit(argv, strstr(f->form, "json") != NULL ? "FILE GEOJSON"
+                                    : shapes_file_is_picture(f)     ? "FILE PICTURE"
+                                                                    : "FILE");
     return status == EXIT_DONE ? output_check(path, f->force) : status;
 }
 

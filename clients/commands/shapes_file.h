@@ -18,9 +18,9 @@ struct shapes_file {
 /* Takes --format, --force, --geographic, --crs and --viewport. `file`: a struct shapes_file. Returns the exit status. */
 int shapes_file_option(void *file, const char *option, char **argv);
 
-/* Sets the path, and the format unless an option named it; checks that the options suit them. `picture`: the words of
- * options_suit for a picture. Returns the exit status. */
-int shapes_file_choose(struct shapes_file *f, char **argv, const char *path, const char *picture);
+/* Sets the path, and the format unless an option named it; checks that the options suit them. Returns the
+ * exit status. */
+int shapes_file_choose(struct shapes_file *f, char **argv, const char *path);
 
 /* For a picture with --geographic: changes the shapes, the box and the model to kilometres; returns false, having said why, if they are
  * not in degrees. */

@@ -75,7 +75,7 @@ static int read_arguments(struct work *w, int argc, char **argv)
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];
-    return shapes_file_choose(&w->file, argv, argv[optind + 1], "PICTURE");
+    return shapes_file_choose(&w->file, argv, argv[optind + 1]);
 }
 
 int command_voronoi(struct delaunay_client *c, int argc, char **argv)
