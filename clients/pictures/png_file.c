@@ -75,10 +75,10 @@ static bool write_rows(FILE *to, const unsigned char *rgba, size_t n, uint32_t h
                        uint32_t *sum)
 {
     unsigned char *rows = malloc(2 * (n + 1));
+    *sum = 1;
     if (rows == NULL)
         return false;
     unsigned char *best = rows, *other = rows + n + 1;
-    *sum = 1;
     for (uint32_t y = 0; y < height; y++) {
         const unsigned char *row = rgba + n * y, *above = y > 0 ? row - n : NULL;
         uint64_t least = filter_row(best, 0, row, above, n);
