@@ -48,7 +48,7 @@ modules['values.js'] = (module, require) => {
 
 const MOST_MS = 2 ** 31 - 1001; // timers take 2^31 - 1 milliseconds; a second is added to the limit of a request
 
-const shown = (value) => (typeof value === 'string' ? JSON.stringify(value) : String(value));
+const shown = (value) => (typeof value === 'string' ? JSON.stringify(value) : typeof value === 'bigint' ? `${value}n` : String(value));
 
 function checkSet(name) {
   if (typeof name === 'string' && /^[A-Za-z0-9_.:-]{1,64}$/.test(name)) return name;
@@ -66,10 +66,11 @@ function real(value) {
   return value;
 }
 
-/** A number without a fraction. */
+/** A number without a fraction, which may be a BigInt; -0 is 0. */
 function whole(value) {
-  if (!Number.isSafeInteger(real(value))) throw new RangeError(`${value} is not a whole number`);
-  return value;
+  const number = (typeof value === 'bigint' ? Number(value) : real(value)) + 0;
+  if (!Number.isSafeInteger(number)) throw new RangeError(`${shown(value)} is not a whole number`);
+  return number;
 }
 
 /** A word of a request. */
@@ -130,33 +131,38 @@ modules['points.js'] = (module, require) => {
 // Points as x, y one after the other.
 'use strict';
 
-const { list, real } = require('./values.js');
+const { list, real, whole } = require('./values.js');
 
+/** A point x, y, which may have more coordinates, such as a height. */
 function pairOf(point) {
-  if (point?.length !== 2) throw new TypeError('a point is a pair of coordinates; getX and getY take them of other points');
+  if (!(point?.length >= 2)) throw new TypeError('a point is a pair of coordinates; getX and getY take them of other points');
   return point;
 }
 
-/** From such an array of any kind, from pairs, or from anything with getX and getY. A Float64Array is returned as it is. */
-function flatten(points, getX, getY) {
+/** From such an array of any kind, from pairs, or from anything with getX and getY. A Float64Array is returned as it is; take: checks others. */
+function flatten(points, getX, getY, take) {
   if (getX === undefined && getY === undefined) {
+    const [first, isView] = [typeof points?.[0], ArrayBuffer.isView(points)];
     if (points instanceof Float64Array) return points;
-    if (ArrayBuffer.isView(points) && !(points instanceof DataView)) return Float64Array.from(points);
-    if (Array.isArray(points) && typeof points[0] === 'number') return Float64Array.from(points, real);
+    if (isView && first === 'number') return Float64Array.from(points);
+    if ((isView || Array.isArray(points)) && (first === 'number' || first === 'bigint')) return Float64Array.from(points, take);
   }
   const x = getX ?? ((p) => pairOf(p)[0]);
   const y = getY ?? ((p) => pairOf(p)[1]);
   const flat = [];
-  for (const p of points) flat.push(real(x(p)), real(y(p)));
+  for (const p of points) flat.push(take(x(p)), take(y(p)));
   return Float64Array.from(flat);
 }
 
 /** The same, whose length must be even. */
-function pairs(points, getX, getY) {
-  const flat = flatten(points, getX, getY);
+function pairs(points, getX, getY, take = real) {
+  const flat = flatten(points, getX, getY, take);
   if (flat.length % 2 !== 0) throw new TypeError('odd number of coordinates');
   return flat;
 }
+
+/** Ids, flat or as pairs. */
+const idPairs = (ends) => pairs(ends, undefined, undefined, whole);
 
 /** Values of points; NaN where one is missing. */
 function column(values) {
@@ -165,7 +171,7 @@ function column(values) {
   return Float64Array.from(list(values, real));
 }
 
-module.exports = { column, flatten, pairs };
+module.exports = { column, idPairs, pairs };
 };
 modules['core.js'] = (module, require) => {
 // The core in process: compiled to WebAssembly (wasm/doors.c), and arrays that come and go. It works wherever there is WebAssembly with
