@@ -108,11 +108,10 @@ struct dt_raster {
 struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell);
 
 /* The values at n places, or at the centres of n cells from the cell `from` on. Of each place, the numbers of all surfaces follow
- * each other. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of
- * them are written, and the call may be repeated for the others; all n if DT_OK. opt may be NULL: its flag and its
- * steps. Cost: for each place, as dt_locate; for cells, the number of cells and of triangles along their rows. For both, the
- * number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
- * is n or 0. */
+ * each other. Errors of dt_region_check. DT_TOOLONG, DT_CANCELLED: *done of them are written, and the call may be repeated for
+ * the others; all n if DT_OK. opt may be NULL: its flag and its steps. Cost: for each place, as dt_locate; for cells, the number
+ * of cells and of triangles along their rows. For both, the number of natural neighbours. Cells are shared among the threads of
+ * opt->pool, unless steps are limited; then *done is n or 0. */
 enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const struct dt_point *q,
                          size_t n, const struct dt_options *opt, double *out, size_t *done);
 enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,

@@ -27,10 +27,9 @@ struct resp {
     enum resp_fault fault; /* if -1 is returned */
 };
 
-/* Parses the request at the front of bytes[n], whose first byte is '*'. Returns the number of bytes consumed; the words
- * of q borrow them, and q->n is 0 for an empty array, which is no request. Returns 0 if it is incomplete, -1 if it is not such an
- * array or too long. Cost: linear in the request; if it arrives in small pieces, callers should wait for `need`
- * bytes. */
+/* Parses the request at the front of bytes[n], whose first byte is '*'. Returns the number of bytes consumed; the words of q
+ * borrow them, and q->n is 0 for an empty array, which is no request. Returns 0 if it is incomplete, -1 if it is not such an
+ * array or too long. Cost: linear in the request; if it arrives in small pieces, callers should wait for `need` bytes. */
 ptrdiff_t resp_read(const char *bytes, size_t n, struct request *q, struct resp *out);
 
 const char *resp_fault_text(enum resp_fault fault);

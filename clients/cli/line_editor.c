@@ -40,7 +40,6 @@ static void forget_sets(void)
 
 static bool take_set(void *ctx, const struct delaunay_part *part)
 {
-    (void)ctx;
     const char *end = part->kind == DELAUNAY_PART_ROW ? memchr(part->text, ' ', part->len) : NULL;
     if (end != NULL && prompt.sets < MOST_SETS) {
         prompt.set[prompt.sets] = strndup(part->text, (size_t)(end - part->text));
@@ -77,7 +76,6 @@ static char *next_command(const char *text, int state)
 static char **complete(const char *text, int start, int end)
 {
     char name[24];
-    (void)end;
     if (start == 0)
         return rl_completion_matches(text, next_command);
     const char *line = rl_line_buffer;
@@ -135,7 +133,6 @@ static sigjmp_buf at_prompt;
 
 static void leave_line(int signal)
 {
-    (void)signal;
     siglongjmp(at_prompt, 1);
 }
 
@@ -163,7 +160,6 @@ char *line_editor_read(const char *text)
 
 void line_editor_begin(struct delaunay_client *c)
 {
-    (void)c;
 }
 
 void line_editor_end(void)
@@ -172,7 +168,6 @@ void line_editor_end(void)
 
 static void interrupt(int signal)
 {
-    (void)signal;
 }
 
 /* The terminal discards what was typed when ^C is pressed; read() then ends early. */

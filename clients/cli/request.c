@@ -12,7 +12,6 @@
 
 bool request_show_comment(void *ctx, const struct delaunay_part *part)
 {
-    (void)ctx;
     if (part->kind == DELAUNAY_PART_COMMENT && isatty(STDERR_FILENO))
         fprintf(stderr, "\r%.*s\033[K%s", (int)part->len, part->text, "\r");
     return true;

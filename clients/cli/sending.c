@@ -1,6 +1,5 @@
-/* sending.c - see sending.h. Points and lines are one request, LOADB ... CONSTRAINTS. A set that is not triangulated
- * shows only later where lines cross, and a .poly file which faces it has. So a new set gets an expiry first, which drops it if this program
- * ends meanwhile. */
+/* sending.c - see sending.h. Points and lines are one request, LOADB ... CONSTRAINTS. A set that is not triangulated shows only later where
+ * lines cross, and a .poly file which faces it has. So a new set gets an expiry first, which drops it if this program ends meanwhile. */
 #include "clients/cli/sending.h"
 
 #include <stdio.h>

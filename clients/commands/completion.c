@@ -271,7 +271,6 @@ static const struct {
 int command_completion(struct delaunay_client *c, int argc, char **argv)
 {
     const char *shell = argc > 1 ? argv[1] : "bash";
-    (void)c;
     if (argc > 2)
         return options_wrong(argv[0], "completion takes one shell");
     if (strcmp(shell, "words") == 0)

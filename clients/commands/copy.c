@@ -291,7 +291,6 @@ static int connect_both(struct copy *y)
 int command_copy(struct delaunay_client *c, int argc, char **argv)
 {
     struct copy y = {.from = argc == 4 ? argv[1] : "", .to = ""};
-    (void)c;
     if (argc != 4)
         return options_wrong(argv[0], "copy takes a set and two URLs");
     if (!word_is_set_name(&(struct word){y.from, strlen(y.from)}))

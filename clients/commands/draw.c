@@ -292,7 +292,6 @@ static int carry_out(struct drawing *d)
 int command_draw(struct delaunay_client *c, int argc, char **argv)
 {
     struct drawing d = {.input = {.from = {.form = SOURCE_GUESS}}};
-    (void)c;
     int status = read_arguments(&d, argc, argv);
     if (status == EXIT_DONE)
         status = carry_out(&d);

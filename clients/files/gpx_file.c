@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/reading/number.h"
 #include "clients/reading/xml_scan.h"
 #include "proto/number.h"
 #include "proto/text.h"

@@ -86,8 +86,6 @@ static bool read_list(struct wkt *w, read_fn *part, uint32_t number, bool border
 /* A position of a MultiPoint, with or without brackets of its own. */
 static bool read_point(struct wkt *w, uint32_t number, bool border)
 {
-    (void)number;
-    (void)border;
     if (wkt_take_word(&w->rest, "EMPTY"))
         return true;
     bool brackets = take(w, '(');
@@ -96,8 +94,6 @@ static bool read_point(struct wkt *w, uint32_t number, bool border)
 
 static bool read_corner(struct wkt *w, uint32_t number, bool border)
 {
-    (void)number;
-    (void)border;
     return read_position(w);
 }
 
@@ -132,7 +128,6 @@ static bool read_line(struct wkt *w, uint32_t number, bool border)
 
 static bool read_polygon(struct wkt *w, uint32_t number, bool border)
 {
-    (void)border;
     return wkt_take_word(&w->rest, "EMPTY") ||
            (choose_number(w, &number) && read_list(w, read_ring, number, true));
 }

@@ -219,7 +219,6 @@ static void read_faces(const struct dt_arrays *a, uint32_t *face)
 
 enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside)
 {
-    (void)triangle;
     const struct dt_mesh *m = &a->t->mesh;
     const struct dt_regions *r = regions_of(a);
     bool any = dt_has_borders(a->t);

@@ -42,7 +42,6 @@ static void run_jobs(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
 {
     struct run r = {.job = job, .arg = arg, .n = n};
 #ifdef __wasm__
-    (void)ctx;
     work(&r);
 #else
     const struct dt_workers *w = ctx;

@@ -196,7 +196,6 @@ static void run_task(void *arg, unsigned i)
 {
     struct walk *all = arg, w = {.d = all->d, .arena = {.pages = all->d->pages}, .threads = 1};
     struct task *task = atomic_load(&all->next);
-    (void)i;
     while (!atomic_compare_exchange_weak(&all->next, &task, task->next))
         continue;
     sort_cells(&w, task->level, task->key, task->s);

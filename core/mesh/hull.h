@@ -65,6 +65,5 @@ static inline bool dt_hull_turns(const struct dt_mesh *m, uint32_t g)
 }
 
 /* The ghost at which the hull begins in canonical order: the ghost of the smallest id. On a line it is the ghost of
- * the end with the smaller id or, clockwise, of the other end. DT_NONE if there is no edge. Cost:
- * O(hull). */
+ * the end with the smaller id or, clockwise, of the other end. DT_NONE if there is no edge. Cost: O(hull). */
 uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw);

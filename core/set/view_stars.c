@@ -119,8 +119,7 @@ static void read_vertices_then(const struct dt *t, const struct dt_view *v, uint
 }
 
 /* Goes one triangle further round star i, which stands at the half edge *at. False: the ring is closed, or is longer
- * than its room. Fetches the data of the neighbours that are read next, their ids or
- * places. */
+ * than its room. Fetches the data of the neighbours that are read next, their ids or places. */
 static inline bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first,
                         uint32_t *at, bool places)
 {

@@ -298,7 +298,6 @@ static void visit_ring(const struct dt_cells *c, int64_t i, int64_t j, int64_t k
 static void take_first(void *arg, uint32_t i, uint32_t end)
 {
     uint32_t *place = arg;
-    (void)end;
     if (*place == DT_NONE)
         *place = i;
 }

@@ -252,7 +252,6 @@ typedef void visit_point(struct choice *d, const struct dt_sample *q, uint32_t p
 
 static void raise_least(struct choice *d, const struct dt_sample *q, uint32_t point)
 {
-    (void)point;
     d->least = fmax(d->least, dt_plane_off_range(&d->c, q).least);
 }
 

@@ -26,8 +26,7 @@ bool submit_shares(const struct dataset *set, enum change_code code, size_t n);
 bool submit_may(struct answer *a, const struct dataset *set, enum change_code code, size_t n);
 
 /* Checks the limits and the memory for a change of the set, NULL for a new one; a long job reserves that memory. The change needs
- * only its sizes yet: n, and the number of columns. False: the ERR line has been
- * written, or the request waits. */
+ * only its sizes yet: n, and the number of columns. False: the ERR line has been written, or the request waits. */
 bool submit_reserve(struct server *s, struct answer *a, const struct dataset *set,
                     struct submission *x);
 

@@ -2,7 +2,6 @@
 #include "server/replies/surface.h"
 
 #include "server/jobs/job.h"
-#include "server/ops/cost.h"
 #include "server/rows/answer_rows.h"
 
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 /* session_inside.h - shared by the files of a session: session.c takes requests, session_answer.c processes
- * their answers, session_load.c to the points that follow some of
- * them, session_time.c to the time-outs. */
+ * their answers, session_load.c to the points that follow some of them, session_time.c to the time-outs. */
 #pragma once
 
 #include "proto/line.h"

@@ -9,29 +9,22 @@ struct dt_pages {
 
 void *dt_region_take(struct dt_pages *p, size_t bytes)
 {
-    (void)p;
     return malloc(bytes);
 }
 
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want)
 {
-    (void)p;
-    (void)bytes;
     return realloc(region, want);
 }
 
 void *dt_region_shrink(struct dt_pages *p, void *region, size_t bytes, size_t keep)
 {
-    (void)p;
-    (void)bytes;
     void *smaller = realloc(region, keep);
     return smaller != NULL ? smaller : region;
 }
 
 void dt_region_give(struct dt_pages *p, void *region, size_t bytes)
 {
-    (void)p;
-    (void)bytes;
     free(region);
 }
 
@@ -55,20 +48,15 @@ void dt_pages_limit(struct dt_pages *p, size_t limit)
 
 size_t dt_pages_trim(struct dt_pages *p, size_t bytes)
 {
-    (void)p;
-    (void)bytes;
     return 0;
 }
 
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes)
 {
-    (void)p;
-    (void)bytes;
     return 0;
 }
 
 void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out)
 {
-    (void)p;
     *out = (struct dt_pages_summary){0};
 }
