@@ -32,7 +32,8 @@ enum dt_status dt_flat(const struct dt *t, bool cw, uint32_t *triangles, uint32_
  * dt_thin of points that may coincide: the first one at each place counts. Ends of constraints and out->kept are positions in in->point[],
  * and in->reserve is not used. The caller releases out->kept by dt_pages_release. DT_RANGE: a coordinate that dt_coordinate_ok refuses,
  * an infinite value, or an error that is negative or not finite. DT_NOPOINT, DT_NOEDGE: an end is no point, or both ends are the same
- * position. DT_TOOBIG: there are too many points, and out->least is 0; or out->least > in->most. Other failures, and cost: as of dt_thin. */
+ * position. DT_TOOBIG: there are too many points, and out->least is 0; or out->least > in->most. Other failures, and cost: as of
+ * dt_thin. */
 enum dt_status dt_arrays_thin(const struct dt_thinning *in, struct dt_thinned *out);
 
 /* ---- of points that are triangulated together ---- */
@@ -71,7 +72,8 @@ enum dt_status dt_arrays_split(const struct dt_point *p, const double *z, size_t
 /* The pairs a < b, ascending, of the edges that are parts of constraints. *out: as of dt_arrays_within. */
 enum dt_status dt_arrays_constrained_edges(const struct dt_arrays *a, struct dt_ids *out);
 
-/* inside[row]: whether that row of triangle[], which has what dt_arrays_constrained wrote, is inside a border that is closed. Cost: linear. */
+/* inside[row]: whether that row of triangle[], which has what dt_arrays_constrained wrote, is inside a border that is closed. Cost:
+ * linear. */
 enum dt_status dt_arrays_inside(const struct dt_arrays *a, const uint32_t *triangle, bool *inside);
 
 /* face[row]: the face of that row of DT_TRIANGLES. Triangles of one face are inside the same borders; face 0 is outside all.

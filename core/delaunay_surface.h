@@ -118,10 +118,10 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
 
-/* Finds the cells that have their centres inside the border of the number, or on its edge; inside any border if the number is
- * DT_NONE. Bit i % 8 of bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is
- * polled. Cost: 1 MB and a byte for each 8 cells. If borders have few edges for the cells, a search for each row that such an edge
- * meets; otherwise a dt_locate for each cell. */
+/* Finds the cells that have their centres inside the border of the number, or on its edge; inside any border if the number is DT_NONE. Bit
+ * i % 8 of bits[i / 8] is 1. Errors of dt_region_check, and DT_OPEN if all borders are open; DT_NOMEM. opt may be NULL: its flag is polled.
+ * Cost: 1 MB and a byte for each 8 cells. If borders have few edges for the cells, a search for each row that such an edge meets; otherwise
+ * a dt_locate for each cell. */
 enum dt_status dt_raster_inside(const struct dt *t, uint32_t number, const struct dt_raster *r,
                                 const struct dt_options *opt, uint8_t *bits);
 

@@ -3,10 +3,10 @@
  * floating-point environment in which programs start.
  *
  * The points are divided into tiles. A tile has its own points and, later, foreign points: own points of other tiles. Every point has
- * a global id. The caller repeats rounds. In the first round every tile, later every tile that has received something, is asked for its own points that
- * other tiles need (dt_tile_open), and these are inserted there (dt_tile_insert). When no tile has anything to send, each tile
- * outputs the triangles whose smallest global id is its own. Together these are the triangles of all points, each of them once. The
- * method is that of L. Caraffa, M. Bredif, B. Vallet, "Tile & Merge: Distributed Delaunay Triangulations for Cloud Computing", 2019.
+ * a global id. The caller repeats rounds. In the first round every tile, later every tile that has received something, is asked for its own
+ * points that other tiles need (dt_tile_open), and these are inserted there (dt_tile_insert). When no tile has anything to send, each tile
+ * outputs the triangles whose smallest global id is its own. Together these are the triangles of all points, each of them once. The method
+ * is that of L. Caraffa, M. Bredif, B. Vallet, "Tile & Merge: Distributed Delaunay Triangulations for Cloud Computing", 2019.
  *
  * Terms. The box of a tile is the bounding box of its own points. A face is a triangle or a ghost: a ghost stands for the outside of
  * a hull edge. A face is judged if one of its corners is the tile's own. A face meets a box if a point of the box might conflict
@@ -22,8 +22,8 @@
  *    so DT(X) depends on X alone, and an edge of DT(all) whose ends are in X is an edge of DT(X).
  * 2. Claim: if v is an own point of I, and the edge vu is in DT(all), then u is in S(I).
  * 3. Suppose that u is not in S(I). Then u is an own point of another tile J.
- * 4. The edge vu is in DT(S(I) + u), by step 1. So u conflicts with a face of DT(S(I)) that has the corner v; or all of S(I) is on one line with
- *    u, and v is its end next to u; or S(I) is v alone. In each case a judged face at v meets the box of J, which contains u.
+ * 4. The edge vu is in DT(S(I) + u), by step 1. So u conflicts with a face of DT(S(I)) that has the corner v; or all of S(I) is on one line
+ *    with u, and v is its end next to u; or S(I) is v alone. In each case a judged face at v meets the box of J, which contains u.
  * 5. So v has been sent to J: v is in S(J). By step 1 the edge vu is in DT(S(J)).
  * 6. A face at the edge vu in DT(S(J)) is judged, because u is J's own. It meets the box of I, which contains v: v is a
  *    corner. So u has been sent to I. That contradicts step 3, and proves the claim.

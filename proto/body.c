@@ -320,8 +320,8 @@ static lanes load_lanes(const char *bytes)
     return v;
 }
 
-/* Counts the ends of lines in the first part of bytes[n], 16 bytes at a time, and returns its length; *dot: a line behind one of them begins
- * with a dot. */
+/* Counts the ends of lines in the first part of bytes[n], 16 bytes at a time, and returns its length; *dot: a line behind one of them
+ * begins with a dot. */
 static size_t count_lines(const char *bytes, size_t n, uint64_t *lines, bool *dot)
 {
     enum { MOST = 127 }; /* that a lane counts */

@@ -102,8 +102,8 @@ char *body_room(struct body *b, size_t *n);
 /* The first n of these bytes are there, and are parsed. Check b->complete after each call. */
 void body_wrote(struct body *b, size_t n);
 
-/* Counts whole lines at the beginning of bytes[n], at most `most` of them, and not the one that ends a BODY_DOT: *lines. Returns their bytes. *ended:
- * the body may end with the next line. */
+/* Counts whole lines at the beginning of bytes[n], at most `most` of them, and not the one that ends a BODY_DOT: *lines. Returns their
+ * bytes. *ended: the body may end with the next line. */
 size_t body_scan(const struct body *b, const char *bytes, size_t n, uint64_t most, uint64_t *lines,
                  bool *ended);
 

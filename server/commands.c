@@ -1,4 +1,5 @@
-/* commands.c - the table of commands; command.h explains its columns. It stands above all rooms, because some have handlers of their own. */
+/* commands.c - the table of commands; command.h explains its columns. It stands above all rooms, because some have handlers of their
+ * own. */
 #include "server/commands.h"
 
 #include "server/follow/cmd_follow.h"

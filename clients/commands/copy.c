@@ -2,8 +2,8 @@
  *
  * A load gives out ids without gaps. The copy gets a filler for each id that the original does not have, and deletes it
  * afterwards; so every point has the same id in the copy. A filler is at the place of the point before the gap: every coordinate
- * is possible there, and the filler becomes an alias. Constraints come in one request with all points. Until it is complete, the copy has an
- * expiry, which drops it if this program ends. */
+ * is possible there, and the filler becomes an alias. Constraints come in one request with all points. Until it is complete, the copy has
+ * an expiry, which drops it if this program ends. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

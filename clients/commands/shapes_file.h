@@ -1,4 +1,5 @@
-/* shapes_file.h - a file of cells, contour lines, bands or an alpha shape: what `delaunay voronoi`, `contour` and `alpha` have in common. */
+/* shapes_file.h - a file of cells, contour lines, bands or an alpha shape: what `delaunay voronoi`, `contour` and `alpha` have in
+ * common. */
 #pragma once
 
 #include "clients/cli/output.h"

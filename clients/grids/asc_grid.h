@@ -25,10 +25,10 @@ struct grid_notes {
 bool asc_begins(const char *text, size_t n);
 
 /* Reads the centres of the cells as points with the field z, and adds that field to *t. A coordinate is the double nearest to the sum above
- * where column[1] and row[0] are 0. Cells without a value are left out: nan, the NODATA_value (-9999 if the header has none), and words such
- * as NA. A value that is the NODATA_value rounded to a float counts as that; of large
- * ones the first 24 bits count, because some programs write only these. With a frame, that says where the cells lie, and
- * text behind the last value is passed over. False with a fault that names the row and the column. Cost: O(n). */
+ * where column[1] and row[0] are 0. Cells without a value are left out: nan, the NODATA_value (-9999 if the header has none), and words
+ * such as NA. A value that is the NODATA_value rounded to a float counts as that; of large ones the first 24 bits count, because some
+ * programs write only these. With a frame, that says where the cells lie, and text behind the last value is passed over. False with a fault
+ * that names the row and the column. Cost: O(n). */
 bool asc_text_read(struct points_file *f, const char *text, size_t n,
                    const struct grid_frame *frame, struct table_fields *t,
                    struct grid_notes *notes);

@@ -132,8 +132,8 @@ enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char 
                                           size_t n, delaunay_progress_fn *progress, void *ctx);
 
 /* The same with m constraints between these points (LOADB ... CONSTRAINTS): points and constraints count together, or not at all.
- * constraint[4m]: of each the two ends, counted from 0 among the points, 1 for a border or 0 for a line, and the number. split: where constraints
- * cross they get points. */
+ * constraint[4m]: of each the two ends, counted from 0 among the points, 1 for a border or 0 for a line, and the number. split: where
+ * constraints cross they get points. */
 enum delaunay_result delaunay_send_drawing(struct delaunay_client *c, const char *set,
                                            const char *fields, const double *xy,
                                            const double *value, size_t n,

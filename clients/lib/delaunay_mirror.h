@@ -28,8 +28,8 @@ struct delaunay_mirror_options {
     const char *fields;   /* names with commas between, whose values are kept, too */
 };
 
-/* Connects, to a host and port, path or URL as delaunay_connect does, and asks for the events of a set. The first change is everything. options may be NULL. NULL on failure, with
- * a sentence in why[room]. The caller owns the mirror. Blocks until the server has agreed. */
+/* Connects, to a host and port, path or URL as delaunay_connect does, and asks for the events of a set. The first change is everything.
+ * options may be NULL. NULL on failure, with a sentence in why[room]. The caller owns the mirror. Blocks until the server has agreed. */
 struct delaunay_mirror *delaunay_mirror_open(const char *host, const char *port, const char *set,
                                              const struct delaunay_mirror_options *options,
                                              char *why, size_t room);

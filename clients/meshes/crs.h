@@ -12,8 +12,8 @@ struct crs {
     char code[CRS_PART + 1];      /* 32629, CRS84 */
 };
 
-/* Reads `EPSG:32629`, `OGC:CRS84`, `CRS84`, or the URN `urn:ogc:def:crs:EPSG::32629` [OGC 09-048r5, section 7], in upper or lower case. False
- * if it is none of these, *crs unchanged. Whether there is such a system is not known. */
+/* Reads `EPSG:32629`, `OGC:CRS84`, `CRS84`, or the URN `urn:ogc:def:crs:EPSG::32629` [OGC 09-048r5, section 7], in upper or lower case.
+ * False if it is none of these, *crs unchanged. Whether there is such a system is not known. */
 bool crs_read(const char *text, struct crs *crs);
 
 static inline bool crs_is_given(const struct crs *crs)

@@ -1,5 +1,5 @@
-/* map_projection.h - longitudes and latitudes as places on a map: the equirectangular projection, in kilometres, whose lengths are true along
- * meridians and along the middle latitude. For pictures only; the degrees are triangulated as plane coordinates. */
+/* map_projection.h - longitudes and latitudes as places on a map: the equirectangular projection, in kilometres, whose lengths are true
+ * along meridians and along the middle latitude. For pictures only; the degrees are triangulated as plane coordinates. */
 #pragma once
 
 #include <stdbool.h>

@@ -21,6 +21,6 @@ struct picture {
     size_t unlabelled;       /* of these, those for whose ids there was no room */
 };
 
-/* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. With
- * p->geographic latitudes are at most 90 degrees, and p->projection has been chosen. False when out of memory; ferror() reports failed writes. */
+/* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. With p->geographic latitudes are at most 90
+ * degrees, and p->projection has been chosen. False when out of memory; ferror() reports failed writes. */
 bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);

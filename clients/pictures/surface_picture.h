@@ -21,14 +21,15 @@ size_t surface_cut_points(struct model *m, const double *box);
 
 /* unit: of the scale, "" if unknown. */
 
-/* Writes a picture of contour lines, of the constraints of m, and of the ground below them if m has triangles. If there are more than five levels, the multiples of five steps are
- * heavy. numbers: the levels stand along heavy lines, or along all if none is heavy. box: NULL or what is shown. False when out of memory. */
+/* Writes a picture of contour lines, of the constraints of m, and of the ground below them if m has triangles. If there are more than five
+ * levels, the multiples of five steps are heavy. numbers: the levels stand along heavy lines, or along all if none is heavy. box: NULL or
+ * what is shown. False when out of memory. */
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
                             const struct model *m, int field, const double *box, const char *unit,
                             bool numbers);
 
-/* Writes a picture of bands, filled with the colours of their heights, of the constraints of m, and of what the colours mean. box: NULL or what is shown. False
- * when out of memory. */
+/* Writes a picture of bands, filled with the colours of their heights, of the constraints of m, and of what the colours mean. box: NULL or
+ * what is shown. False when out of memory. */
 bool surface_write_bands(FILE *out, const char *title, const struct shapes *bands,
                          const struct model *m, const double *box, const char *unit);
 

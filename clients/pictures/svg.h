@@ -1,8 +1,8 @@
 /* svg.h - draws a triangulation: triangles, hull, points, and ids while there are few; below it a scale and, if
  * wanted, what the colours mean. Nothing lies outside of the frame.
  *
- * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull, svg_constraint for each constraint, svg_points, svg_end. Polygons and lines may be among them before
- * svg_points. Everything is written directly to the file; ferror() reports failed writes. */
+ * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull, svg_constraint for each constraint, svg_points, svg_end.
+ * Polygons and lines may be among them before svg_points. Everything is written directly to the file; ferror() reports failed writes. */
 #pragma once
 
 #include <stdbool.h>
@@ -49,7 +49,7 @@ void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, s
                const struct svg_legend *legend, const char *unit);
 
 /* A triangle of the places v in xy. `look`: "t", a plain one; "o", outside of borders; "r0" to "r7", in regions; "q0" (dark) to "q9", in
- * shades; or a colour "#rrggbb", with white edges or without edges of its own. */
+ * shades; or a colour "#rrggbb". Only with white_edges does a triangle of a colour have edges of its own. */
 void svg_triangle(struct svg *s, const char *look, bool white_edges, const double *xy,
                   const uint32_t v[3]);
 

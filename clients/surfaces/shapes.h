@@ -47,8 +47,8 @@ size_t shapes_rings(const struct shapes *s, size_t i);
 /* The number of polygons or lines. */
 size_t shapes_count(const struct shapes *s);
 
-/* A FeatureCollection: Polygons with the property id, with low and high, null if they are infinite, or with
- * radius and holes; LineStrings with level and closed. A closed line and a ring end where they begin. ferror() shows whether writing failed. */
+/* A FeatureCollection: Polygons with the property id, with low and high, null if they are infinite, or with radius and holes; LineStrings
+ * with level and closed. A closed line and a ring end where they begin. ferror() shows whether writing failed. */
 void shapes_write_geojson(FILE *out, const struct shapes *s);
 
 /* A table with a column WKT, and the same columns. */

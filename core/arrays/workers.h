@@ -18,8 +18,8 @@ struct dt_workers {
 /* pool.ctx points into *w. */
 void dt_workers_init(struct dt_workers *w, unsigned workers);
 
-/* Makes an empty set *t and calls build(ctx, opt), which fills it, with a pool of `workers` threads, within the floating-point environment of a
- * call. The caller owns *t, even if it fails. DT_NOMEM: there is no set; otherwise what build returns. */
+/* Makes an empty set *t and calls build(ctx, opt), which fills it, with a pool of `workers` threads, within the floating-point environment
+ * of a call. The caller owns *t, even if it fails. DT_NOMEM: there is no set; otherwise what build returns. */
 enum dt_status dt_call_build(struct dt **t, struct dt_pages *pages, unsigned workers,
                              enum dt_status (*build)(void *ctx, const struct dt_options *opt),
                              void *ctx);

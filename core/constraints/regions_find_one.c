@@ -1,7 +1,7 @@
 /* regions_find_one.c - finds what a border encloses if there are no other constraints; see regions.h.
  *
- * The mesh knows which edges are its sides (flood.h), so neither sides nor rooms need lists as in regions_find.c. There are two faces, outside and
- * inside, which are any number of pieces of the plane. */
+ * The mesh knows which edges are its sides (flood.h), so neither sides nor rooms need lists as in regions_find.c. There are two faces,
+ * outside and inside, which are any number of pieces of the plane. */
 #include <stdlib.h>
 
 #include "core/constraints/flood.h"

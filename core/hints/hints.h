@@ -42,10 +42,10 @@ void dt_hints_clear(struct dt_hints *g);
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
 
-/* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared first, and left
- * so unless DT_OK. Vertices that are in no triangle must have DT_NONE in leaving[]. opt, which may be NULL: its
- * pool shares the work, and which of a cell's half edges is its hint may then differ from time to time; its flag is
- * polled. A caller that takes the grid for this mesh sets m->recycled to false. Cost: linear. */
+/* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared first, and left so unless DT_OK.
+ * Vertices that are in no triangle must have DT_NONE in leaving[]. opt may be NULL. Its flag is polled, and its pool shares the work;
+ * then another of a cell's half edges may be its hint each time. A caller that takes the grid for this mesh sets m->recycled to false.
+ * Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
                               const struct dt_point *xy, const struct dt_options *opt);
 

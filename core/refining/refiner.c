@@ -378,9 +378,9 @@ static bool is_there(const struct dt_refiner *r, const struct dt_part *p)
 
 /* ---- a triangle ---- */
 
-/* The greatest distance of the new point from the shortest edge, in lengths of that edge; 0: any distance. A triangle with edges that
- * are too long gets its point at most where both new sides over its shortest edge are almost as long as the limit. Beside edges that are kept it gets the centre, which is less often behind them.
- * (At 0.94 to 0.98 of the limit the fewest points are added.) */
+/* The greatest distance of the new point from the shortest edge, in lengths of that edge; 0: any distance. A triangle with edges that are
+ * too long gets its point at most where both new sides over its shortest edge are almost as long as the limit. Beside edges that are kept
+ * it gets the centre, which is less often behind them. (At 0.94 to 0.98 of the limit the fewest points are added.) */
 static double reach_of(const struct dt_refiner *r, const struct dt_shape *s, unsigned breaks)
 {
     const struct dt_wanted *w = &r->wanted;

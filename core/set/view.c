@@ -3,8 +3,8 @@
  * Views may end while an edit is under way, and begin beside each other, and no thread waits for another. So views that begin
  * are pushed to one stack, and those that end to another one. Edits, which have exclusive access to the set except for views
  * that end, enter the former into lists, from the oldest to the newest view, and take the latter out. In a list each
- * view has the moment of the one before or a later one. So only two views determine the moments that are read: the oldest and the newest, among all
- * views and among views with rings. */
+ * view has the moment of the one before or a later one. So only two views determine the moments that are read: the oldest and the newest,
+ * among all views and among views with rings. */
 #include "core/set/view.h"
 
 #include <stdlib.h>

@@ -99,7 +99,8 @@ static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t
     return fabs(l->end[which][0]) < FAR;
 }
 
-/* Makes the row cross next the edge by which it leaves the triangle of near. False: it must not cross that edge together with the other rows. */
+/* Makes the row cross next the edge by which it leaves the triangle of near. False: it must not cross that edge together with the other
+ * rows. */
 static bool leave_triangle(const struct abreast *a, struct lane *l)
 {
     if (l->near == DT_NONE || dt_is_ghost(&a->v->t->mesh, l->near))

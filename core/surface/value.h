@@ -56,9 +56,9 @@ static inline uint32_t dt_value_steps(const struct dt_valuer *v)
     return v->numbers * (v->s->how == DT_LINEAR ? 1 : 8);
 }
 
-/* The numbers of all surfaces at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds. For a set of at most one point
- * it becomes DT_NONE, and outside of a surface that goes on beyond the hull, the ghost at the nearest place. DT_NOMEM,
- * DT_CANCELLED, DT_TOOLONG. */
+/* The numbers of all surfaces at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds. For a set of at most one
+ * point it becomes DT_NONE, and outside of a surface that goes on beyond the hull, the ghost at the nearest place. DT_NOMEM, DT_CANCELLED,
+ * DT_TOOLONG. */
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out);
 
 /* The value of the first surface at a place that dt_place_find has found. */

@@ -56,7 +56,8 @@ static inline struct F(vector) F(from)(struct dt_point a, struct dt_point b)
     return (struct F(vector)){DIFFERENCE(b.x, a.x), DIFFERENCE(b.y, a.y)};
 }
 
-/* The place between a and b that is nearest to q, as a share of the way from a to b: the quotient d . e / e . e. Here d = q - a and e = b - a.
+/* The place between a and b that is nearest to q, as a share of the way from a to b: the quotient d . e / e . e. Here d = q - a and
+ * e = b - a.
  *
  * Errors, in units of UNIT. Let s be the sum of the sizes of d . e's products, over e . e.
  * 1. The products are off by 3 s, and their sum by s more.

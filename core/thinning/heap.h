@@ -32,8 +32,8 @@ void dt_heap_clear(struct dt_heap *h);
 /* There is room. s: the samples, whose places decide between equal distances, as below. Cost: constant for the pile, else O(log n). */
 void dt_heap_push(struct dt_heap *h, const struct dt_sample *s, struct dt_heaped e);
 
-/* Moves the worst entry of the heap to the end of `next`, where there is room; false: there is none. Cost: O(log n); O(n) for an empty heap,
- * amortised over entries O(1) expected. */
+/* Moves the worst entry of the heap to the end of `next`, where there is room; false: there is none. Cost: O(log n); O(n) for an empty
+ * heap, amortised over entries O(1) expected. */
 bool dt_heap_advance(struct dt_heap *h, const struct dt_sample *s);
 
 /* Drops the first one of `next`. */

@@ -105,8 +105,8 @@ static struct weights weights_between(const struct dt_corners *c, struct dt_poin
  * 2. The two products err by 4 M d from the weights and by 13 u M from rounding.
  * 3. The three sums are at most 9 M, and err by 21 u M.
  *
- * The error below exceeds the sum by enough for its own rounding. The last term covers underflow. No point is off by more than it differs from
- * some corner. */
+ * The error below exceeds the sum by enough for its own rounding. The last term covers underflow. No point is off by more than it differs
+ * from some corner. */
 struct dt_off_range dt_plane_off_range(const struct dt_corners *c, const struct dt_sample *q)
 {
     const double part = 0x1p-4;

@@ -4,8 +4,8 @@
  *
  *     x = (|b|^2 c.y - |c|^2 b.y) / (2 b x c),   y = (|c|^2 b.x - |b|^2 c.x) / (2 b x c).
  *
- * The error of the rounded x and y. u = 2^-53; the model and the range are those of bounds.h; size = |b.x c.y| + |b.y c.x|, area = b x c, scale
- * = 1 / (2 area), flat = size |scale|, terms = the sum of the magnitudes of the four products of a square and a coordinate.
+ * The error of the rounded x and y. u = 2^-53; the model and the range are those of bounds.h; size = |b.x c.y| + |b.y c.x|, area = b x c,
+ * scale = 1 / (2 area), flat = size |scale|, terms = the sum of the magnitudes of the four products of a square and a coordinate.
  *
  * 1. Differences err by u of themselves, squares by 4 u, the area by 4 u of size: a relative error of at most 8 u flat. (The first two
  *    are of first order; the factors in step 4 are larger by an eighth.)
@@ -27,14 +27,14 @@
  * 10. d errs by 5 u d + 3 u reach, where reach = (r + 2 e) (1 + 2^-46), as |x|, |y| <= reach.
  * 11. If d^2 > reach^2 as rounded, then d > (1 - 4 u) reach, and the exact distance exceeds (1 - 12 u) reach > r + 2 e.
  *
- * Deep inside a box, without a division: the disc is within the diameter 2 R of a, and (2 R)^2 = |b|^2 |c|^2 |c - b|^2 / area^2. d is the distance
- * of a from the nearest side of the box.
+ * Deep inside a box, without a division: the disc is within the diameter 2 R of a, and (2 R)^2 = |b|^2 |c|^2 |c - b|^2 / area^2. d is the
+ * distance of a from the nearest side of the box.
  *
- * 12. If size <= 2^20 |area|, then the area errs by 4 u size < 2^-30 of itself; d errs by u of itself. The product of the three squares errs
- *     by 14 u of itself.
+ * 12. If size <= 2^20 |area|, then the area errs by 4 u size < 2^-30 of itself; d errs by u of itself. The product of the three squares
+ *     errs by 14 u of itself.
  * 13. So if (1 + 2^-20) |b|^2 |c|^2 |c - b|^2 < d^2 area^2 as rounded, then 2 R < d, if nothing overflows or underflows.
- * 14. If the left side overflows, the test is false. If only the right side does, the inequality holds. If the right side exceeds 2^-900, then the
- *     left side, rounded, errs by at most 2^-1000 more by underflow, which the factor covers.
+ * 14. If the left side overflows, the test is false. If only the right side does, the inequality holds. If the right side exceeds 2^-900,
+ *     then the left side, rounded, errs by at most 2^-1000 more by underflow, which the factor covers.
  *
  * Flat triangles. dt_centre rounds each coordinate of the centre once: it errs by at most u (|x| + |y|) <= e / 2 for e = 2^-52 (|x| + |y|).
  * The distance of a from the rounded centre, of which hypot errs by less than 4 u, takes the place of r in steps 6, 10 and 11. */

@@ -55,7 +55,7 @@ struct pslg_points {
 struct pslg *pslg_new(void);
 void pslg_free(struct pslg *d); /* NULL: nothing */
 
-/* Edits the set, to which the points of *p have just been added, all or nothing: then these are all that there are, and the outcome is in *d.
- * Unless DT_OK, *p and the request are as they were. DT_NOPOINT, DT_NOEDGE: *missing. */
+/* Edits the set, to which the points of *p have just been added, all or nothing: then these are all that there are, and the outcome is in
+ * *d. Unless DT_OK, *p and the request are as they were. DT_NOPOINT, DT_NOEDGE: *missing. */
 enum dt_status pslg_edit(struct dt *dt, struct pslg *d, struct pslg_points *p,
                          struct dt_pages *pages, const struct dt_options *opt, uint32_t *missing);

@@ -1,5 +1,5 @@
-/* follower_inside.h - the shared state of the parts of a follower: follower.c carries out the records that the link receives, follower_role.c
- * decides whom it follows. */
+/* follower_inside.h - the shared state of the parts of a follower: follower.c carries out the records that the link receives,
+ * follower_role.c decides whom it follows. */
 #pragma once
 
 #include "server/follow/announce.h"

@@ -2,8 +2,8 @@
  * they are returned to the system.
  *
  * Kept pages count as free memory in the budget (budget.h): they are returned when that memory is reserved for
- * something else. If the process is larger than --max-memory nevertheless, a worker returns free memory of the heap. When the cache has not been used for a while, a worker returns all of it, a piece at a
- * time.
+ * something else. If the process is larger than --max-memory nevertheless, a worker returns free memory of the heap. When the cache has not
+ * been used for a while, a worker returns all of it, a piece at a time.
  *
  * A set needs pages as soon as its points have been loaded, and new pages are expensive. So while points
  * arrive, a worker prefaults pages, as many as the points so far will need. */

@@ -11,6 +11,6 @@ enum command_line {
     COMMAND_LINE_BAD
 };
 
-/* Reads the command line; strings are borrowed from argv. COMMAND_LINE_ANSWERED: --help or --version
- * has been answered on standard output. COMMAND_LINE_COMMANDS: --commands is left to the caller. COMMAND_LINE_BAD: the reason is on standard error. */
+/* Reads the command line; strings are borrowed from argv. COMMAND_LINE_ANSWERED: --help or --version has been answered on standard output.
+ * COMMAND_LINE_COMMANDS: --commands is left to the caller. COMMAND_LINE_BAD: the reason is on standard error. */
 enum command_line command_line_read(struct config *c, int argc, char **argv);

@@ -1,5 +1,5 @@
-/* contour.c - contours of a surface, and the bands between them, traced by a job. A worker visits the set for a piece of a few milliseconds at a time and reads through a view;
- * the result is in memory before it is sent. */
+/* contour.c - contours of a surface, and the bands between them, traced by a job. A worker visits the set for a piece of a few milliseconds
+ * at a time and reads through a view; the result is in memory before it is sent. */
 #include "server/replies/surface.h"
 
 #include "server/jobs/job.h"

@@ -1,5 +1,5 @@
-/* single_flight.h - a job serves all requests that were made before it ended: those that had to wait for it get its result instead of
- * a job of their own, unless the set has changed since. TRIANGULATE and CHECK use it. */
+/* single_flight.h - a job serves all requests that were made before it ended. A request that had to wait for the job gets its result
+ * instead of a job of its own, unless the set has changed since. TRIANGULATE and CHECK use it. */
 #pragma once
 
 #include "core/delaunay.h"

@@ -1,5 +1,5 @@
-/* grid_fuzz.c - libFuzzer target: any bytes as an ASCII grid, in its own frame and in that of a VRT before a NUL byte. Each cell is a point,
- * is empty, or was skipped; a bad text has a fault. */
+/* grid_fuzz.c - libFuzzer target: any bytes as an ASCII grid, in its own frame and in that of a VRT before a NUL byte. Each cell is a
+ * point, is empty, or was skipped; a bad text has a fault. */
 #include "clients/grids/vrt_frame.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* lines_fuzz.c - libFuzzer target: any bytes as a .poly file, with points of its own or after a NUL byte, and as an OBJ file. The corners of
- * the lines that are read are points; a bad text has a fault. */
+/* lines_fuzz.c - libFuzzer target: any bytes as a .poly file, with points of its own or after a NUL byte, and as an OBJ file. The corners
+ * of the lines that are read are points; a bad text has a fault. */
 #include "clients/lines/obj_file.h"
 #include "clients/lines/poly_file.h"
 #include "clients/points/clean_paths.h"

@@ -139,6 +139,7 @@ file_rules() {
         lines=$(wc -l <"$f")
         [ "$lines" -le 600 ] || echo "$f:$lines: more than 600 lines: what should leave it?"
     done
+    files '\.[ch]$' | grep -v subcommand_rows.h | xargs awk 'length > 140 { print FILENAME ":" FNR ": more than 140 columns" }'
     for f in $(all_code); do
         head -n 1 "$f" | grep -qF "/* $(basename "$f") - " || echo "$f:1: must open with its name and purpose"
     done

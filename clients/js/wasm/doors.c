@@ -369,7 +369,8 @@ DOOR(set_inside) enum dt_status door_set_inside(struct dt *t, bool cw, uint32_t 
     return end(s, rows.v, NULL);
 }
 
-/* The triangles of a polygon. number: the coordinates of n corners, and then where each ring ends. out: ids, how many sides were left out. */
+/* The triangles of a polygon. number: the coordinates of n corners, and then where each ring ends. out: ids, how many sides were left
+ * out. */
 DOOR(polygon)
 enum dt_status door_polygon(const double *number, uint32_t n, uint32_t rings, uint32_t *out)
 {

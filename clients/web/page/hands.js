@@ -1,4 +1,4 @@
-// What mouse, touch and keyboard do: the map moves or zooms; a point is looked at, dragged, added or deleted; edits are undone.
+// Actions of mouse, touch and keyboard: the map moves or zooms; a point is looked at, dragged, added or deleted; edits are undone.
 import { keep, viewText } from './address.js';
 import { edits } from './edits.js';
 import { switchTheme } from './layers.js';

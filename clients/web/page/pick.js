@@ -1,4 +1,4 @@
-// What is under the pointer: the nearest point and the triangle there, for the mark on the map and the card. It is asked for again when
+// The thing under the pointer: the nearest point and the triangle there, for the mark on the map and the card. It is asked for again when
 // the set changes, so that the card shows the present state.
 import { request } from './daemon.js';
 import { showCard } from './panel.js';

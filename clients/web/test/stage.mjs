@@ -173,7 +173,7 @@ export const placeOf = async (set, id) => (await ask(`GET ${set} ${id}`))[1]?.sp
 export const isAt = (set, id, [x, y], distance = 0.01) =>
   until(async () => ((p) => p !== undefined && Math.hypot(p[0] - x, p[1] - y) <= distance)(await placeOf(set, id)));
 
-/** What the page has of the set. points: [id, x, y]; triangles: three ids as text, the smallest first, sorted. */
+/** The page's part of the set. points: [id, x, y]; triangles: three ids as text, the smallest first, sorted. */
 export const known = (page) =>
   page.evaluate(() => {
     const { mesh } = window.app;

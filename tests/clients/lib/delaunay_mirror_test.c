@@ -1,5 +1,5 @@
-/* delaunay_mirror_test.c - mirrors: equal to POINTS, LISTS, TRIANGLES and CONSTRAINTS after every edit, over connections that end, with servers that
- * are faulty, and out of memory. */
+/* delaunay_mirror_test.c - mirrors: equal to POINTS, LISTS, TRIANGLES and CONSTRAINTS after every edit, over connections that end, with
+ * servers that are faulty, and out of memory. */
 #include "clients/lib/delaunay_mirror.h"
 
 #include <math.h>

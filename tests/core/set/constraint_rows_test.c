@@ -1,4 +1,5 @@
-/* constraint_rows_test.c - constraints read in pieces, now and at earlier moments; and the reports of edits to readers that follow a set. */
+/* constraint_rows_test.c - constraints read in pieces, now and at earlier moments; and the reports of edits to readers that follow a
+ * set. */
 #include "core/delaunay_constraints.h"
 
 #include "tests/test.h"

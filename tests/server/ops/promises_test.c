@@ -1,5 +1,5 @@
-/* promises_test.c - the keys of INFO, the limits, the words of requests, and what a token for reading may not use are those that proto/PROTOCOL.md
- * documents. */
+/* promises_test.c - the keys of INFO, the limits, the words of requests, and what a token for reading may not use are those that
+ * proto/PROTOCOL.md documents. */
 #include "core/delaunay.h"
 #include "core/delaunay_constraints.h"
 #include "core/delaunay_fields.h"

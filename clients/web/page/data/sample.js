@@ -1,5 +1,5 @@
-// What is shown of a set that is too large to be mirrored whole: everything in a box around the view, if that has few enough triangles, or
-// else a sample, the triangles at the places of a grid. A sample can be known at once for a set of any size. It has all triangles that
+// A set that is too large to be mirrored whole: the page shows everything in a box around the view, if that has few enough triangles.
+// Otherwise it shows a sample: the triangles at the places of a grid. A sample can be known at once for a set of any size. It has all triangles that
 // are larger than a cell of the grid; of smaller ones it has one for each cell.
 
 const PLACES = 40000; // of the grid

@@ -147,7 +147,7 @@ export class Scene {
     return this.#view === null;
   }
 
-  /** What is in a box of the plane has changed. */
+  /** Something in a box of the plane has changed. */
   update(box) {
     widen(this.#changed, box);
     this.onStale();

@@ -108,7 +108,7 @@ export function drawTriangles(context, view, mesh, { coloured, edged, edge, rang
   context.stroke();
 }
 
-/** How bright a triangle is beside level ground, as in scene.js. */
+/** The brightness of a triangle beside level ground, as in scene.js. */
 function lightOf(relief, [ax, ay, bx, by, cx, cy], [a, b, c]) {
   const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
   const east = (relief * ((b - a) * (cy - ay) - (c - a) * (by - ay))) / area; // the slopes
