@@ -148,9 +148,9 @@ static bool carry_out(struct session *s, const struct resp *resp, bool http)
     if (is_too_much(s, s->held, q->n))
         return refuse_stranger(s);
     const struct word *name = &q->word[0];
+    bool browser = resp == NULL && (http || name->text[name->len - 1] == ':');
     s->greeted = true;
-    if (resp == NULL && (http || name->text[name->len - 1] ==
-                                     ':')) { /* sent by a browser, against its user's will */
+    if (browser) { /* against its user's will */
         notice_client(s, NOTICE_WARNING,
                       "does not speak the protocol, but HTTP, for instance: closed");
         conn_finish(&s->conn);
