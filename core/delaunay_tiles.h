@@ -22,8 +22,8 @@
  *    so DT(X) depends on X alone, and an edge of DT(all) whose ends are in X is an edge of DT(X).
  * 2. Claim: if v is an own point of I, and the edge vu is in DT(all), then u is in S(I).
  * 3. Suppose that u is not in S(I). Then u is an own point of another tile J.
- * 4. The edge vu is in DT(S(I) + u), by step 1. So u conflicts with a face of DT(S(I)) that has the corner v; or all of S(I) is on one line
- *    with u, and v is its end next to u; or S(I) is v alone. In each case a judged face at v meets the box of J, which contains u.
+ * 4. The edge vu is in DT(S(I) + u), by step 1. So u conflicts with a face of DT(S(I)) that has the corner v, or S(I) is v alone. Or all
+ *    of S(I) is on one line with u, and v is its end next to u. In each case a judged face at v meets the box of J, which contains u.
  * 5. So v has been sent to J: v is in S(J). By step 1 the edge vu is in DT(S(J)).
  * 6. A face at the edge vu in DT(S(J)) is judged, because u is J's own. It meets the box of I, which contains v: v is a
  *    corner. So u has been sent to I. That contradicts step 3, and proves the claim.

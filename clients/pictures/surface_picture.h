@@ -19,11 +19,9 @@ void surface_draw_constraints(struct svg *s, const struct model *m);
 /* Moves the points within the box to the front; returns their number. */
 size_t surface_cut_points(struct model *m, const double *box);
 
-/* unit: of the scale, "" if unknown. */
-
 /* Writes a picture of contour lines, of the constraints of m, and of the ground below them if m has triangles. If there are more than five
- * levels, the multiples of five steps are heavy. numbers: the levels stand along heavy lines, or along all if none is heavy. box: NULL or
- * what is shown. False when out of memory. */
+ * levels, the multiples of five steps are heavy. numbers: the levels stand along heavy lines, or along all if none is heavy.
+ * box: NULL or what is shown. unit: of the scale, "" if unknown. False when out of memory. */
 bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
                             const struct model *m, int field, const double *box, const char *unit,
                             bool numbers);

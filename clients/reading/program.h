@@ -7,9 +7,9 @@
 
 enum { PROGRAM_WORDS = 16, PROGRAM_MISSING = 127 };
 
-/* Starts word[0], searched for in $PATH, with these words, at most PROGRAM_WORDS and then NULL. Its standard input is `in`, or ours if that
- * is -1. *out gets its output, which the caller closes. apart: in a process group of its own, so that ^C does not end it. Returns 0 or an
- * errno. */
+/* Starts word[0], searched for in $PATH, with these words, at most PROGRAM_WORDS and then NULL. The program reads
+ * `in`, or our standard input if that is -1. The caller reads its output from *out, and closes it. apart: it gets a process group of its
+ * own, so that ^C does not end it. GZIP leaves the environment. Returns 0 or an errno. */
 int program_start(pid_t *pid, const char *const *word, int in, int *out, bool apart);
 
 /* Waits until it has ended. Returns 0 if it has succeeded. */

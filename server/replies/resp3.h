@@ -14,10 +14,10 @@
 #include "proto/buf.h"
 #include "proto/reply_read.h"
 
-/* As resp_reframe, typed. Each word of a row has a letter, and the last letter is for all words that follow: i an id or a count, d a
- * double, s a text, w by what it looks like. Or one of these alone: t the row is one text, m it is a name and its facts. If there are two
- * kinds of rows, a | separates their letters; the kinds differ in which words are texts. NULL: replies usually have no rows; the words of
- * those that have some are typed as by w. */
+/* As resp_reframe, typed. Each word of a row has a letter, and the last letter is for all words that follow. The letter i is an id or a
+ * count, d a double, s a text, and w is typed by what it looks like. Or one of these alone: t the row is one text, m it is a name and its
+ * facts. If there are two kinds of rows, a | separates their letters; the kinds differ in which words are texts. NULL: replies usually
+ * have no rows; the words of those that have some are typed as by w. */
 bool resp3_reframe(struct reply_reader *r, const char *types, const char *bytes, size_t n,
                    struct buf *out);
 
